@@ -217,7 +217,7 @@ TREES = [
     *("asp/cases/killers.py", "asp/cases/mutants.py", "asp/cases/probes.py"),
     *("asp/rules/binding.py", "asp/rules/computed.py"),
     *("asp/rules/statements.py", "asp/rules/trees.py"),
-    *("asp/trace/conflicts.py", "asp/trace/counting_rules.py"),
+    "asp/trace/counting_rules.py",
     *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),
     *("asp/trace/patterns.py", "asp/trace/scope.py"),
 ]

@@ -17,7 +17,7 @@ from mars_asp.asp.messages import predicate_of, said, saying
 from mars_asp.asp.rules.checks import refused_rules
 from mars_asp.asp.rules.externals import External, externals_of
 from mars_asp.asp.rules.metadata import repeated_ids
-from mars_asp.asp.rules.program_files import BASE_PART, Reader, of_part, parts_of
+from mars_asp.asp.rules.program_files import BASE_PART, ProgramReader, of_part, parts_of
 from mars_asp.asp.rules.read import NameSpace, RuleFile, told_apart
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -79,7 +79,7 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        reader = Reader(_STAGE, problems)
+        reader = ProgramReader(_STAGE, problems)
         for path in paths:
             reader.read_path(path)
         return cls._checked(reader.files, problems)
@@ -92,7 +92,7 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        reader = Reader(_STAGE, problems)
+        reader = ProgramReader(_STAGE, problems)
         reader.read_text(text, path)
         return cls._checked(reader.files, problems)
 
@@ -305,7 +305,8 @@ _REMARKS: Mapping[Lack, str] = {
 }
 
 
-def _remark(choice: Choice) -> Chosen:
+def remark_on(choice: Choice) -> Chosen:
+    """Return the words for a choice."""
     reasons = ("without it, these conflict:", *map(instance_line, choice.reasons))
     return Chosen(_REMARKS[choice.lack], reasons if choice.reasons else ())
 
@@ -345,7 +346,7 @@ class Reason:
                 width,
                 folded=False,
                 places=True,
-                chosen=lambda step: _remark(self.chosen(step)),
+                chosen=lambda step: remark_on(self.chosen(step)),
             )
         )
         if self.extra is not None:
@@ -551,11 +552,12 @@ def _price(extra: Mapping[int, int]) -> str:
         return "is as good: nothing is minimised"
     if not any(extra.values()):
         return "would cost as much"
-    *others, last = (f"{_difference(cost)} at level {level}" for level, cost in extra.items())
+    *others, last = (f"{difference(cost)} at level {level}" for level, cost in extra.items())
     return f"would cost {' and '.join(filter(None, (', '.join(others), last)))}"
 
 
-def _difference(cost: int) -> str:
+def difference(cost: int) -> str:
+    """Return a difference of costs in words."""
     return f"{abs(cost)} {'more' if cost > 0 else 'less'}" if cost else "as much"
 
 

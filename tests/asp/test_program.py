@@ -441,7 +441,7 @@ def test_a_program_includes_files_relative_to_the_including_one(tmp_path: Path) 
         ('a.\n  #include "pipe".', "no regular file"),
     ],
 )
-def test_what_cannot_be_included_is_reported_at_its_include(
+def test_an_unreadable_file_is_reported_at_its_include(
     text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -1,4 +1,4 @@
-"""What a rule file must be before clingo sees it.
+"""Checks of a rule file before clingo sees it.
 
 Each check answers a way to hang, crash or mislead the solver: a scripted or included file, a byte
 that kills its logger, a term so deep that its parser overflows.
@@ -18,12 +18,12 @@ MOST_STATEMENTS = 100_000
 MOST_STATEMENT = 64 * 1024
 MOST_NESTING = 200
 MOST_OPERATORS = 4096
-#: Of one file so many refusals are told.
+#: So many refusals are reported of one file.
 _MOST_TOLD = 20
 _REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
-#: Of the caller's own files; what they include is no longer in their texts.
+#: Of the caller's own files, in which included files are resolved already.
 _REFUSED_OWN = re.compile(r"#\s*(include|script|theory|edge|heuristic)\b")
-#: Strings, comments, and what includes a file.
+#: Strings, comments, and `#include`.
 _INCLUDING = re.compile(r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|#\s*include\b')
 _INCLUDE = re.compile(r'#include\s*"([^"\\\n]+)"\s*\.')
 #: Where clingo's own scanner would find strings, comments, ends of statements and what nests.
@@ -53,7 +53,7 @@ class Include(NamedTuple):
 
 
 def included(text: str, shown: str) -> tuple[str, list[Include], list[Diagnostic]]:
-    """Return a text without its `#include` statements, those, and what is wrong with others.
+    """Return a text without its `#include` statements, these, and the errors in others.
 
     All else stays at its place. In comments the word is masked as well, so that clingo reads no
     file wherever it takes a comment to end.
@@ -66,7 +66,7 @@ def included(text: str, shown: str) -> tuple[str, list[Include], list[Diagnostic
         begin, at = match.span()
         if match[0].startswith("%"):
             at = _closed(text, at) if match[0] == "%*" else at
-            parts += (text[kept:begin], _REFUSED.sub(_masked, text[begin:at]))
+            parts += (text[kept:begin], text[begin:at].replace("#include", " include"))
             kept = at
         elif match[0].startswith("#"):
             line = text.count("\n", 0, begin) + 1
@@ -78,17 +78,9 @@ def included(text: str, shown: str) -> tuple[str, list[Include], list[Diagnostic
             else:
                 at = statement.end()
                 found.append(Include(statement[1], (line, column)))
-            parts += (text[kept:begin], _blank(text[begin:at]))
+            parts += (text[kept:begin], re.sub(r"[^\n]", " ", text[begin:at]))
             kept = at
     return "".join((*parts, text[kept:])), found, wrong
-
-
-def _masked(match: re.Match[str]) -> str:
-    return f" {match[0][1:]}" if match[1] == "include" else match[0]
-
-
-def _blank(text: str) -> str:
-    return re.sub(r"[^\n]", " ", text)
 
 
 def read_text(path: Path, shown: str) -> str:
@@ -134,7 +126,7 @@ def check_text(text: str, shown: str, is_own: bool = False) -> None:
 
 
 def _wrong(text: str, refused: re.Pattern[str]) -> Iterator[tuple[int, str, str]]:
-    """Yield what clingo may not be given: where it is, what it is and what to do."""
+    """Yield the location, the description and the advice of text that clingo must not get."""
     for sign, name in (("\ufeff", "a byte order mark"), ("\0", "a NUL character")):
         if sign in text:
             yield text.index(sign), f"holds {name}", "remove it"

@@ -25,7 +25,7 @@ _GLOBAL = ("constant", "declaration", "shown")
 BASE_PART = Part("base")
 
 
-class Reader:
+class ProgramReader:
     """Reads files with those that they include, each once."""
 
     def __init__(self, stage: str, problems: list[Diagnostic]) -> None:

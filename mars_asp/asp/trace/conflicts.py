@@ -21,19 +21,17 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import clingo
-from clingo import ast
 
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.externals import External
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.statements import Tree
 from mars_asp.asp.trace.document import rule_json
-from mars_asp.asp.trace.firing_rules import Terms
-from mars_asp.asp.trace.scope import atoms_of_head, global_variables, guards
+from mars_asp.asp.trace.firing_rules import ON, ground_text, instance_variables, open_rules
 from mars_asp.asp.trace.text import WIDTH, wrapped
 from mars_asp.diagnostic import Span
 
-_TYPE = ast.ASTType
-_ON, _EXTERNAL = "_conflict_on", "_conflict_external"
+_EXTERNAL = "_conflict_external"
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 #: Beyond so many searches there may be more conflicts.
 _MOST_SEARCHES = 2_000
@@ -134,11 +132,11 @@ class ConflictSearch:
         options: Sequence[str] = (),
     ) -> None:
         """Ground rules, and the `rest` of their program; `values` are those of externals."""
-        self._statements: list[tuple[Rule, ast.AST]] = []
+        self._statements: list[tuple[Rule, Tree]] = []
         lines = [rest, *(each.marked(_EXTERNAL, at) for at, each in enumerate(externals))]
         for rule in rules:
             for statement in rule.ast.unpool():
-                lines += _open(statement, len(self._statements))
+                lines += open_rules(statement, len(self._statements))
                 self._statements.append((rule, statement))
         self._control = clingo.Control([*_OPTIONS, *options], lambda *_: None)
         self._control.add("base", [], "\n".join(lines))
@@ -146,7 +144,7 @@ class ConflictSearch:
         atoms = self._control.symbolic_atoms
         #: The elements, by the literals that are assumed of them.
         self._elements: dict[int, tuple[External | None, clingo.Symbol]] = {}
-        for atom in atoms.by_signature(_ON, 3):
+        for atom in atoms.by_signature(ON, 3):
             self._elements[atom.literal] = (None, atom.symbol)
             self._control.assign_external(atom.symbol, None)
         for atom in atoms.by_signature(_EXTERNAL, 2):
@@ -189,7 +187,10 @@ class ConflictSearch:
                 if below not in seen:
                     seen.add(below)
                     waiting.append(below)
-        written = sorted((self._written(each) for each in found[:limit]), key=_order)
+        written = sorted(
+            (self._written(each) for each in found[:limit]),
+            key=lambda each: (len(each), [(one.span, one.text) for one in each]),
+        )
         return Conflicts(tuple(written), not waiting and len(found) <= limit)
 
     def _fixed(self, atoms: Sequence[clingo.Symbol], holds: bool) -> list[int]:
@@ -236,87 +237,6 @@ class ConflictSearch:
             return Instance(f"#external {symbol} is {value}", external.span)
         number, head, values = symbol.arguments
         rule, statement = self._statements[number.number]
-        names = _names(statement)
+        names = instance_variables(statement)
         bindings = dict(zip(names, values.arguments, strict=True))
-        return Instance(_ground(statement, head, bindings), rule.span, rule, bindings)
-
-
-def _order(conflict: Conflict) -> tuple[int, list[tuple[Span, str]]]:
-    return len(conflict), [(each.span, each.text) for each in conflict]
-
-
-def _names(statement: ast.AST) -> list[str]:
-    head = statement.head
-    if head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
-        return sorted(global_variables(guards(head), statement.body))
-    own = [head] if head.ast_type == _TYPE.Literal else []
-    return sorted(global_variables(own, statement.body))
-
-
-def _is_atom(head: ast.AST) -> bool:
-    is_literal = head.ast_type == _TYPE.Literal and head.sign == ast.Sign.NoSign
-    return is_literal and head.atom.ast_type == _TYPE.SymbolicAtom
-
-
-def _open(statement: ast.AST, number: int) -> Iterator[str]:
-    """Yield rules that are a statement, each instance of which can be left open."""
-    head, terms = statement.head, Terms()
-    body = [*map(str, statement.body)]
-    text, told, choice = str(head), "none", None
-    if _is_atom(head):
-        text = told = choice = terms.atom(head.atom.symbol, fresh_complex=True)
-        body += terms.equations
-    elif head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
-        if head.left_guard is None and head.right_guard is None:
-            yield str(statement)
-            return
-    if choice is None and head.ast_type != _TYPE.Literal:
-        found = (
-            f"{atom}{' : ' if condition else ''}{', '.join(map(str, condition))}"
-            for atom, condition in atoms_of_head(statement)
-        )
-        choice = "; ".join(found)
-    on = f"{_ON}({number},{told},v({','.join(_names(statement))}))"
-    yield f"{text} :- {'; '.join([*body, on])}."
-    if choice is not None:
-        yield f"{{ {choice} }} :- {'; '.join([*body, f'not {on}'])}."
-    yield f"#external {on} : {'; '.join(body)}." if body else f"#external {on}."
-
-
-class _Valued(ast.Transformer):
-    """Puts values for global variables, and computes with them."""
-
-    def __init__(self, values: Mapping[str, clingo.Symbol]) -> None:
-        self._values = values
-
-    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        value = self._values.get(node.name)
-        return node if value is None else ast.SymbolicTerm(node.location, value)
-
-    def visit_BinaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        return self._computed(node)
-
-    def visit_UnaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        return self._computed(node)
-
-    def _computed(self, node: ast.AST) -> ast.AST:
-        inside = node.update(**self.visit_children(node))
-        try:
-            return ast.SymbolicTerm(node.location, clingo.parse_term(str(inside)))
-        except RuntimeError:
-            return inside
-
-
-def _ground(statement: ast.AST, head: clingo.Symbol, values: Mapping[str, clingo.Symbol]) -> str:
-    """Return the text of an instance; comparisons of values, which hold, are left out."""
-    names = set(values)
-    valued = _Valued(values)
-    body = []
-    for literal in statement.body:
-        is_test = literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.Comparison
-        if not is_test or global_variables((), (literal,)) - names:
-            body.append(str(valued(literal)))
-    shown_head = str(head) if _is_atom(statement.head) else str(valued(statement.head))
-    shown_head = "" if shown_head == "#false" else shown_head
-    after = f":- {', '.join(body)}" if body or not shown_head else ""
-    return f"{' '.join(filter(None, (shown_head, after)))}."
+        return Instance(ground_text(statement, head, bindings), rule.span, rule, bindings)

@@ -24,11 +24,12 @@ every rule asks for next.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
+import clingo
 from clingo import ast
 
 from mars_asp.asp.cache import made_of
@@ -387,3 +388,89 @@ def _is_projected(literal: ast.AST) -> bool:
         return False
     symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
     return symbolic and _ANONYMOUS.search(bare(literal)) is not None
+
+
+#: The predicate of instances that are not left open.
+ON = "_conflict_on"
+
+
+def instance_variables(statement: ast.AST) -> list[str]:
+    """Return the global variables of a statement, in order."""
+    head = statement.head
+    if head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
+        return sorted(global_variables(guards(head), statement.body))
+    own = [head] if head.ast_type == _TYPE.Literal else []
+    return sorted(global_variables(own, statement.body))
+
+
+def is_forced_atom(head: ast.AST) -> bool:
+    """Return whether a head is one atom that is forced."""
+    is_literal = head.ast_type == _TYPE.Literal and head.sign == ast.Sign.NoSign
+    return is_literal and head.atom.ast_type == _TYPE.SymbolicAtom
+
+
+def open_rules(statement: ast.AST, number: int) -> Iterator[str]:
+    """Yield rules that are a statement, each instance of which can be left open."""
+    head, terms = statement.head, Terms()
+    body = [*map(str, statement.body)]
+    text, key, choice = str(head), "none", None
+    if is_forced_atom(head):
+        text = key = choice = terms.atom(head.atom.symbol, fresh_complex=True)
+        body += terms.equations
+    elif head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
+        if head.left_guard is None and head.right_guard is None:
+            yield str(statement)
+            return
+    if choice is None and head.ast_type != _TYPE.Literal:
+        found = (
+            f"{atom}{' : ' if condition else ''}{', '.join(map(str, condition))}"
+            for atom, condition in atoms_of_head(statement)
+        )
+        choice = "; ".join(found)
+    on = f"{ON}({number},{key},v({','.join(instance_variables(statement))}))"
+    yield f"{text} :- {'; '.join([*body, on])}."
+    if choice is not None:
+        yield f"{{ {choice} }} :- {'; '.join([*body, f'not {on}'])}."
+    yield f"#external {on} : {'; '.join(body)}." if body else f"#external {on}."
+
+
+class _Valued(ast.Transformer):
+    """Puts values for global variables, and computes with them."""
+
+    def __init__(self, values: Mapping[str, clingo.Symbol]) -> None:
+        self._values = values
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        """Return the value of a variable, if it has one."""
+        value = self._values.get(node.name)
+        return node if value is None else ast.SymbolicTerm(node.location, value)
+
+    def visit_BinaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return self._computed(node)
+
+    def visit_UnaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return self._computed(node)
+
+    def _computed(self, node: ast.AST) -> ast.AST:
+        inside = node.update(**self.visit_children(node))
+        try:
+            return ast.SymbolicTerm(node.location, clingo.parse_term(str(inside)))
+        except RuntimeError:
+            return inside
+
+
+def ground_text(
+    statement: ast.AST, head: clingo.Symbol, values: Mapping[str, clingo.Symbol]
+) -> str:
+    """Return the text of an instance; comparisons of values, which hold, are left out."""
+    names = set(values)
+    valued = _Valued(values)
+    body = []
+    for literal in statement.body:
+        is_test = literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.Comparison
+        if not is_test or global_variables((), (literal,)) - names:
+            body.append(str(valued(literal)))
+    shown_head = str(head) if is_forced_atom(statement.head) else str(valued(statement.head))
+    shown_head = "" if shown_head == "#false" else shown_head
+    after = f":- {', '.join(body)}" if body or not shown_head else ""
+    return f"{' '.join(filter(None, (shown_head, after)))}."

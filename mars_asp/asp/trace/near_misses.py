@@ -133,7 +133,7 @@ class NearMisses:
             candidate = Candidate(index, number, fails, place, place == len(literals) - 1)
             yield from self._candidate(candidate, literal, asked, first, before, shared)
             others = [other for other, _ in order if other is not literal]
-            # That another atom has all premises is no reason why this one is absent.
+            # All premises of another atom do not explain the absence of this one.
             if candidate.alone or not others or any(literal is test for test in tests):
                 continue
             around = list(in_order(others, match.bound, shared))
@@ -214,7 +214,7 @@ class NearMisses:
         return body, counting, rules
 
     def _least(self, rule: int, element: str, values: str) -> str:
-        """Return a rule for the least of what could be said to be lacking for some values.
+        """Return a rule for the least term that could be lacking for some values.
 
         It is the least, so that no order of grounding shows.
         """
