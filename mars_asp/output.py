@@ -3,6 +3,8 @@
 import contextlib
 import errno
 import os
+import re
+import secrets
 import shutil
 import stat
 import sys
@@ -17,6 +19,8 @@ if sys.platform != "win32":
 
 #: How the names of files begin that are being written.
 _TEMPORARY = ".mars-asp."
+#: The whole name of one: 16 random digits, and its inode.
+_OF_INODE = re.compile(re.escape(_TEMPORARY) + "[0-9a-f]{16}[.]([0-9a-f]{1,16})")
 _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
 
 
@@ -182,41 +186,62 @@ class Begun:
 
 
 def _temporary_beside(target: Path, path: str) -> tuple[int, Path]:
-    """Open a new file in the folder of another and lock it; remove those that nobody locks.
+    """Open a new file in the folder of another and lock it; remove those of killed commands.
 
-    A command that was killed leaves its file behind, but not its lock.
+    A killed command leaves its file, but not its lock. The name of a file ends with its inode, so
+    no file of anybody else has such a name, and no other file is ever removed.
 
     Raises:
         OSError: no file can be made there; it names `path`: the other name is never shown.
     """
+    folder = target.parent
     try:
-        for other in target.parent.glob(f"{_TEMPORARY}*"):
+        for other in folder.glob(f"{_TEMPORARY}*"):
             with contextlib.suppress(OSError):
                 _remove_unlocked(other)
-        while True:
-            handle, name = tempfile.mkstemp(dir=target.parent, prefix=_TEMPORARY)
-            # Where files cannot be locked, nobody removes those of others.
-            with contextlib.suppress(OSError):
-                _lock(handle)
-            # Another command may have removed it before it was locked.
-            with contextlib.suppress(FileNotFoundError):
-                if os.path.samestat(os.fstat(handle), os.stat(name)):  # noqa: PTH116 -- as fstat
-                    return handle, Path(name)
-            os.close(handle)
+        with contextlib.suppress(AttributeError, OSError):
+            return _named_by_inode(folder)
+        # This system has no files without a name. Nothing removes such a file after a kill.
+        handle, name = tempfile.mkstemp(dir=folder, prefix=_TEMPORARY)
     except OSError as error:
         raise type(error)(error.errno, error.strerror, path) from None
+    return handle, Path(name)
+
+
+def _named_by_inode(folder: Path) -> tuple[int, Path]:
+    """Open a file that is locked before it has a name; Linux alone can do this.
+
+    Raises:
+        OSError: the file system cannot do it.
+    """
+    handle = os.open(folder, os.O_TMPFILE | os.O_RDWR, 0o600)
+    try:
+        # Where files cannot be locked, nothing can be removed either.
+        _lock(handle)
+        name = folder / f"{_TEMPORARY}{secrets.token_hex(8)}.{os.fstat(handle).st_ino:x}"
+        # A folder has to be given for the link to be followed; an absolute path ignores it.
+        os.link(f"/proc/self/fd/{handle}", name, src_dir_fd=handle, follow_symlinks=True)
+    except OSError:
+        os.close(handle)
+        raise
+    return handle, name
 
 
 def _remove_unlocked(path: Path) -> None:
-    """Remove a file unless a process holds its lock.
+    """Remove a temporary file of a killed command; do nothing with any other file.
 
     Raises:
         OSError: it is locked, or cannot be removed.
     """
+    named = _OF_INODE.fullmatch(path.name)
+    if named is None:
+        return
     handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     try:
-        _lock(handle)
-        path.unlink()
+        status = os.fstat(handle)
+        if stat.S_ISREG(status.st_mode) and status.st_ino == int(named[1], 16):
+            _lock(handle)
+            path.unlink()
     finally:
         os.close(handle)
 

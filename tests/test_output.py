@@ -1,31 +1,29 @@
-"""Files are written whole, and what a killed command left behind goes."""
+"""Files are written whole, and no file of the user is removed."""
 
-import fcntl
 import os
 from pathlib import Path
 
 import pytest
 
-from mars_asp.output import GrowingFile, write_whole
+from mars_asp.output import Begun, GrowingFile, write_whole
 
 
-def test_what_a_killed_command_left_behind_is_removed(tmp_path: Path) -> None:
-    left, other = tmp_path / ".mars-asp.abc", tmp_path / ".mars-asp.def"
-    left.write_text("half a spec")
-    other.write_text("being written")
-    link = tmp_path / ".mars-asp.link"
-    link.symlink_to(tmp_path / "mine")
-    (tmp_path / "mine").write_text("of somebody else")
-    with other.open("rb") as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
-        write_whole(str(tmp_path / "out.mars"), "whole")
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        ".mars-asp.def",
-        ".mars-asp.link",
-        "mine",
-        "out.mars",
-    ]
+def test_only_temporary_files_of_killed_commands_are_removed(tmp_path: Path) -> None:
+    (tmp_path / "mine").touch()
+    other = (tmp_path / "mine").stat().st_ino
+    users = (".mars-asp.abc", ".mars-asp.", f".mars-asp.{'0' * 16}.{other:x}", ".mars-asp.a.md")
+    for name in users:
+        (tmp_path / name).write_text("a file of the user")
+    (tmp_path / ".mars-asp.link").symlink_to(tmp_path / "mine")
+    killed, writing = Begun(str(tmp_path / "a")), Begun(str(tmp_path / "b"))
+    # The lock of a killed command is gone.
+    killed._file.close()
+    write_whole(str(tmp_path / "out.mars"), "whole")
     assert (tmp_path / "out.mars").read_text() == "whole"
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        (*users, ".mars-asp.link", "mine", "out.mars", writing._temporary.name)
+    )
+    writing.drop()
 
 
 def test_a_file_keeps_its_mode_and_a_link_leads_where_it_led(tmp_path: Path) -> None:
