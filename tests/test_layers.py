@@ -11,7 +11,7 @@ from tests.support.imports_drawn import HOUSE, drawing, imported, rooms
 TESTS = ROOT / "tests"
 #: A place imports from layers before its own alone, and files of one layer not from each other.
 LAYERS = (
-    ("diagnostic", "spelling", "output", "unsaved"),
+    ("diagnostic", "spelling", "output", "reading"),
     ("toml_text",),
     ("asp", "model"),
     ("annotations", "behaviour"),

@@ -2,23 +2,38 @@
 
 import codecs
 import contextlib
+import fnmatch
 import glob
 import os
 import re
 import stat
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from operator import attrgetter
 from pathlib import Path
+from types import MappingProxyType
 
 from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.modules import read_modules
 from mars_asp.annotations.repeated import repeated
 from mars_asp.annotations.sources import Source
-from mars_asp.diagnostic import Diagnostic, Severity, by_place, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span, by_place, point, refusal
 from mars_asp.model.declarations import Module
-from mars_asp.unsaved import unsaved_bytes
+from mars_asp.reading import (
+    KERNEL,
+    OUTSIDE,
+    files_read,
+    hide_lines,
+    holds_home,
+    is_kernels,
+    is_outside,
+    unsaved_bytes,
+)
 
 MOST_BYTES = 256 * 1024 * 1024
+#: Files and folders below one path or glob.
+MOST_ENTRIES = 1_000_000
 _HERE = Path()
 #: What a file must hold to be worth reading, in single bytes and in both orders of UTF-16. Words
 #: that other annotations use as well, such as `@Input`, make no file worth reading by themselves.
@@ -28,6 +43,7 @@ _MARK = re.compile(
 )
 _MARK_16 = re.compile(rb"(?i)@\0m\0o\0d\0u\0l\0e\0_|\0@\0m\0o\0d\0u\0l\0e")
 _PIECE = 1 << 20
+_SMALLER = "name the folders of the sources alone"
 _SKIPPED = frozenset({".git", ".hg", ".svn", "node_modules", "__pycache__", ".venv"})
 
 
@@ -39,47 +55,165 @@ class Extraction:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def find_paths(written: str, folder: Path = _HERE) -> list[Path]:
+def find_paths(written: str, folder: Path = _HERE, entries: "Entries | None" = None) -> list[Path]:
     """Return the files and folders that a path or a glob of a folder names, sorted.
 
-    A glob means the sources among what it matches, if there are some.
+    A glob means the sources among what it matches, if there are some. `entries` are shared by
+    several calls.
+
+    Raises:
+        MarsError: too many folders would have to be listed.
     """
     path = folder / written
     if path.exists():
         return [path]
-    # `Path.glob` knows no pattern that is absolute or leads upwards.
-    pattern = str(Path(glob.escape(str(folder))) / written)
-    matches = [Path(match) for match in sorted(glob.glob(pattern, recursive=True))]  # noqa: PTH207
+    pattern = Path(written)
+    start = Path(pattern.anchor) if pattern.is_absolute() else folder
+    found: dict[Path, None] = {}
+    _match(start, pattern.parts[pattern.is_absolute() :], found, set(), entries or Entries())
+    matches = sorted(found, key=str)
     return [at for at in matches if at.is_dir() or at.suffix.lower() in LANGUAGES] or matches
 
 
-def extract(paths: Sequence[Path]) -> Extraction:
+def _match(
+    folder: Path,
+    parts: Sequence[str],
+    found: dict[Path, None],
+    seen: set[tuple[str, int]],
+    entries: "Entries",
+) -> None:
+    """Find the paths below a folder that the parts of a glob match, each folder once."""
+    key = os.path.realpath(folder), len(parts)
+    if not parts or key in seen or key[0] in KERNEL:
+        if not parts and os.path.lexists(folder):
+            found[folder] = None
+        return
+    seen.add(key)
+    first, *rest = parts
+    if not glob.has_magic(first):
+        _match(folder / first, rest, found, seen, entries)
+        return
+    is_deep = first == "**"
+    if is_deep:
+        entries.check_depth(folder)
+        _match(folder, rest, found, seen, entries)
+    for entry in entries.of(folder):
+        is_shown = entry.name[0] != "." or first[0] == "."
+        if is_shown and is_deep and (entry.is_dir() or not rest):
+            _match(folder / entry.name, parts if entry.is_dir() else (), found, seen, entries)
+        elif is_shown and not is_deep and fnmatch.fnmatchcase(entry.name, first):
+            if not rest or entry.is_dir():
+                _match(folder / entry.name, rest, found, seen, entries)
+
+
+class Entries:
+    """Lists folders, up to a number of entries that no robot has."""
+
+    def __init__(self, named_in: str | None = None) -> None:
+        """Begin with none; `named_in` is the file that names what is listed."""
+        self._left, self._named_in = MOST_ENTRIES, named_in
+
+    def check_depth(self, folder: str | Path) -> None:
+        """Check that all below a folder may be listed.
+
+        Raises:
+            MarsError: a file names a folder with everything that a user has.
+        """
+        if self._named_in is not None and holds_home(folder):
+            message = f"`{folder}` holds all files of a user, not those of a robot"
+            raise refusal("MARS307", message, str(folder), _SMALLER)
+
+    def of(self, folder: str | Path) -> list[os.DirEntry[str]]:
+        """Return what is in a folder, in order; nothing where it cannot be read.
+
+        Raises:
+            MarsError: it is too much, with all folders before it.
+        """
+        try:
+            with os.scandir(folder) as listed:
+                entries = sorted(islice(listed, self._left + 1), key=attrgetter("name"))
+        except OSError:
+            return []
+        self._left -= len(entries)
+        if self._left < 0:
+            message = f"more than {MOST_ENTRIES} files and folders are there to be searched"
+            raise refusal("MARS307", message, str(folder), _SMALLER)
+        return entries
+
+
+def extract(
+    paths: Sequence[Path],
+    named_at: Mapping[Path, Span] = MappingProxyType({}),
+    named_in: str = "",
+) -> Extraction:
     """Read the annotated modules of files and folders.
 
     A path that is not a regular file is passed over inside a folder and reported when it is named.
-    A file is read once, by however many paths it is found.
+    A file is read once, by however many paths it is found. `named_at` is where some of
+    the paths are named in the file `named_in`, or in one that it includes: mistakes in files
+    outside of its project are not shown.
+
+    Raises:
+        MarsError: a folder holds too many files.
     """
     modules: list[Module] = []
     problems: list[Diagnostic] = []
-    for path, status in _files(paths):
-        found, wrong = _read(path, status)
+    for path, file, status in _files(paths, named_at, named_in):
+        found, wrong = _read(file, status)
+        place = named_at.get(path)
+        if is_outside(file, _namer(path) if place is None else named_in):
+            hide_lines(str(file))
+            wrong = tuple(_hidden(file, wrong, place)) if found or wrong else ()
         modules += found
         problems += wrong
     problems += repeated(modules)
     return Extraction(tuple(modules), by_place(problems))
 
 
-def _files(paths: Iterable[Path]) -> Iterator[tuple[Path, os.stat_result | OSError]]:
-    """Yield each file once, and what the system says of it."""
+def _namer(path: Path) -> str:
+    """Return a path in the folder that is the outermost one for files below a path."""
+    return str(path / "_") if path.is_dir() else str(path)
+
+
+def _hidden(file: Path, wrong: Sequence[Diagnostic], place: Span | None) -> Iterator[Diagnostic]:
+    """Yield that mistakes in a file are not shown, if there are some."""
+    if wrong:
+        severity = min((each.severity for each in wrong), key=("error", "warning", "note").index)
+        message = f"mistakes in `{file}` are not shown: {OUTSIDE}"
+        at = place or point(str(file), 1, 1)
+        help_text = "give it by --sources to see them"
+        yield Diagnostic("MARS308", severity, message, at, help=help_text)
+
+
+def _files(
+    paths: Iterable[Path], named_at: Mapping[Path, Span], named_in: str
+) -> Iterator[tuple[Path, Path, os.stat_result | OSError]]:
+    """Yield each file once, after the path that leads to it, and with its status.
+
+    Raises:
+        MarsError: a folder holds too many files.
+    """
     seen: set[tuple[int, int]] = set()
+    own, others = Entries(), Entries(named_in)
     for path in paths:
-        for file, status in _below(path) if path.is_dir() else (_named(path),):
+        listed: Iterable[tuple[Path, os.stat_result | OSError]] = (_named(path),)
+        try:
+            if path.is_dir():
+                # A folder is listed before any of it is read.
+                listed = tuple(_below(path, others if path in named_at else own))
+        except MarsError as error:
+            place = named_at.get(path)
+            raise MarsError(
+                each if place is None else replace(each, span=place, excerpt=None)
+                for each in error.diagnostics
+            ) from None
+        for file, status in listed:
             if isinstance(status, os.stat_result):
                 key = status.st_dev, status.st_ino
                 if key in seen:
                     continue
                 seen.add(key)
-            yield file, status
+            yield path, file, status
 
 
 def _named(path: Path) -> tuple[Path, os.stat_result | OSError]:
@@ -89,24 +223,26 @@ def _named(path: Path) -> tuple[Path, os.stat_result | OSError]:
         return path, error
 
 
-def _below(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
-    """Yield the sources below a folder in order, those of a folder before those in others."""
-    folders = [str(folder)]
+def _below(folder: Path, entries: Entries) -> Iterator[tuple[Path, os.stat_result]]:
+    """Yield the sources below a folder in order, those of a folder before those in others.
+
+    Raises:
+        MarsError: there is too much below it.
+    """
+    entries.check_depth(folder)
+    folders = [] if is_kernels(folder) else [str(folder)]
     while folders:
-        try:
-            with os.scandir(folders.pop()) as listed:
-                entries = sorted(listed, key=lambda entry: entry.name)
-        except OSError:
-            continue
         inner = []
-        for entry in entries:
+        for entry in entries.of(folders.pop()):
             if entry.is_dir(follow_symlinks=False):
-                if entry.name not in _SKIPPED:
+                if entry.name not in _SKIPPED and entry.path not in KERNEL:
                     inner.append(entry.path)
             elif _language(entry.name) is not None:
                 with contextlib.suppress(OSError):
                     status = entry.stat()
-                    if stat.S_ISREG(status.st_mode):
+                    if stat.S_ISREG(status.st_mode) and not (
+                        entry.is_symlink() and is_kernels(entry.path)
+                    ):
                         yield Path(entry.path), status
         folders += reversed(inner)
 
@@ -133,12 +269,13 @@ def _read(
     try:
         if isinstance(status, OSError):
             raise status
-        if not stat.S_ISREG(status.st_mode):
+        if not stat.S_ISREG(status.st_mode) or is_kernels(path):
             return (), (_about(shown, "MARS305", "error", "is not a regular file", "name a file"),)
         if status.st_size > MOST_BYTES:
             reason = f"is larger than {MOST_BYTES} bytes and was not read"
             return (), (_about(shown, "MARS301", "error", reason, "split it, or leave it out"),)
-        raw = _raw(path)
+        raw = _raw(path, status.st_size)
+        files_read.add((status.st_dev, status.st_ino))
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
         return (), (_about(shown, "MARS300", "error", reason, "make it readable"),)
@@ -153,13 +290,13 @@ def _read(
     return modules, (*notes, *problems)
 
 
-def _raw(path: Path) -> bytes:
+def _raw(path: Path, most: int = MOST_BYTES) -> bytes:
     held = unsaved_bytes(path)
     if held is not None:
         return held
     # A buffer would take twice the time.
     with path.open("rb", buffering=0) as file:
-        return file.read()
+        return file.read(most)
 
 
 def read_source(path: Path) -> Source:
@@ -223,4 +360,7 @@ def _is_utf8(raw: bytes) -> bool:
 
 
 def _about(shown: str, code: str, severity: Severity, reason: str, help_text: str) -> Diagnostic:
-    return Diagnostic(code, severity, f"`{shown}` {reason}", point(shown, 1, 1), help=help_text)
+    # No line of a file shows something about all of it.
+    return Diagnostic(
+        code, severity, f"`{shown}` {reason}", point(shown, 1, 1), help=help_text, excerpt=""
+    )

@@ -33,6 +33,7 @@ from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, point
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
 from mars_asp.language.text_edits import ConflictError, edited_bytes
 from mars_asp.output import visible
+from mars_asp.reading import OUTSIDE, is_hidden
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.analysis import Analysis
@@ -276,6 +277,8 @@ def _fix(
             continue
         if is_input:
             one.text = decode(new, path)
+        elif is_hidden(path):
+            problems.append(_unfixed(path, OUTSIDE))
         elif not Path(path).stat().st_mode & 0o222:
             problems.append(_unfixed(path, "it is read-only"))
         else:

@@ -13,7 +13,7 @@ from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.diagnostic import Span
 from mars_asp.language.parse import plain_lines
 from mars_asp.model.names import QUOTED
-from mars_asp.unsaved import unsaved_bytes
+from mars_asp.reading import unsaved_bytes
 
 # Few files have such comments, so no pattern is compiled before one does.
 #: What a file must hold to be looked into, in single bytes and in both orders of UTF-16.

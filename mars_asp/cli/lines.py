@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
+from mars_asp.reading import check_walls, is_hidden
 
 if TYPE_CHECKING:
     from mars_asp.language.text_edits import LineEdit
 
 #: Two lines of a terminal say what a place is about; who wants more has its line and column.
 MOST = 150
+#: Of a larger file no line is shown.
+_MOST_BYTES = 256 * 1024 * 1024
 
 
 def remember(path: str, text: str) -> None:
@@ -31,18 +34,27 @@ def line_at(span: Span) -> str:
 
 def whole_line(span: Span) -> str:
     """Return the line of a file where something begins; nothing where it cannot be read."""
-    # A pipe would be waited for.
-    if span.path not in linecache.cache and not os.path.isfile(span.path):  # noqa: PTH113
-        return ""
-    return linecache.getline(span.path, span.line)
+    return linecache.getline(span.path, span.line) if _can_show(span.path) else ""
 
 
 def lines_of(path: str) -> Sequence[str]:
     """Return the lines of a file without their ends; none where it cannot be read."""
-    if path not in linecache.cache and not os.path.isfile(path):  # noqa: PTH113
+    if not _can_show(path):
         return ()
     lines = [line.rstrip("\n") for line in linecache.getlines(path)]
     return lines[:-1] if lines and not lines[-1] else lines
+
+
+def _can_show(path: str) -> bool:
+    """Whether lines of a file are shown: it was read, or may be."""
+    if path in linecache.cache or is_hidden(path):
+        return not is_hidden(path)
+    try:
+        check_walls(path)
+        # A pipe would be waited for, and a large file would be read whole.
+        return os.path.isfile(path) and os.path.getsize(path) <= _MOST_BYTES  # noqa: PTH113, PTH202
+    except (OSError, ValueError):
+        return False
 
 
 def shortened(line: str, column: int) -> str:

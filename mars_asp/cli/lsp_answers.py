@@ -38,6 +38,7 @@ from mars_asp.lsp.robot import Described, File, Robot, behind
 from mars_asp.lsp.workers import read_pickle, write_pickle
 from mars_asp.model.declarations import Module
 from mars_asp.model.ports import inputs, outputs
+from mars_asp.reading import unsaved
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project, port_names
@@ -46,7 +47,6 @@ from mars_asp.reasoning.questions.repair import STAGES as REPAIRING
 from mars_asp.reasoning.questions.repair import repairs
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.unsaved import unsaved
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.questions.repair import Repair

@@ -9,8 +9,8 @@ from mars_asp.cli.ignores import decoded
 from mars_asp.diagnostic import Diagnostic, Span, brief
 from mars_asp.lsp.places import Edit, Place, Position, Range, Text
 from mars_asp.lsp.robot import Finding
+from mars_asp.reading import unsaved_bytes
 from mars_asp.reasoning.rules import rules_directory
-from mars_asp.unsaved import unsaved_bytes
 
 _START = Range(Position(0, 0), Position(0, 0))
 

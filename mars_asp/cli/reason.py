@@ -224,7 +224,10 @@ def packs_of(arguments: argparse.Namespace) -> list[Path]:
     first = next((each for each in named if each), ".")
     path = Path(first if isinstance(first, str) else first[0])
     folder = path if path.is_dir() else path.parent
-    return [Path(each) for each in (*settings_for(folder).rules, *arguments.rules)]
+    settings = settings_for(folder)
+    for number, each in enumerate(settings.rules):
+        settings.check(each, "rules", number)
+    return [Path(each) for each in (*settings.rules, *arguments.rules)]
 
 
 def analyse_project(

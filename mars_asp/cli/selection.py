@@ -252,6 +252,8 @@ class Selection:
         path = self._arguments.baseline or settings.baseline
         # A baseline that is written lists what an older one knows, too.
         compared = path is not None and self._arguments.write_baseline is None
+        if compared and path is not None and not self._arguments.baseline:
+            settings.check(path, "baseline")
         return _Choice(
             None if select is None else frozenset(select),
             frozenset(ignore),

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.language.parse import decode, read_bytes
+from mars_asp.reading import WallError, check_walls
 from mars_asp.spelling import nearest
 
 _OWN, _SHARED = "mars.toml", "pyproject.toml"
@@ -47,6 +48,18 @@ class Settings(NamedTuple):
         from mars_asp.toml_text import Places
 
         return Places(self.text, self.path).of(*self.table, *key)
+
+    def check(self, named: str, *key: str | int) -> None:
+        """Check that a file or folder that a key names may be read.
+
+        Raises:
+            MarsError: it lies outside.
+        """
+        try:
+            check_walls(named, self.path)
+        except WallError as error:
+            message = f"`{named}`: {error.strerror}"
+            raise MarsError([_wrong(self, message, *key, help_text=error.advice)]) from None
 
 
 NO_SETTINGS = Settings()

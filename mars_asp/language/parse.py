@@ -26,8 +26,8 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.model.names import BARE, QUOTED, plain
 from mars_asp.output import visible
+from mars_asp.reading import WallError, read_file, unsaved_bytes
 from mars_asp.spelling import nearest
-from mars_asp.unsaved import unsaved_bytes
 
 #: Far above any robot; a larger file is a mistake that would only cost time.
 MOST_BYTES = 64 * 1024 * 1024
@@ -101,20 +101,23 @@ def read_text(path: Path) -> str:
     return plain_lines(decode(read_bytes(path), str(path)))
 
 
-def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
+def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) -> bytes:
     """Read what a file holds, of one that is too large `most` bytes and one.
 
+    `named_in` is the file that names it, where that is not the user.
+
     Raises:
-        MarsError: the file cannot be read.
+        MarsError: the file cannot be read, or must not be.
     """
     held = unsaved_bytes(path)
     if held is not None:
         return held[: most + 1]
     try:
-        with path.open("rb") as file:
-            return file.read(most + 1)
+        return read_file(path, most, named_in)
     except OSError as error:
-        raise MarsError((_unreadable(str(path), error.strerror or "cannot be read"),)) from None
+        advice = error.advice if isinstance(error, WallError) else None
+        found = _unreadable(str(path), error.strerror or "cannot be read", advice)
+        raise MarsError((found,)) from None
 
 
 def decode(raw: bytes, shown: str, most: int = MOST_BYTES) -> str:
@@ -350,7 +353,7 @@ def _about_nobody(
             )
 
 
-def _unreadable(shown: str, reason: str) -> Diagnostic:
+def _unreadable(shown: str, reason: str, advice: str | None = None) -> Diagnostic:
     place = point(shown, 1, 1)
     # To quote a line all of it would be read.
-    return Diagnostic("unreadable", "error", f"`{shown}`: {reason}", place, excerpt="")
+    return Diagnostic("unreadable", "error", f"`{shown}`: {reason}", place, help=advice, excerpt="")

@@ -24,6 +24,7 @@ from mars_asp.model.declarations import (
     Name,
     Relationship,
 )
+from mars_asp.reading import WallError, check_walls
 
 #: Includes within includes go no deeper.
 MOST_DEEP = 100
@@ -41,7 +42,9 @@ def with_includes(parsed: Parsed) -> Parsed:
     if not parsed.configuration.includes:
         return parsed
     real = _real(parsed.configuration.path)
-    reading = _Reading(iter(range(MOST_INCLUDES)), {real: parsed.configuration.path})
+    reading = _Reading(
+        iter(range(MOST_INCLUDES)), {real: parsed.configuration.path}, parsed.configuration.path
+    )
     return _expanded(parsed, (real,), reading)
 
 
@@ -50,10 +53,14 @@ class _TooManyError(MarsError):
 
 
 class _Reading(NamedTuple):
-    """One of `left` is used up by each include; `shown` is how each file was first named."""
+    """One of `left` is used up by each include; `shown` is how each file was first named.
+
+    `top` is the file that the user names, around which the walls are.
+    """
 
     left: Iterator[int]
     shown: dict[str, str]
+    top: str
 
 
 def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Parsed:
@@ -141,6 +148,10 @@ def _taken_in(
     if len(chain) > MOST_DEEP:
         message = f"more than {MOST_DEEP} includes within includes"
         raise _too_many(include.span, message, "drop some")
+    try:
+        check_walls(path, reading.top)
+    except WallError as error:
+        raise _wrong(include.span, f"`{include.path}`: {error.strerror}", error.advice) from None
     if not path.is_file():
         help_text = "paths of `@include` are relative to the file that includes"
         raise _wrong(include.span, f"`{include.path}` is not a file", help_text)
@@ -285,7 +296,7 @@ def _plain(path: Path) -> str:
     return plain if _real(plain) == _real(str(path)) else str(path)
 
 
-def _wrong(span: Span, message: str, help_text: str) -> MarsError:
+def _wrong(span: Span, message: str, help_text: str | None) -> MarsError:
     return MarsError((Diagnostic("include", "error", message, span, help=help_text),))
 
 

@@ -39,7 +39,7 @@ from mars_asp.reasoning.includes import (
 from mars_asp.spelling import nearest, resemblances
 
 if TYPE_CHECKING:
-    from mars_asp.annotations.files import Extraction
+    from mars_asp.annotations.files import Entries, Extraction
 
 _HERE = Path()
 
@@ -96,22 +96,32 @@ def described(
     parsed = parsed._replace(configuration=configuration)
     problems: list[Diagnostic] = []
     paths: list[Path] = []
+    named_at: dict[Path, Span] = {}
+    entries = None
+    if configuration.sources:
+        from mars_asp.annotations.files import Entries  # noqa: PLC0415 -- as below
+
+        entries = Entries(configuration.path)
     for name in configuration.sources:
         folder = Path(name.span.path).parent
         advice = "paths of `@sources` are relative to the configuration's own file"
         missing = _missing(name.text, name.span, advice)
-        paths += _found(name.text, missing, problems, folder)
+        matches = _found(name.text, missing, problems, folder, entries)
+        named_at |= dict.fromkeys(matches, name.span)
+        paths += matches
     for argument in sources:
         advice = "paths of `--sources` are relative to the current folder"
         place = point(argument, 1, 1)
-        paths += _found(argument, _missing(argument, place, advice), problems)
+        given = _found(argument, _missing(argument, place, advice), problems)
+        named_at = {path: place for path, place in named_at.items() if path not in given}
+        paths += given
     if problems:
         raise MarsError(problems)
     found = None
     if paths:
         from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
 
-        found = extract(paths)
+        found = extract(paths, named_at, configuration.path)
     return _described(parsed, text, found)
 
 
@@ -326,12 +336,20 @@ def _has_functions(project: Project) -> bool:
 
 
 def _found(
-    written: str, missing: Diagnostic, problems: list[Diagnostic], folder: Path = _HERE
+    written: str,
+    missing: Diagnostic,
+    problems: list[Diagnostic],
+    folder: Path = _HERE,
+    entries: "Entries | None" = None,
 ) -> list[Path]:
     """Return the paths that a path or glob of a folder names; note where it names none."""
     from mars_asp.annotations.files import find_paths  # noqa: PLC0415 -- only where there are sources
 
-    matches = find_paths(written, folder)
+    try:
+        matches = find_paths(written, folder, entries)
+    except MarsError as error:
+        problems += (replace(each, span=missing.span, excerpt=None) for each in error.diagnostics)
+        return []
     if not matches:
         problems.append(missing)
     return matches

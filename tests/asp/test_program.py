@@ -38,7 +38,7 @@ def test_the_engine_loads_nothing_of_mars() -> None:
         "print([m for m in sys.modules if m.startswith('mars_asp') and '.asp' not in m])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    loaded = "['mars_asp', 'mars_asp.diagnostic', 'mars_asp.unsaved', 'mars_asp.spelling']\n"
+    loaded = "['mars_asp', 'mars_asp.diagnostic', 'mars_asp.reading', 'mars_asp.spelling']\n"
     assert done.stdout == loaded
 
 

@@ -17,7 +17,7 @@ from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename
 from mars_asp.lsp.rules import Rules, predicate_definition
 from mars_asp.lsp.symbols import module_symbols, predicate_symbols
-from mars_asp.unsaved import unsaved, unsaved_bytes
+from mars_asp.reading import unsaved, unsaved_bytes
 from tests.support.documents import ROOT
 from tests.support.wire import edited
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.unsaved import unsaved_bytes
+from mars_asp.reading import WallError, read_file, unsaved_bytes
 
 MOST_BYTES = 8 * 1024 * 1024
 MOST_STATEMENTS = 100_000
@@ -38,10 +38,13 @@ def gate_text(path: Path, shown: str) -> str:
         if not stat.S_ISREG(path.stat().st_mode):
             raise _refused(shown, "no regular file", "name a file or a folder of `.lp` files")
         held = unsaved_bytes(path)
-        if (path.stat().st_size if held is None else len(held)) > MOST_BYTES:
+        raw = read_file(path, MOST_BYTES) if held is None else held
+        if len(raw) > MOST_BYTES:
             raise _refused(shown, f"larger than {MOST_BYTES} bytes", "split it by topic")
-        raw = path.read_bytes() if held is None else held
         text = raw.decode("utf-8")
+    except WallError as error:
+        advice = error.advice or "put the rules themselves there"
+        raise _refused(shown, str(error.strerror), advice) from None
     except OSError as error:
         raise _refused(shown, str(error.strerror), "make the file readable") from None
     except UnicodeDecodeError as error:

@@ -1,0 +1,172 @@
+"""Files that are read: regular ones within walls, and never more of them than a bound.
+
+A file that another file names, by a path or as a link, may come from a stranger. It is read only if
+it lies in the folder of that file, in the project around that folder, or in the working folder.
+"""
+
+import errno
+import os
+import re
+import select
+import stat
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import lru_cache
+from pathlib import Path
+
+#: What belongs to the kernel: environments of processes, devices without an end.
+KERNEL = ("/proc", "/dev", "/sys")
+#: A folder for files of users, in memory.
+_MEMORY = "/dev/shm"
+#: What the caller of the command has opened, and the file without content.
+_STREAM = re.compile(r"/dev/(?:stdin|null|fd/[0-9]+)|/proc/self/fd/[0-9]+")
+_PIPE = re.compile(r"/proc/[0-9]+/fd/pipe:\[[0-9]+\]|/dev/null")
+#: What the folder of a repository holds, and that of a project in none.
+_MARKS = ((".git",), ("mars.toml", "pyproject.toml", "package.xml"))
+#: Seconds after which no process will write into a named pipe any more.
+_PIPE_SECONDS = 5
+OUTSIDE = "it lies outside of the project and of the working folder"
+#: Device and inode of each regular file that was read: an output must be none of them.
+files_read: set[tuple[int, int]] = set()
+#: Sources that lie outside; their lines are not shown.
+_unquoted: set[str] = set()
+_NONE: Mapping[str, bytes] = {}
+#: What an editor shows of files that are changed and not written yet.
+_texts: ContextVar[Mapping[str, bytes]] = ContextVar("unsaved", default=_NONE)
+
+
+class WallError(OSError):
+    """A file that must not be read, and a way to read it all the same, if there is one."""
+
+    def __init__(self, path: str, reason: str, advice: str | None = None) -> None:
+        super().__init__(errno.EACCES, reason, path)
+        self.advice = advice
+
+
+def read_file(path: str | Path, most: int, named_in: str | None = None) -> bytes:
+    """Return what a file holds, of one that is larger `most` bytes and one.
+
+    `named_in` is the file that names it; without one it is the user's own word, which may be a
+    pipe.
+
+    Raises:
+        WallError: it must not be read.
+        OSError: it cannot be read.
+    """
+    check_walls(path, named_in)
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    with os.fdopen(handle, "rb") as file:
+        status = os.fstat(handle)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        if stat.S_ISREG(status.st_mode):
+            files_read.add((status.st_dev, status.st_ino))
+        elif named_in is not None:
+            raise WallError(str(path), "it is not a regular file")
+        else:
+            _await_writer(handle, str(path))
+        return file.read(most + 1)
+
+
+def _await_writer(handle: int, path: str) -> None:
+    """Wait until there is something in a pipe.
+
+    Raises:
+        WallError: no process has written into it.
+    """
+    waiting = select.poll()
+    waiting.register(handle, select.POLLIN)
+    if not waiting.poll(_PIPE_SECONDS * 1000):
+        raise WallError(path, "it is a pipe that no process writes into")
+    os.set_blocking(handle, True)
+
+
+def check_walls(path: str | Path, named_in: str | None = None) -> None:
+    """Check that a file may be read.
+
+    Raises:
+        WallError: it is the kernel's, or lies outside.
+    """
+    written = os.fspath(path)
+    real = os.path.realpath(written)
+    if named_in is None and (_STREAM.fullmatch(written) or _PIPE.fullmatch(real)):
+        return
+    if is_kernels(real):
+        raise WallError(written, "nothing in /proc, /dev and /sys is read")
+    if is_outside(real, written if named_in is None else named_in):
+        if named_in is None:
+            advice = f"name the file itself: `{real}`"
+            raise WallError(written, "it is a link out of its project", advice)
+        advice = "copy it, or run the command in a folder that holds both"
+        raise WallError(written, OUTSIDE, advice)
+
+
+def is_kernels(path: str | Path) -> bool:
+    """Whether a path leads to a file of the kernel."""
+    real = os.path.realpath(path)
+    return not _is_in(real, _MEMORY) and any(_is_in(real, each) for each in KERNEL)
+
+
+def is_outside(path: str | Path, named_in: str) -> bool:
+    """Whether a path that a file names leads out of the walls around that file."""
+    real = os.path.realpath(path)
+    roots = _roots(os.path.realpath(os.path.dirname(named_in)))  # noqa: PTH120 -- may be `<stdin>`
+    return not any(_is_in(real, root) for root in (*roots, os.path.realpath(os.curdir)))
+
+
+def hide_lines(path: str) -> None:
+    """Have no line of a file shown: it lies outside."""
+    _unquoted.add(path)
+
+
+def is_hidden(path: str) -> bool:
+    """Whether no line of a file is shown."""
+    return path in _unquoted
+
+
+@lru_cache(maxsize=1000)
+def _roots(folder: str) -> tuple[str, ...]:
+    """Return a folder and the project around it: a repository, else the nearest with a mark.
+
+    A home folder, or one above it, is no project: it holds all that a user has.
+    """
+    around = [Path(folder), *Path(folder).parents]
+    projects = [each for each in around if not holds_home(each)]
+    for marks in _MARKS:
+        for outer in projects:
+            if any(os.path.exists(outer / mark) for mark in marks):  # noqa: PTH110 -- never raises
+                return folder, str(outer)
+    return (folder,)
+
+
+def holds_home(folder: str | Path) -> bool:
+    """Whether a folder is the user's home folder or one above it."""
+    home = os.path.expanduser("~")  # noqa: PTH111 -- there may be none
+    return _is_in(os.path.realpath(home), os.path.realpath(folder))
+
+
+def _is_in(path: str, folder: str) -> bool:
+    return path == folder or path.startswith(folder.rstrip("/") + "/")
+
+
+@contextmanager
+def unsaved(texts: Mapping[str, str]) -> Iterator[None]:
+    """Have files read as these texts, by their paths; others are read from the disk.
+
+    >>> with unsaved({"robot.mars": "@modules Camera"}):
+    ...     unsaved_bytes(Path("robot.mars"))
+    b'@modules Camera'
+    """
+    held = {os.path.realpath(path): text.encode("utf-8", "replace") for path, text in texts.items()}
+    before = _texts.set(held)
+    try:
+        yield
+    finally:
+        _texts.reset(before)
+
+
+def unsaved_bytes(path: Path) -> bytes | None:
+    """Return what an editor holds of a file, as UTF-8; nothing where the disk has it."""
+    texts = _texts.get()
+    return texts.get(os.path.realpath(path)) if texts else None
