@@ -34,6 +34,11 @@ def visible(text: str) -> str:
     return "".join(map(_visible_character, text))
 
 
+def encodable(text: str) -> str:
+    """Return a text that UTF-8 can hold: bytes of a path that are no UTF-8 are escaped."""
+    return text if text.isascii() else text.encode(errors="backslashreplace").decode()
+
+
 def _visible_character(character: str) -> str:
     if unicodedata.category(character) not in _HIDDEN:
         return character
@@ -48,7 +53,9 @@ def write_whole(path: str, content: str | bytes) -> None:
     """
     begun = Begun(path)
     try:
-        begun.write(content.encode() if isinstance(content, str) else content)
+        begun.write(
+            content.encode(errors="backslashreplace") if isinstance(content, str) else content
+        )
         begun.replace()
     finally:
         begun.drop()

@@ -47,7 +47,7 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
     Raises:
         OSError: it cannot be written, or holds something else by now.
     """
-    raw = content.encode() if isinstance(content, str) else content
+    raw = content.encode(errors="backslashreplace") if isinstance(content, str) else content
     file = File(path, raw, None if read is None else _digest(read))
     if _pipe is None:
         end_growing()

@@ -40,7 +40,7 @@ def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | 
 def replay_seen_from(report: str, replay: str) -> str:
     """Return a link from a report to a replay, both given by their paths."""
     folder = os.path.dirname(os.path.abspath(report))  # noqa: PTH100, PTH120 -- a path of others
-    return quote(os.path.relpath(replay, folder))
+    return quote(os.fsencode(os.path.relpath(replay, folder)))
 
 
 def _summary(run: Mapping[str, Any]) -> str:

@@ -24,6 +24,7 @@ from mars_asp.model.declarations import (
 from mars_asp.model.described import described_modules
 from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
+from mars_asp.output import encodable
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.index import Lookup
@@ -313,7 +314,7 @@ def _attributes(project: Project) -> Iterator[Fact]:
         if fact.atom.arguments[0] in told:
             path, line, column = fact.span[:3]
             yield fact
-            yield Fact(Atom("place", (identified(fact), path, line, column)), fact.span)
+            yield Fact(Atom("place", (identified(fact), encodable(path), line, column)), fact.span)
 
 
 def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tuple[Fact, ...]:

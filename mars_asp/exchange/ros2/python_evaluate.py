@@ -44,6 +44,8 @@ _DEEPEST_CALL = 16
 _MOST_CALLS = 5000
 _DEEPEST = 150
 MOST_STEPS = 200_000
+#: To copy so many items counts as one step.
+_ITEMS_A_STEP = 20
 
 
 class Evaluator:
@@ -274,11 +276,16 @@ class Evaluator:
             yield from self.scopes(others, inner, depth)
 
     def elements(self, items: Sequence[ast.expr], names: Names, depth: int) -> Iterator[Value]:
-        """Yield the elements of a list, those of starred ones among them."""
+        """Yield the elements of a list, those of starred ones among them, up to a bound."""
+        left = MOST_ITEMS
         for item in items:
             found = self.value(item, names, depth + 1)
             if isinstance(item, ast.Starred):
-                yield from items_of(found)
+                starred = items_of(found)[: max(left, 0)]
+                left -= len(starred)
+                # A list that doubles is copied each time.
+                self.steps += len(starred) // _ITEMS_A_STEP
+                yield from starred
             elif found is None:
                 yield Plain(UNKNOWN, self.span(item))
             else:
@@ -296,7 +303,9 @@ class Evaluator:
         for key, value in zip(keys, values, strict=True):
             found = self.value(value, names, depth + 1)
             if key is None:
-                pairs += found.pairs if isinstance(found, Mapped) else ()
+                inner = found.pairs if isinstance(found, Mapped) else ()
+                pairs += inner[: max(MOST_ITEMS - len(pairs), 0)]
+                self.steps += len(inner) // _ITEMS_A_STEP
             else:
                 pairs.append((self.value(key, names, depth + 1), found))
         return Mapped(tuple(pairs))
@@ -315,6 +324,7 @@ class Evaluator:
             chain.append((left.op, left.right))
             left = left.left
         found = self.value(left, names, 1)
+        self.steps += len(items_of(found)) // _ITEMS_A_STEP
         for operator, operand in reversed(chain):
             added = self.value(operand, names, 1)
             if isinstance(operator, ast.Div):
@@ -351,7 +361,10 @@ class Evaluator:
         call = Call(name, arguments, named, span)
         if name == "DeclareLaunchArgument":
             self.declarations += declared_by(call)
-        return known(call)
+        result = known(call)
+        # Each item of `zip` and of its kind is a new value.
+        self.steps += len(items_of(result))
+        return result
 
     def method(
         self,
@@ -377,7 +390,7 @@ class Evaluator:
                 owner.items += items_of(first)[: MOST_ITEMS - len(owner.items)]
                 return None
             case Listed(), "insert":
-                owner.items += arguments[1:2]
+                owner.items += arguments[1:2][: MOST_ITEMS - len(owner.items)]
                 return None
             case Mapped(pairs), "items":
                 return Listed([Listed([key, value]) for key, value in pairs])

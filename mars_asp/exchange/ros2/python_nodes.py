@@ -84,7 +84,7 @@ def _flat(value: Mapped, span: Span) -> Iterator[Parameter]:
         if not waiting:
             return
         keys, held = waiting.pop()
-        if isinstance(held, Mapped):
+        if isinstance(held, Mapped) and len(waiting) < MOST_ITEMS:
             waiting += [((*keys, (key, span)), inner) for key, inner in reversed(held.pairs)]
         else:
             yield parameter_of(keys, held, span)

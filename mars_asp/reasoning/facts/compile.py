@@ -30,6 +30,7 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.model.described import CLASSES, annotated_classes, described_modules
 from mars_asp.model.rates import as_written
+from mars_asp.output import encodable
 from mars_asp.reasoning.facts.closed_walks import KNOTS, closed_walks
 from mars_asp.reasoning.facts.ends import Ends, ends_in
 from mars_asp.reasoning.facts.identifiers import (
@@ -269,7 +270,7 @@ class Compiler:
 
     def place(self, identifier: Term, span: Span) -> None:
         """Add the place of a statement or annotation."""
-        self.add(span, "place", identifier, span.path, span.line, span.column)
+        self.add(span, "place", identifier, encodable(span.path), span.line, span.column)
 
     def relationship(self, number: int, relationship: Relationship) -> None:
         """Add one relationship."""
