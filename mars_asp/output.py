@@ -112,6 +112,7 @@ class GrowingFile:
                 raise OSError(errno.EBUSY, "it has changed since it was read", path)
             os.ftruncate(handle, kept)
             os.fsync(handle)
+            self.path, self._state = path, _state_of(os.fstat(handle))
         except OSError:
             self._file.close()
             raise
@@ -126,10 +127,25 @@ class GrowingFile:
         while rest:
             rest = rest[self._file.write(rest) :]
         os.fsync(self._file.fileno())
+        self._state = _state_of(os.fstat(self._file.fileno()))
+
+    def check_own(self) -> None:
+        """Check that its path still leads to it, and that no other program has written to it.
+
+        Raises:
+            OSError: it does not, or one has.
+        """
+        if _state_of(os.stat(self.path)) != self._state:  # noqa: PTH116 -- as `open`
+            message = "it has changed since the last line, so it was left alone"
+            raise OSError(errno.EBUSY, message, self.path)
 
     def close(self) -> None:
         """Close it; others may write to it now."""
         self._file.close()
+
+
+def _state_of(status: os.stat_result) -> tuple[int, ...]:
+    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
 
 
 class Begun:

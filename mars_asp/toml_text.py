@@ -20,6 +20,10 @@ _DEEPEST = 4
 #: One escape of a key in double quotes.
 _ESCAPE = re.compile(r"\\(?:u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|(.))")
 _CONTROL = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r"}
+#: As many bits as a whole number of TOML has, and a depth that no file of ours reaches.
+_MOST_BITS, _MOST_NESTING = 64, 100
+_DIGITS = re.compile(r"[0-9][0-9_]{4300}")
+_NESTED = re.compile(r"[\[{](?:[^\[{\]}\n]*+[\[{]){100}")
 #: A key of so many parts is none of ours, and takes its reader a time that grows as their square.
 _DEEP = re.compile(r"(?<![\w.\"'-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}")
 
@@ -37,16 +41,48 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
         line = text.count("\n", 0, deep.start()) + 1
         raise _wrong(point(path, line, 1), "a key with more than 100 parts", code)
     try:
-        return tomllib.loads(text)
+        tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
         raise _wrong(point(path, line, column), str(error).split(" (at")[0], code) from None
     except RecursionError:
-        message = "its lists and tables are nested too deep"
-        raise _wrong(point(path, 1, 1), message, code) from None
-    except ValueError as error:  # a number of more digits than Python reads
-        raise _wrong(point(path, 1, 1), str(error).split(";")[0], code) from None
+        place = _place(text, _NESTED, path)
+        raise _wrong(place, "its lists and tables are nested too deep", code) from None
+    except ValueError:  # more digits than Python reads
+        place = long_number(text, path)
+        raise _wrong(place, "a number with more than 4300 digits", code) from None
+    if (unusable := unusable_part(tables)) is not None:
+        raise _wrong(Places(text, path).of(*unusable[0]), unusable[1], code)
+    return tables
+
+
+def unusable_part(value: object) -> tuple[Path, str] | None:
+    """Return where a value of TOML or JSON is beyond all use, and why, or None."""
+    waiting: list[tuple[Path, object]] = [((), value)]
+    while waiting:
+        path, each = waiting.pop()
+        if isinstance(each, int) and each.bit_length() > _MOST_BITS:
+            return path, f"a whole number with more than {_MOST_BITS} bits"
+        if len(path) > _MOST_NESTING:
+            return path[:_MOST_NESTING], "its lists and tables are nested too deep"
+        if isinstance(each, dict):
+            waiting += (((*path, key), inner) for key, inner in reversed(each.items()))
+        elif isinstance(each, list):
+            waiting += [((*path, number), inner) for number, inner in enumerate(each)][::-1]
+    return None
+
+
+def long_number(text: str, path: str) -> Span:
+    """Return the place of the first number with more digits than Python reads."""
+    return _place(text, _DIGITS, path)
+
+
+def _place(text: str, pattern: re.Pattern[str], path: str) -> Span:
+    """Return the place of the first match; of none the begin of the text."""
+    found = pattern.search(text)
+    at = found.start() if found else 0
+    return point(path, text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at))
 
 
 class Places:

@@ -1,4 +1,4 @@
-"""Files that a file of a stranger names are read within its project and the working folder alone."""
+"""Files that a stranger's file names are read in its project and the working folder alone."""
 
 import os
 from collections.abc import Mapping

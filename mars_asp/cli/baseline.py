@@ -18,6 +18,7 @@ from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.reasoning.analysis import Consequence
+from mars_asp.toml_text import long_number
 
 _FORMAT, _VERSION = "mars-baseline", 1
 #: Some 200,000 findings.
@@ -118,8 +119,12 @@ def read_baseline(path: str) -> Baseline:
         raise _wrong(
             path, f"the baseline is not JSON: {error.msg}", error.lineno, error.colno
         ) from None
-    except (RecursionError, ValueError):
+    except RecursionError:
         raise _wrong(path, "the JSON is nested too deep for a baseline") from None
+    except ValueError:  # more digits than Python reads
+        place = long_number(text, path)
+        message = "a number with more than 4300 digits"
+        raise _wrong(path, message, place.line, place.column) from None
     if not isinstance(document, dict) or document.get("format") != _FORMAT:
         raise _wrong(path, f'a baseline begins with {{"format": "{_FORMAT}"')
     version = document.get("version")

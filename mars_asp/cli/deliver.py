@@ -7,13 +7,16 @@ is there, so that a verb that was ended, or that somebody's code broke off, leav
 import errno
 import io
 import os
+import stat
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple
 
+from mars_asp.diagnostic import refusal
 from mars_asp.output import Begun, GrowingFile, replace_together, visible, write_whole
+from mars_asp.reading import files_read
 
 _OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
 _GROW, _LINE, _PART, _WHOLE = b"l", b"n", b"p", b"w"
@@ -25,6 +28,8 @@ _pipe: int | None = None
 _writer: int | None = None
 #: The file that grows by lines, in the process that writes.
 _growing: GrowingFile | None = None
+#: The identities of outputs.
+_claimed: set[object] = set()
 #: What several threads send must not be mixed.
 _sending = threading.Lock()
 
@@ -46,11 +51,13 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
 
     Raises:
         OSError: it cannot be written, or holds something else by now.
+        MarsError: it was read as an input, or is another output.
     """
+    if read is None:
+        _claim(path)
     raw = content.encode(errors="backslashreplace") if isinstance(content, str) else content
     file = File(path, raw, None if read is None else _digest(read))
     if _pipe is None:
-        end_growing()
         _write(file)
         return
     header = f"{os.fsencode(path).hex()} {file.read or ''}"
@@ -77,12 +84,14 @@ def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
 def grow_file(path: str, kept: int, size: int) -> None:
     """Begin to write lines to a file, behind the first `kept` of its `size` bytes.
 
-    It is closed before files are written whole, of which it may be one.
+    It is locked until a file of its path is written whole, or the command ends.
 
     Raises:
         OSError: it cannot be written.
+        MarsError: it was read as an input.
     """
     global _growing  # noqa: PLW0603 -- there is one
+    _check_unread(path)
     if _pipe is None:
         _growing = GrowingFile(path, kept, size)
         return
@@ -107,6 +116,46 @@ def end_growing() -> None:
     if _growing is not None:
         _growing.close()
         _growing = None
+
+
+def file_key(path: str) -> object:
+    """Return the identity of a file, however it is named; None of one that is not regular."""
+    try:
+        status = os.stat(path)  # noqa: PTH116 -- a path that may be no text
+    except (OSError, ValueError):
+        return os.path.realpath(path)
+    return (status.st_dev, status.st_ino) if stat.S_ISREG(status.st_mode) else None
+
+
+def begin_outputs() -> None:
+    """Begin a command, which has read and written no file yet."""
+    files_read.clear()
+    _claimed.clear()
+
+
+def _check_unread(path: str) -> object:
+    """Return the identity of an output.
+
+    Raises:
+        MarsError: it was read as an input.
+    """
+    key = file_key(path)
+    if key in files_read:
+        message = f"`{path}` was read as an input of this command"
+        raise refusal("usage", message, path, "give the output another name")
+    return key
+
+
+def _claim(path: str) -> None:
+    """Note an output.
+
+    Raises:
+        MarsError: it was read as an input, or is another output.
+    """
+    key = _check_unread(path)
+    if key is not None and key in _claimed:
+        raise refusal("usage", f"`{path}` is written twice", path, "give each output its own name")
+    _claimed.add(key)
 
 
 class Parts:
@@ -140,7 +189,9 @@ def streamed(path: str) -> Iterator[Parts]:
 
     Raises:
         OSError: it cannot be written.
+        MarsError: it was read as an input, or is another output.
     """
+    _claim(path)
     if _pipe is not None:
         named = os.fsencode(path).hex().encode()
         file = Parts(lambda part: _send(_PART, named + b"\n" + part))
@@ -337,7 +388,6 @@ class Told:
             BrokenPipeError: nobody reads standard output any more.
         """
         status = self.status or 0
-        end_growing()
         for path in sorted(self._whole):
             try:
                 if path in self._unwritten:
@@ -357,6 +407,7 @@ class Told:
                 named = error.filename if isinstance(error.filename, str) else path
                 _say_unwritten(f"`{visible(named)}`", error)
                 status = 2
+        end_growing()
         if self.output:
             try:
                 _write_out(self.output)
@@ -383,6 +434,11 @@ def _write_out(chunks: list[bytes]) -> None:
 def _write(file: File) -> None:
     if file.read is not None:
         _check_unchanged(file)
+    if _growing is not None and _growing.path == file.path:
+        _growing.check_own()
+        write_whole(file.path, file.content)
+        end_growing()
+        return
     write_whole(file.path, file.content)
 
 

@@ -10,8 +10,9 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from mars_asp.cli.deliver import begin_outputs, file_key
 from mars_asp.cli.report import report_error
-from mars_asp.diagnostic import MarsError
+from mars_asp.diagnostic import MarsError, refusal
 from mars_asp.output import visible
 
 #: Where the control groups of Linux are, and the files in them that tell how much memory theirs
@@ -19,11 +20,18 @@ from mars_asp.output import visible
 _GROUPS = Path("/sys/fs/cgroup")
 _MOST = ("memory.max", "memory.limit_in_bytes")
 _MEGABYTE = 1 << 20
+#: The options that name files to write, and the words and options that name files to read.
+_OUTPUTS = ("output", "plot", "replay", "report", "record", "write_baseline", "junit")
+_INPUTS = (
+    *("files", "file", "old", "new", "specification", "configuration", "paths", "scenario"),
+    *("sources", "rules"),
+)
 
 
 def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
     """Run a verb here; report what it raises and return its exit status."""
     try:
+        check_outputs(arguments)
         return run(arguments)
     except MarsError as error:
         report_error(error, arguments)
@@ -46,6 +54,29 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
         name = "the output" if error.filename is None else f"`{visible(str(error.filename))}`"
         print(f"mars-asp: {name}: {error.strerror or error}", file=sys.stderr)
         return 2
+
+
+def check_outputs(arguments: argparse.Namespace) -> None:
+    """Check, before anything runs, that no option names an input or another output to write.
+
+    Raises:
+        MarsError: one does.
+    """
+    begin_outputs()
+    given = vars(arguments)
+    named = {each: given[each] for each in _OUTPUTS if given.get(each) not in (None, "-")}
+    if not named:
+        return
+    words = [given[each] for each in _INPUTS if given.get(each) is not None]
+    words = [word for each in words for word in ([each] if isinstance(each, str) else each)]
+    # What comes twice through a pipe or a folder is another matter.
+    used = {file_key(word): word for word in words}
+    for path in named.values():
+        key = file_key(path)
+        if key is not None and key in used:
+            message = f"`{path}` is also `{used[key]}` of the same command"
+            raise refusal("usage", message, path, "give each output a name of its own")
+        used[key] = path
 
 
 def seconds_to_search(arguments: argparse.Namespace) -> float | None:

@@ -60,6 +60,8 @@ _CONTAINERS = frozenset({"ComposableNodeContainer", "LoadComposableNodes"})
 _ENTRY = "generate_launch_description"
 #: How often a file is read, each time by other branches of its conditions.
 _MOST_READINGS = 64
+#: To find an action counts as so many steps of evaluation.
+_STEPS_OF_ACTION = 8
 
 
 def read_python(text: str, path: str) -> tuple[Action, ...]:
@@ -154,7 +156,7 @@ class _Reader(Evaluator):
 
     def interpret(self, value: Value, conditional: bool) -> Iterator[Action]:
         """Yield the actions that a value is or holds."""
-        self.steps += 1
+        self.steps += _STEPS_OF_ACTION
         if self.steps > 2 * MOST_STEPS:
             return
         match value:

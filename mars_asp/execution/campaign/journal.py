@@ -7,11 +7,13 @@ line without its end is cut off, and so is a summary.
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any, NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.execution.campaign.grid import Run, run_name
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED, PASS
+from mars_asp.toml_text import unusable_part
 
 FORMAT, VERSION = "mars-campaign", 1
 #: What else of a run is compared and counted.
@@ -122,7 +124,7 @@ def _is_run(found: Mapping[str, Any]) -> bool:
         and isinstance(found.get("vary"), dict)
         and found.get("verdict") in (PASS, FAIL, NOT_DECIDED)
         and isinstance(found.get("collisions"), int | None)
-        and isinstance(found.get("min_clearance_mm"), int | float | None)
+        and _is_finite(found.get("min_clearance_mm") or 0)
         and _is_times(found.get("control_time"))
         and isinstance(judged, list)
         and all(map(_is_requirement, judged))
@@ -130,7 +132,11 @@ def _is_run(found: Mapping[str, Any]) -> bool:
 
 
 def _is_times(found: object) -> bool:
-    return isinstance(found, dict) and all(isinstance(t, int | float) for t in found.values())
+    return isinstance(found, dict) and all(map(_is_finite, found.values()))
+
+
+def _is_finite(found: object) -> bool:
+    return isinstance(found, int | float) and isfinite(found)
 
 
 def _is_requirement(found: object) -> bool:
@@ -153,7 +159,7 @@ def _object(line: bytes) -> dict[str, Any] | None:
         found = json.loads(line)
     except (ValueError, RecursionError):
         return None
-    return found if isinstance(found, dict) else None
+    return found if isinstance(found, dict) and unusable_part(found) is None else None
 
 
 def _line(value: Mapping[str, Any]) -> bytes:

@@ -16,7 +16,9 @@ from typing import Any, NamedTuple, TypeAlias
 from mars_asp.diagnostic import MarsError, point, refusal
 from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import Mistake, mistakes
+from mars_asp.output import encodable
 from mars_asp.spelling import nearest
+from mars_asp.toml_text import unusable_part
 
 #: Values by their dotted keys.
 Changes: TypeAlias = Mapping[str, Any]
@@ -26,6 +28,8 @@ CHANGED = point("--vary", 1, 1)
 #: What a module is switched by; it is no key of a scenario.
 MODULES = "modules"
 ON, OFF = "on", "off"
+#: No key of a scenario has so many parts.
+_MOST_PARTS = 100
 #: A module that is off: from the first event to the last.
 _SILENT = {"kind": "silent", "from": 0, "until": inf}
 _HELP = (
@@ -75,6 +79,10 @@ def read_axis(text: str) -> Axis:
     """
     key, equals, written = text.partition("=")
     key = key.strip()
+    if encodable(text) != text:
+        raise _refused(f"`{text}` is not UTF-8", _HELP)
+    if key.count(".") > _MOST_PARTS:
+        raise _refused(f"`{key}` has more than {_MOST_PARTS} parts", _HELP)
     try:
         path = _path(key)
         if path[0] == MODULES:
@@ -82,8 +90,10 @@ def read_axis(text: str) -> Axis:
         else:
             tables = tomllib.loads(f"values = [{written}\n]")
             values = tables["values"] if tables.keys() == {"values"} else []
-    except ValueError:
+    except (ValueError, RecursionError):
         path, values = (), []
+    if (unusable := unusable_part(values)) is not None:
+        raise _refused(f"`{key}` has {unusable[1]}", _HELP)
     if not equals or not path or not values:
         raise _refused(f"`{text}` is not a key and its values", _HELP)
     if key == "seed":
