@@ -104,7 +104,7 @@ FILES = {
     "execution/recording": "frame lanes signs picture record mcap replay",
     "lsp": (
         "places words mentions robot rule_text rules actions references rename symbols hover "
-        "completion lenses questions protocol workers desk server"
+        "completion lenses questions protocol workers client_errors desk server"
     ),
     "cli": (
         "deliver encode layout arguments again lines account live watch pace progress outputs "

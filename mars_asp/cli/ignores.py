@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.diagnostic import Span
-from mars_asp.language.parse import plain_lines
+from mars_asp.language.parse import MOST_BYTES, plain_lines
 from mars_asp.model.names import QUOTED
-from mars_asp.reading import unsaved_bytes
+from mars_asp.reading import read_file, unsaved_bytes
 
 # Few files have such comments, so no pattern is compiled before one does.
 #: What a file must hold to be looked into, in single bytes and in both orders of UTF-16.
@@ -92,8 +92,8 @@ def ignores_of(path: str) -> Iterator[Ignore]:
     raw = unsaved_bytes(Path(path))
     if raw is None:
         try:
-            raw = Path(path).read_bytes()
-        except OSError:
+            raw = read_file(path, MOST_BYTES, path)
+        except (OSError, ValueError):
             return
     if re.search(_MARK, raw) is not None:
         yield from ignores_in(path, plain_lines(decoded(raw)))

@@ -7,6 +7,7 @@ import argparse
 import gc
 import pickle
 import sys
+from contextlib import suppress
 from importlib.util import find_spec
 
 #: It goes on for as long as the editor does; each analysis has a process with limits of its own.
@@ -35,6 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
         told = "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
         print(f"mars-asp lsp: {told}", file=sys.stderr)
         return 2
+    from mars_asp.cli.limits import limit_memory, memory_limit
     from mars_asp.lsp.server import serve
     from mars_asp.lsp.workers import Workers
 
@@ -45,5 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     start = "from mars_asp.cli.lsp_answers import main; main()"
     command = (sys.executable, "-P", "-c", f"import sys; sys.path[:] = {sys.path!r}; {start}")
     seconds = arguments.time_limit or _SECONDS
+    with suppress(OSError, ValueError):
+        limit_memory(memory_limit(arguments))
     serve(Workers(command, pickle.dumps(arguments), seconds, _AT_A_TIME))
     return 0

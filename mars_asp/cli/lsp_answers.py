@@ -102,6 +102,8 @@ def answer(question: Question, options: argparse.Namespace) -> Any:
         return Failed("it is nested too deep")
     except TimeoutError:
         return Failed("it took too long")
+    except OSError as error:
+        return Failed(error.strerror or "a file cannot be read")
     except Exception as error:  # whatever it is, the next question is to be answered
         return Failed(f"a fault of ours, please report it: {error!r:.300}")
 

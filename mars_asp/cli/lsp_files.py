@@ -5,11 +5,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mars_asp.annotations.files import MOST_BYTES
 from mars_asp.cli.ignores import decoded
 from mars_asp.diagnostic import Diagnostic, Span, brief
 from mars_asp.lsp.places import Edit, Place, Position, Range, Text
 from mars_asp.lsp.robot import Finding
-from mars_asp.reading import unsaved_bytes
+from mars_asp.reading import read_file, unsaved_bytes
 from mars_asp.reasoning.rules import rules_directory
 
 _START = Range(Position(0, 0), Position(0, 0))
@@ -30,9 +31,13 @@ class Files:
         path = os.path.abspath(path)  # noqa: PTH100 -- links stay as they are named
         if path not in self.known:
             raw = unsaved_bytes(Path(path))
-            if raw is None and not Path(path).is_file():
+            try:
+                raw = read_file(path, MOST_BYTES, path) if raw is None else raw
+            except (OSError, ValueError):
                 return None
-            self.known[path] = Text(path, decoded(Path(path).read_bytes() if raw is None else raw))
+            if len(raw) > MOST_BYTES:
+                return None
+            self.known[path] = Text(path, decoded(raw))
         return self.known[path]
 
     def place(self, span: Span) -> Place | None:

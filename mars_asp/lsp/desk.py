@@ -1,7 +1,6 @@
 """What an editor has open, and what is known of it: texts, robots, findings, rules."""
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 
 from mars_asp.lsp.actions import Action
 from mars_asp.lsp.mentions import is_configuration, outline
@@ -9,6 +8,7 @@ from mars_asp.lsp.questions import Survey
 from mars_asp.lsp.robot import Finding, Robot, Scene
 from mars_asp.lsp.rule_text import RuleText, is_rules, rule_text
 from mars_asp.lsp.rules import Rules
+from mars_asp.reading import read_file
 
 _ENCODINGS = ("utf-8-sig", "latin-1")
 
@@ -118,9 +118,13 @@ class Desk:
 
 def _is_saved(path: str, text: str) -> bool:
     """Whether the disk has a text, in whichever encoding."""
+    # No encoding takes more for a character, and a mark before them all.
+    most = 4 * len(text) + 4
     try:
-        raw = Path(path).read_bytes()
-    except OSError:
+        raw = read_file(path, most, path)
+    except (OSError, ValueError):
+        return False
+    if len(raw) > most:
         return False
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         return raw.decode("utf-16", "replace") == text

@@ -81,7 +81,10 @@ class Protocol:
 
 def path_of(uri: str) -> str | None:
     """Return the path of a file; nothing where a text is none."""
-    path = to_fs_path(uri) if uri.startswith("file:") else None
+    try:
+        path = to_fs_path(uri) if uri.startswith("file:") else None
+    except ValueError:
+        path = None
     return None if path is None or "\0" in path else path
 
 

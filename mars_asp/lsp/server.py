@@ -20,6 +20,7 @@ from pygls.uris import from_fs_path
 
 from mars_asp import __version__
 from mars_asp.lsp.actions import Action, actions_at, mended, respelt
+from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError
 from mars_asp.lsp.completion import Completions, completion, rule_completion
 from mars_asp.lsp.desk import Desk
 from mars_asp.lsp.hover import hover, hover_rules
@@ -71,7 +72,7 @@ def serve(workers: Workers) -> None:
         server.feature(method, options)(_function(handler))
     server.command(EXPLAIN)(_function(server.explain))
     try:
-        server.start_io(given, answers)
+        server.start_io(BoundedInput(given), answers)  # type: ignore[arg-type]
     finally:
         workers.end()
 
@@ -98,7 +99,10 @@ class _Server(LanguageServer):
 
     def __init__(self, workers: Workers) -> None:
         super().__init__(
-            "mars-asp", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full
+            "mars-asp",
+            __version__,
+            text_document_sync_kind=types.TextDocumentSyncKind.Full,
+            protocol_cls=CheckedProtocol,
         )
         self._workers = workers
         self._desk = Desk()
@@ -140,10 +144,28 @@ class _Server(LanguageServer):
         ]
 
     def report_server_error(self, error: Exception, source: type[Exception]) -> None:
-        """Report a fault of ours; what is refused is told where it was asked for."""
-        if getattr(error, "code", None) != types.LSPErrorCodes.RequestFailed:
+        """Report errors of the client to the client, and internal ones on standard error."""
+        if isinstance(error, ClientError):
+            self._refuse(error)
+        elif isinstance(error, RecursionError | MemoryError):
+            code = types.LSPErrorCodes.RequestFailed
+            self._refuse(ClientError(None, code, "a message is nested too deep, or too large"))
+        elif source is JsonRpcException and isinstance(error, ValueError):
+            message = f"a message is not JSON: {error!s:.200}"
+            self._refuse(ClientError(None, types.ErrorCodes.ParseError, message))
+        # Where a request is refused, it was answered so.
+        elif not isinstance(error, JsonRpcException):
             told = f"a fault of ours, please report it: {error!r:.300}"
             print(f"mars-asp lsp: {told}", file=sys.stderr, flush=True)
+
+    def _refuse(self, error: ClientError) -> None:
+        """Report what is wrong with a message: to its request, and else as a line of the log."""
+        if error.request is None:
+            about = types.LogMessageParams(types.MessageType.Error, f"mars-asp: {error.message}")
+            self.window_log_message(about)
+        if error.request is not None or error.code == types.ErrorCodes.ParseError:
+            found = types.ResponseError(int(error.code), error.message)
+            self.protocol._send_response(error.request, None, found)  # type: ignore[arg-type]
 
     # ---- What is open ----------------------------------------------------------------------------
 

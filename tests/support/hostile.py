@@ -24,10 +24,13 @@ from tests.support.documents import ROOT
 SECRET = "hunter2"
 #: Megabytes and seconds that no command may need.
 MEMORY, SECONDS = 1500, 60
-_WRONG = re.compile(rb"Traceback|fault of ours|internal error|[A-Z][a-z]{1,20}Error\(|reasoner crashed")
+_WRONG = re.compile(
+    rb"Traceback|fault of ours|internal error|[A-Z][a-z]{1,20}Error\(|reasoner crashed"
+)
 FLAT = "@configuration flat\n@modules A, B\nA is_controlled_by B 1\n"
 SCENARIO = (
-    'seed = 1\nduration = 1\n[robot]\nmodule = "MobilePlatform"\nradius = {}\nstart = [0, 0, 0]\n[world]\nwalls = []\n'
+    'seed = 1\nduration = 1\n[robot]\nmodule = "MobilePlatform"\nradius = {}\n'
+    "start = [0, 0, 0]\n[world]\nwalls = []\n"
 )
 LAUNCH = """from launch import LaunchDescription
 from launch_ros.actions import Node

@@ -1,0 +1,125 @@
+"""What is wrong with messages of a client, which is told so, and bounds on what it may send."""
+
+from collections import deque
+from typing import Any, BinaryIO
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException
+from pygls.protocol import LanguageServerProtocol
+
+#: Bytes of a message, far above those of any text, and of a line before one.
+MOST_BYTES = 128 * 1024 * 1024
+_MOST_LINE = 4096
+_TOO_LARGE = b'"too large"'
+_NO_LENGTH = b'"no length"'
+_HEADERS = (b"content-length:", b"content-type:")
+_ABOUT_OPEN = (
+    types.TEXT_DOCUMENT_DID_CHANGE,
+    types.TEXT_DOCUMENT_DID_CLOSE,
+    types.TEXT_DOCUMENT_DID_SAVE,
+)
+
+
+class ClientError(Exception):
+    """A message that cannot be answered: the request that it is, if any, a code, and why."""
+
+    def __init__(self, request: object, code: int, message: str) -> None:
+        """Take them."""
+        super().__init__(message)
+        self.request = request if isinstance(request, int | str) else None
+        self.code, self.message = code, message
+
+
+class BoundedInput:
+    """What a client sends; messages that are too large, or without a length, are replaced."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        """Take the file that messages are read from."""
+        self._file = file
+        self._lines: deque[bytes] = deque()
+        self._body: bytes | None = None
+
+    def readline(self) -> bytes:
+        """Return the next line before a message; nothing at the end."""
+        if self._lines:
+            return self._lines.popleft()
+        line = self._file.readline(_MOST_LINE)
+        name, _, value = line.lower().partition(b":")
+        number = value.strip()
+        if line.strip() and not line.lower().startswith(_HEADERS):
+            return self._replace(_NO_LENGTH)
+        if name == b"content-length":
+            if not (number.isdigit() and len(number) < 16 and int(number)):
+                return self._replace(_NO_LENGTH)
+            # Other spellings of the header are no less right.
+            return b"Content-Length: %d\r\n" % int(number)
+        return line if line.strip() else b"\r\n" * bool(line)
+
+    def _replace(self, body: bytes) -> bytes:
+        self._body = body
+        self._lines.append(b"\r\n")
+        return b"Content-Length: %d\r\n" % len(body)
+
+    def read(self, size: int) -> bytes:
+        """Return a message, or what stands for one that is too large."""
+        if self._body is not None:
+            body, self._body = self._body, None
+            return body
+        if size <= MOST_BYTES:
+            return self._file.read(size)
+        while size > 0 and (part := self._file.read(min(size, 1 << 20))):
+            size -= len(part)
+        return _TOO_LARGE
+
+
+class CheckedProtocol(LanguageServerProtocol):
+    """Raises `ClientError` for messages that break the protocol."""
+
+    _is_begun = False
+
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        """Return a message as a value."""
+        if "jsonrpc" in data:
+            identity, method = data.get("id", 0), data.get("method", "")
+            if isinstance(identity, bool) or not isinstance(identity, int | str):
+                message = "the `id` of a message is a number or a text"
+                raise ClientError(None, types.ErrorCodes.InvalidRequest, message)
+            if not isinstance(method, str):
+                message = "the `method` of a message is a text"
+                raise ClientError(identity, types.ErrorCodes.InvalidRequest, message)
+        try:
+            return super().structure_message(data)
+        except (JsonRpcException, TypeError) as error:
+            method = data.get("method")
+            message = f"the message `{method!s:.100}` has not the form that the protocol gives it"
+            code = types.ErrorCodes.InvalidParams
+            raise ClientError(data.get("id"), code, message) from error
+
+    def handle_message(self, message: Any) -> None:
+        """Answer a message, if it may come now."""
+        method, request = getattr(message, "method", None), getattr(message, "id", None)
+        invalid = types.ErrorCodes.InvalidRequest
+        if getattr(message, "jsonrpc", None) != self.VERSION:
+            raise ClientError(request, invalid, _reason(message))
+        if method == types.INITIALIZE:
+            if self._is_begun:
+                raise ClientError(request, invalid, "the server was initialized before")
+            self._is_begun = True
+        elif method is not None and method != types.EXIT and not self._is_begun:
+            code = types.ErrorCodes.ServerNotInitialized
+            raise ClientError(request, code, f"`{method!s:.100}` came before `initialize`")
+        elif self._shutdown and request is not None and method is not None:
+            raise ClientError(request, invalid, f"`{method!s:.100}` came after `shutdown`")
+        if method in _ABOUT_OPEN:
+            uri = message.params.text_document.uri
+            if uri not in self.workspace.text_documents:
+                raise ClientError(None, invalid, f"`{method}`: `{uri:.300}` is not open")
+        super().handle_message(message)
+
+
+def _reason(message: object) -> str:
+    if message == _TOO_LARGE.decode().strip('"'):
+        return f"a message has more than {MOST_BYTES} bytes, so it was dropped"
+    if message == _NO_LENGTH.decode().strip('"'):
+        return "a message begins with `Content-Length: N` and an empty line"
+    return 'a message is an object with `"jsonrpc": "2.0"`'
