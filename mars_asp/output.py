@@ -21,6 +21,9 @@ if sys.platform != "win32":
 _TEMPORARY = ".mars-asp."
 #: The whole name of one: 16 random digits, and its inode.
 _OF_INODE = re.compile(re.escape(_TEMPORARY) + "[0-9a-f]{16}[.]([0-9a-f]{1,16})")
+#: What opens a link, a picture, HTML, a character or code in Markdown, and a block in a line.
+_SIGN = re.compile(r"[\\<>\[\]&`]")
+_FIRST = re.compile(r"(?m)^( {0,3}[0-9]{0,9})([#+=|~*.)-])")
 _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
 
 
@@ -32,6 +35,23 @@ def visible(text: str) -> str:
     if text.isascii() and text.isprintable():
         return text
     return "".join(map(_visible_character, text))
+
+
+def markdown(text: str) -> str:
+    """Return a text that Markdown shows as it is, but for code between backticks.
+
+    It begins no list or heading, and holds no link, picture or HTML.
+    """
+    parts = re.split(r"(`[^`\n]+`)", text)
+    parts[::2] = [_SIGN.sub(r"\\\g<0>", part) for part in parts[::2]]
+    return _FIRST.sub(r"\1\\\2", "".join(parts))
+
+
+def fenced(text: str, language: str = "text") -> str:
+    """Return a text as a block of code, which nothing in it ends."""
+    longest = max(map(len, re.findall("`+", text)), default=0)
+    fence = "`" * max(3, longest + 1)
+    return f"{fence}{language}\n{text}\n{fence}"
 
 
 def encodable(text: str) -> str:

@@ -47,11 +47,11 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
         raise _wrong(point(path, line, column), str(error).split(" (at")[0], code) from None
     except RecursionError:
-        place = _place(text, _NESTED, path)
-        raise _wrong(place, "its lists and tables are nested too deep", code) from None
+        where = _place(text, _NESTED, path)
+        raise _wrong(where, "its lists and tables are nested too deep", code) from None
     except ValueError:  # more digits than Python reads
-        place = long_number(text, path)
-        raise _wrong(place, "a number with more than 4300 digits", code) from None
+        where = long_number(text, path)
+        raise _wrong(where, "a number with more than 4300 digits", code) from None
     if (unusable := unusable_part(tables)) is not None:
         raise _wrong(Places(text, path).of(*unusable[0]), unusable[1], code)
     return tables

@@ -1,11 +1,13 @@
 """Files are written whole, and no file of the user is removed."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from mars_asp.output import Begun, GrowingFile, write_whole
+from mars_asp.output import Begun, GrowingFile, fenced, markdown, write_whole
 
 
 def test_only_temporary_files_of_killed_commands_are_removed(tmp_path: Path) -> None:
@@ -21,7 +23,7 @@ def test_only_temporary_files_of_killed_commands_are_removed(tmp_path: Path) -> 
     write_whole(str(tmp_path / "out.mars"), "whole")
     assert (tmp_path / "out.mars").read_text() == "whole"
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
-        (*users, ".mars-asp.link", "mine", "out.mars", writing._temporary.name)
+        (*users, ".mars-asp.link", "mine", "out.mars", Path(str(writing._temporary)).name)
     )
     writing.drop()
 
@@ -65,3 +67,32 @@ def test_what_is_not_a_regular_file_does_not_grow(tmp_path: Path) -> None:
     for path in (tmp_path / "fifo", tmp_path, Path("/dev/null")):
         with pytest.raises(OSError):
             GrowingFile(str(path), 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("`{A}` needs `x < y`: see [1]", r"`{A}` needs `x < y`: see \[1\]"),
+        ("<img src=x onerror=y>", r"\<img src=x onerror=y\>"),
+        ("![a](http://x)", r"!\[a\](http://x)"),
+        ("a `b\n<c> `d`", "a \\`b\n\\<c\\> `d`"),
+        ("&lt; \\", r"\&lt; \\"),
+        ("# one\n- two\n  3. three\n4 four", "\\# one\n\\- two\n  3\\. three\n4 four"),
+    ],
+)
+def test_markdown_of_others_is_shown_as_it_is_written(text: str, shown: str) -> None:
+    assert markdown(text) == shown
+
+
+def test_code_does_not_end_its_block() -> None:
+    assert fenced("a ``` b\n````", "text") == "`````text\na ``` b\n````\n`````"
+
+
+@pytest.mark.parametrize(
+    "words", ["check gone.mars", "nothing", "check --nothing", "rules lint gone"]
+)
+def test_a_full_standard_error_is_status_2(words: str) -> None:
+    command = [sys.executable, "-m", "mars_asp", *words.split()]
+    with open("/dev/full", "w") as full:  # noqa: PTH123 -- no file
+        done = subprocess.run(command, stderr=full, stdout=subprocess.DEVNULL, check=False)
+    assert done.returncode == 2

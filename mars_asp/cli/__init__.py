@@ -8,6 +8,7 @@ import os
 import sys
 import time
 from collections.abc import Sequence
+from typing import TextIO
 
 from mars_asp import __version__
 from mars_asp.cli.arguments import ALIASES, USAGE, VERBS, help_text, parser_of, unknown_verb
@@ -23,19 +24,23 @@ def run_command(words: Sequence[str]) -> int:
         except SystemExit as exit_:  # argparse printed help or what is wrong
             status = int(exit_.code or 0)
         sys.stdout.flush()
+        sys.stderr.flush()
     except BrokenPipeError:
-        _close_output()
+        _discard(sys.stdout)
         return CLOSED_PIPE
     except OSError as error:
-        _close_output()
-        print(f"mars-asp: standard output: {error.strerror or error}", file=sys.stderr)
+        _discard(sys.stdout)
+        try:
+            print(f"mars-asp: standard output: {error.strerror or error}", file=sys.stderr)
+        except OSError:  # it is standard error that is full
+            _discard(sys.stderr)
         return USAGE
     return status
 
 
-def _close_output() -> None:
-    """Give what is left in the buffer a dead end, for it has nowhere to go."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _discard(stream: TextIO) -> None:
+    """Give what is left in the buffer of a stream a dead end, as nothing takes it."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def run_here(words: Sequence[str]) -> int:

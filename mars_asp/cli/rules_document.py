@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
+from urllib.parse import quote
 
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
@@ -11,7 +12,7 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, plain
 from mars_asp.cli.deliver import write_file
-from mars_asp.output import visible
+from mars_asp.output import fenced, markdown, visible
 from mars_asp.reasoning.findings import EXPANSIONS
 from mars_asp.reasoning.rules import BASE, STAGES, seal
 
@@ -53,7 +54,8 @@ def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, fol
         listed += [f"## {stage}", "", f"{PURPOSES[stage]}.", ""] if files else []
         for path, outline in files:
             name = f"{file_name(path, stage).replace('/', '-')}.md"
-            listed.append(f"- [{file_name(path, stage)}]({name}): {visible(outline.title)}")
+            title = markdown(visible(outline.title))
+            listed.append(f"- [{markdown(file_name(path, stage))}]({quote(name)}): {title}")
             page = _page(rulebook, path, stage, outline)
             write_file(str(Path(folder) / name), safe(page.replace("## ", "# ", 1)))
         listed += [""] if files else []
@@ -63,8 +65,8 @@ def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, fol
 
 def file_document(path: str, stage: str, outline: Outline) -> str:
     """Return what there is to say of a file of rules."""
-    parts = [f"## {file_name(path, stage)}", outline.title, path]
-    lines = [f"Purpose: {outline.purpose}"] if outline.purpose else []
+    parts = [f"## {markdown(file_name(path, stage))}", markdown(outline.title), markdown(path)]
+    lines = [f"Purpose: {markdown(outline.purpose)}"] if outline.purpose else []
     for name, predicates in predicates_of(outline):
         if predicates:
             lines.append(f"{name.capitalize()}: {', '.join(f'`{p}`' for p in predicates)}")
@@ -87,24 +89,24 @@ def safe(text: str) -> str:
 
 def rule_document(rule: Rule, heading: str) -> str:
     """Return what there is to say of a rule, below a heading such as `##`."""
-    parts = [f"{heading} {rule.id}", rule.because or "no message"]
+    parts = [f"{heading} {markdown(rule.id)}", markdown(rule.because or "no message")]
     if rule.effect:
-        parts.append(f"Effect: {rule.effect}")
+        parts.append(f"Effect: {markdown(rule.effect)}")
     if rule.help:
-        parts.append(f"Help: {rule.help}")
+        parts.append(f"Help: {markdown(rule.help)}")
     if rule.why:
-        parts.append(f"Why: {rule.why}")
-    parts += [f"{key.capitalize()}: `{listed}`" for key, listed in rule.lists]
+        parts.append(f"Why: {markdown(rule.why)}")
+    parts += [f"{key.capitalize()}: {markdown(f'`{listed}`')}" for key, listed in rule.lists]
     if rule.example:
-        parts.append(f"Example: {rule.example}")
-    parts.append(f"{rule.span.path}:{rule.span.line}")
-    return "\n\n".join([*parts, f"```clingo\n{plain(rule.text)}\n```"])
+        parts.append(f"Example: {markdown(rule.example)}")
+    parts.append(markdown(f"{rule.span.path}:{rule.span.line}"))
+    return "\n\n".join([*parts, fenced(plain(rule.text), "clingo")])
 
 
 def predicate_document(declaration: Declaration) -> str:
     """Return what is declared of a predicate."""
     sentences = {"says": declaration.says, "unless": declaration.unless}
-    said = [f"{key}: {sentence}" for key, each in sentences.items() for sentence in each]
+    said = [f"{key}: {markdown(each)}" for key, found in sentences.items() for each in found]
     origin = declaration.attribution or declaration.origin
     said += [f"from: {origin}"] if origin else []
     said += (f"key: {', '.join(key) or 'nothing'}" for key in declaration.named_keys)
@@ -113,7 +115,12 @@ def predicate_document(declaration: Declaration) -> str:
     said += [] if declaration.cited else ["cited: never"]
     said += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]
     place = f"{declaration.span.path}:{declaration.span.line}"
-    parts = (f"## {declaration.written}", declaration.words, "\n".join(said), place)
+    parts = (
+        f"## {markdown(declaration.written)}",
+        markdown(declaration.words),
+        "\n".join(said),
+        markdown(place),
+    )
     return "\n\n".join(filter(None, parts))
 
 

@@ -13,6 +13,7 @@ from mars_asp.lsp.robot import Described, Finding, Scene, behind
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
 from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, Word
+from mars_asp.output import fenced, markdown
 
 _WORD = re.compile(r"@?[A-Za-z_]\w*")
 _METADATA = re.compile(r"\s*%!\s*([a-z]+)\s*:")
@@ -55,7 +56,7 @@ def hover_rules(
     if mention is not None:
         place = mention.range
         for each in rules.predicates.get(mention.key, ()):
-            parts.append(f"{_code(each.written)}\n\n{each.words}".rstrip())
+            parts.append(f"{fenced(each.written, 'text')}\n\n{markdown(each.words)}".rstrip())
     else:
         line, column = here.text.column(position)
         match = _METADATA.match(here.text.lines[line - 1])
@@ -67,15 +68,16 @@ def hover_rules(
 
 def word_text(word: Word) -> str:
     """Return what there is to say of a word."""
-    return f"{_code(word.written)}\n\n{word.meaning}"
+    return f"{fenced(word.written, 'text')}\n\n{word.meaning}"
 
 
 def finding_text(finding: Finding, traces: Mapping[str, str]) -> str:
     """Return a finding with its short trace, where that is known."""
-    lines = [f"**{finding.severity}**: {finding.message} `[{finding.code}]`"]
-    lines += [each for each in (finding.effect, finding.help and f"help: {finding.help}") if each]
+    lines = [f"**{finding.severity}**: {markdown(finding.message)} `[{finding.code}]`"]
+    texts = (finding.effect, finding.help and f"help: {finding.help}")
+    lines += [markdown(each) for each in texts if each]
     trace = traces.get(finding.title or "")
-    return "\n\n".join([*lines, *([_code(trace)] if trace else [])])
+    return "\n\n".join([*lines, *([fenced(trace)] if trace else [])])
 
 
 def module_text(scene: Scene, mention: Mention, position: Position) -> Iterator[str]:
@@ -95,10 +97,10 @@ def module_text(scene: Scene, mention: Mention, position: Position) -> Iterator[
             elif port is not None and port.range.holds(position):
                 yield _port_text(described, port.name, port.is_output)
             else:
-                yield _code("\n".join(described.lines))
+                yield fenced("\n".join(described.lines))
             about = robot.consequences.get(name, ())
             if about:
-                yield "\n".join(f"- {each}" for each in about)
+                yield "\n".join(f"- {markdown(each)}" for each in about)
             return
 
 
@@ -106,7 +108,7 @@ def _port_text(described: Described, name: str, is_output: bool) -> str:
     ports = described.outputs if is_output else described.inputs
     sort = "output" if is_output else "input"
     if name in ports:
-        return f"{sort} `{name}` of\n\n{_code(chr(10).join(described.lines))}"
+        return f"{sort} `{name}` of\n\n{fenced(chr(10).join(described.lines), 'text')}"
     known = ", ".join(f"`{each}`" for each in ports) or "none"
     return f"no {sort} `{name}`; there are: {known}"
 
@@ -133,9 +135,3 @@ def _word_at(text: Text, position: Position) -> tuple[str, Range] | None:
         if match.start() <= column - 1 <= match.end():
             return match[0], text.within(line, *match.span())
     return None
-
-
-def _code(text: str) -> str:
-    """Return a block of text as it is; what it holds cannot end it."""
-    fence = "`" * (2 + max((len(run) for run in re.findall("`+", text)), default=1))
-    return f"{fence}text\n{text}\n{fence}"

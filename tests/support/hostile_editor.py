@@ -40,7 +40,20 @@ def _odd(rng: random.Random, depth: int = 0) -> Any:
     """Return a value of JSON that nothing expects."""
     if depth < 3 and rng.random() < 0.3:
         return {rng.choice(("uri", "line", "text", "x")): _odd(rng, depth + 1) for _ in "12"}
-    values = (None, True, -1, 2**31, 2**70, 1.5, "", "x", [], {}, "file:///dev/zero", "\ud800")
+    values: tuple[Any, ...] = (
+        None,
+        True,
+        -1,
+        2**31,
+        2**70,
+        1.5,
+        "",
+        "x",
+        [],
+        {},
+        "file:///dev/zero",
+        "\ud800",
+    )
     return rng.choice(values)
 
 
@@ -130,7 +143,7 @@ def converse(number: int, seed: int) -> tuple[list[str], float]:
         answers: list[bytes] = []
         hearing = threading.Thread(target=lambda: answers.extend(_answers(server.stdout)))
         hearing.start()
-        hello = {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}}
+        hello: dict[str, Any] = {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}}
         first = {"jsonrpc": "2.0", "id": "first", "method": "initialize", "params": hello}
         last = {"jsonrpc": "2.0", "id": "last", "method": "textDocument/hover", "params": {}}
         if rng.random() < 0.8:
