@@ -24,6 +24,8 @@ _STREAM = re.compile(r"/dev/(?:stdin|null|fd/[0-9]+)|/proc/self/fd/[0-9]+")
 _PIPE = re.compile(r"/proc/[0-9]+/fd/pipe:\[[0-9]+\]|/dev/null")
 #: What the folder of a repository holds, and that of a project in none.
 _MARKS = ((".git",), ("mars.toml", "pyproject.toml", "package.xml"))
+#: No system has longer paths.
+_MOST_PATH = 4096
 #: Seconds after which no process will write into a named pipe any more.
 _PIPE_SECONDS = 5
 OUTSIDE = "it lies outside of the project and of the working folder"
@@ -89,6 +91,8 @@ def check_walls(path: str | Path, named_in: str | None = None) -> None:
         WallError: it is the kernel's, or lies outside.
     """
     written = os.fspath(path)
+    if len(written) > _MOST_PATH:
+        raise WallError(written, os.strerror(errno.ENAMETOOLONG))
     real = os.path.realpath(written)
     if named_in is None and (_STREAM.fullmatch(written) or _PIPE.fullmatch(real)):
         return
@@ -132,7 +136,8 @@ def _roots(folder: str) -> tuple[str, ...]:
     A home folder, or one above it, is no project: it holds all that a user has.
     """
     around = [Path(folder), *Path(folder).parents]
-    projects = [each for each in around if not holds_home(each)]
+    home = os.path.realpath(os.path.expanduser("~"))  # noqa: PTH111 -- there may be none
+    projects = [each for each in around if not _is_in(home, str(each))]
     for marks in _MARKS:
         for outer in projects:
             if any(os.path.exists(outer / mark) for mark in marks):  # noqa: PTH110 -- never raises

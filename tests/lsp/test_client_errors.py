@@ -1,0 +1,104 @@
+"""The language server reports a client's errors to the client, and reads regular files alone."""
+
+import json
+import subprocess
+import sys
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mars_asp.lsp import client_errors
+from mars_asp.lsp.client_errors import BoundedInput
+from mars_asp.lsp.desk import Desk
+from tests.support import hostile_editor
+from tests.support.hostile_editor import _framed
+
+HOVER = {"textDocument": {"uri": "file:///a.mars"}, "position": {"line": 0, "character": 0}}
+HELLO: dict[str, Any] = {"processId": None, "rootUri": None, "capabilities": {}}
+
+
+def request(identity: object, method: str, params: object = None) -> bytes:
+    return _framed({"jsonrpc": "2.0", "id": identity, "method": method, "params": params})
+
+
+def notice(method: str, **params: object) -> bytes:
+    return _framed({"jsonrpc": "2.0", "method": method, "params": params})
+
+
+#: What a client sends, and what tells it so: the answered request and a code, or a line of the log.
+MESSAGES: tuple[tuple[bytes, tuple[object, int] | str], ...] = (
+    (request(1, "textDocument/hover", HOVER), (1, -32002)),
+    (notice("initialized"), "came before `initialize`"),
+    (request(2, "initialize", HELLO), (2, 0)),
+    (request(3, "initialize", HELLO), (3, -32600)),
+    (request(4, "no/such"), (4, -32601)),
+    (request(5, "textDocument/hover", {"textDocument": 7}), (5, -32602)),
+    (request({"a": 1}, "textDocument/hover"), "the `id` of a message is a number or a text"),
+    (request(6, 7), (6, -32600)),  # type: ignore[arg-type]
+    (notice("textDocument/didOpen", textDocument=3), "has not the form that the protocol gives it"),
+    (
+        notice(
+            "textDocument/didChange",
+            textDocument={"uri": "file:///gone.mars", "version": 1},
+            contentChanges=[{"text": ""}],
+        ),
+        "`file:///gone.mars` is not open",
+    ),
+    (b"Content-Length: 1\r\n\r\n{", (None, -32700)),
+    (b"Content-Length: 2\r\n\r\n[]", 'a message is an object with `"jsonrpc": "2.0"`'),
+    (b"Content-Length: -1\r\n\r\n", "a message begins with `Content-Length: N`"),
+    (b"nonsense\r\n", "a message begins with `Content-Length: N`"),
+    (request(7, "shutdown"), (7, 0)),
+    (request(8, "textDocument/hover", HOVER), (8, -32600)),
+)
+
+
+def test_a_client_is_told_its_errors() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "mars_asp", "lsp"],
+        input=b"".join(sent for sent, _ in MESSAGES),
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
+    answers = [json.loads(each) for each in hostile_editor._answers(BytesIO(done.stdout))]
+    codes = [
+        (each.get("id"), each.get("error", {}).get("code", 0))
+        for each in answers
+        if "method" not in each
+    ]
+    logged = [each["params"]["message"] for each in answers if "method" in each]
+    for _, expected in MESSAGES:
+        if isinstance(expected, str):
+            assert any(expected in each for each in logged), expected
+        else:
+            assert expected in codes
+    assert done.stderr == b""
+
+
+def test_a_message_that_is_too_large_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(client_errors, "MOST_BYTES", 5)
+    given = BoundedInput(BytesIO(b"Content-Length: 9\r\n\r\n123456789Content-Length: 2\r\n\r\n[]"))
+    assert [given.readline(), given.readline()] == [b"Content-Length: 9\r\n", b"\r\n"]
+    assert given.read(9) == b'"too large"'
+    assert [given.readline(), given.readline(), given.read(2)][::2] == [
+        b"Content-Length: 2\r\n",
+        b"[]",
+    ]
+
+
+def test_open_texts_are_compared_with_regular_files_of_their_size(tmp_path: Path) -> None:
+    (tmp_path / "large.mars").write_bytes(b"x" * 100_000)
+    (tmp_path / "same.mars").write_text("text")
+    desk = Desk()
+    paths = ["/dev/zero", "/proc/self/environ", *(str(each) for each in tmp_path.iterdir())]
+    desk.texts |= dict.fromkeys(paths, "text")
+    assert sorted(desk.unsaved()) == sorted(
+        each for each in paths if not each.endswith("same.mars")
+    )
+
+
+def test_messages_that_no_editor_should_send_harm_nothing() -> None:
+    assert hostile_editor.converse(60, 2)[0] == []
