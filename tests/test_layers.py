@@ -34,7 +34,7 @@ FILES = {
     ),
     "asp/lint": (
         "clauses found values orders graph catalogue sorts variables bodies keys aggregates "
-        "recursion joins predicates copies messages arithmetic names allow"
+        "recursion joins predicates copies messages roles arithmetic names allow"
     ),
     "asp/slice": "magic reach shapes linked seen portions",
     "asp/trace": (
@@ -75,7 +75,7 @@ FILES = {
     "reasoning/questions": (
         "sharing account capability needs subject stated asked alternatives annotation_edits "
         "changes behind evidence islands sayings counted preceding vicinity blame edits explain "
-        "diff near_miss repair fix why_not absences without"
+        "diff failed_value near_miss repair fix why_not absences without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread ports graph relays cascades topics unite "

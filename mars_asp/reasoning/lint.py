@@ -14,6 +14,7 @@ from mars_asp.asp.rules.consistency import INCONSISTENT
 from mars_asp.asp.rules.declarations import declarations, misspelt_sorts, wrong_references
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import NUMBERS, OF_UNITS
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place
 from mars_asp.reasoning.analysis import analyse
@@ -23,6 +24,7 @@ from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
 from mars_asp.reasoning.sample import sampled
 
+INSERTED = Signature("inserted", 2)
 #: Packs of more rules are tried on one sample: to ground them takes most of the time.
 _MOST_RULES = 2_000
 
@@ -69,6 +71,9 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
         unbounded(rulebook.declarations.values()),
         {"kind": (CONSEQUENCE, 0)},
         _has_example,
+        frozenset({"verify"} if rulebook.packs else ()),
+        frozenset({"resolve"}),
+        {INSERTED: frozenset({Signature("placed_before", 2), Signature("placed_after", 2)})},
     )
     # Where all that was given could not be read, there is nothing else to look at.
     lints: Sequence[Found] = lint_rules(rulebook, host) if rulebook.packs or not packs else ()

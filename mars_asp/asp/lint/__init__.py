@@ -3,7 +3,7 @@
 Each family of lints has a file; `catalogue` says of each lint what it does and why.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -27,6 +27,7 @@ from mars_asp.asp.lint.messages import (
 from mars_asp.asp.lint.names import declared_in, shared_names
 from mars_asp.asp.lint.predicates import documented_in_vain, undefined, unfounded, unused
 from mars_asp.asp.lint.recursion import wrong_recursion
+from mars_asp.asp.lint.roles import described_anew, out_of_place, unplaced
 from mars_asp.asp.lint.sorts import mixed_units, wrong_values
 from mars_asp.asp.lint.values import Form, Known
 from mars_asp.asp.lint.variables import single_variables
@@ -47,7 +48,9 @@ class Host:
     `finding` is the predicate that tells users what was found, `forms` are those of sorts, `things`
     the sorts of which there are many values, `unbounded` the positions from 0 of numbers that users
     state. `kinds` says of a sort of which argument it has all values that rules give. `exists` is
-    whether the example of a rule is there.
+    whether the example of a rule is there. In `demanding` stages constraints belong, in `choosing`
+    ones also such as are over what is chosen. `placing` are, by the predicate that introduces a
+    thing, those that give it a place.
     """
 
     finding: Signature | None = None
@@ -56,6 +59,9 @@ class Host:
     unbounded: Mapping[Signature, Iterable[int]] = field(default_factory=dict)
     kinds: Mapping[str, tuple[Signature, int]] = field(default_factory=dict)
     exists: Callable[[Rule], bool] = _any_rule
+    demanding: frozenset[str] = frozenset()
+    choosing: frozenset[str] = frozenset()
+    placing: Mapping[Signature, frozenset[Signature]] = field(default_factory=dict)
 
 
 def lint(rulebook: Rulebook, host: Host) -> tuple[Found, ...]:
@@ -112,9 +118,11 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
             yield from paired(clause, is_large)
             yield from open_messages(clause, reported, functions)
             yield from wrong_holes(clause, known, host.things)
+            yield from out_of_place(clause, known, reported, host.demanding, _decided(rules, host))
     yield from rival_messages(clauses, judged, reported)
     yield from mixed_units(clauses, judged, known)
     yield from superfluous(clauses, judged)
+    yield from unplaced(clauses, judged, host.placing)
     own = (
         rulebook.texts[len(rulebook.texts) - rulebook.packs :] if rulebook.packs else rulebook.texts
     )
@@ -127,10 +135,19 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
         here = [each for file in files for each in file.declarations]
         known_before = {*at, *rulebook.built_in.declarations}
         yield from documented_in_vain(clauses, here, known_before)
+        yield from described_anew(here, rulebook.built_in.declarations)
     attributes = {s for s, each in declared.items() if each.attribution and not each.public}
     yield from undefined(clauses, at, documented, attributes)
     yield from risks(rules[begin:], host.unbounded)
     yield from shared_names(rulebook)
+
+
+def _decided(rules: Sequence[Rule], host: Host) -> Mapping[str, set[Signature]]:
+    """Return the predicates that rules of choosing stages derive, by the stage."""
+    return {
+        stage: {s.unsigned for rule in rules if rule.stage == stage for s in rule.heads}
+        for stage in host.choosing
+    }
 
 
 def _listed(rules: list[Rule], read: Mapping[int, tuple[Clause, ...]], number: int) -> list[Clause]:

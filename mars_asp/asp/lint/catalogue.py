@@ -227,6 +227,49 @@ PAGES = (
         f"{_CITY}large(C) :- city(C).\n#show large/1.\n",
     ),
     Page(
+        "rule-none",
+        "A word compared with numbers",
+        "Reports a comparison that a variable which may be `none` is more than a number.",
+        "clingo orders words after all numbers, so the comparison holds where there is no value.",
+        "%*! width(R: road, W: metres | {none})\nR is W wide.\n*%\n#defined width/2.\n"
+        "wide(R) :- width(R, W), W > 9.\n#show wide/1.\n",
+        "%*! width(R: road, W: metres | {none})\nR is W wide.\n*%\n#defined width/2.\n"
+        "wide(R) :- width(R, W), W != none, W > 9.\n#show wide/1.\n",
+    ),
+    Page(
+        "rule-silent",
+        "A finding without a message",
+        "Reports a rule that derives a finding and has no line `%! because:`.",
+        "People would be shown the atom.",
+        f"{_CITY}finding(C) :- city(C).\n",
+        f"{_CITY}%! because: `{{C}}` is large\nfinding(C) :- city(C).\n",
+    ),
+    Page(
+        "rule-demand",
+        "A constraint where rules only derive",
+        "Reports a constraint outside of `verify`, unless it is over what `resolve` chooses.",
+        "Where facts do not meet it there is no answer at all, and no other finding either.",
+        f'{_CITY}:- city(C), C = "Ulm".\n',
+        f'{_CITY}closed(C) :- city(C), C = "Ulm".\n#show closed/1.\n',
+    ),
+    Page(
+        "rule-described",
+        "A predicate described anew",
+        "Reports a description, `%*! ... *%`, of a predicate that is given or public and has one.",
+        "The sorts and sentences of the other one count, and readers take these for true.",
+        "%*! module(M)\nM is a part.\n*%\nlarge(M) :- module(M).\n#show large/1.\n",
+        "large(M) :- module(M).\n#show large/1.\n",
+    ),
+    Page(
+        "rule-unplaced",
+        "A node that is never placed",
+        "Reports a rule that introduces a node for which no rule derives a place.",
+        "No line leads to such a node, so no specification has it.",
+        f"{_CITY}inserted(camp(C), camp) :- city(C).\n#show inserted/2.\n",
+        f"{_CITY}inserted(camp(C), camp) :- city(C).\nplaced_after(camp(C), C) :- city(C).\n"
+        "#show inserted/2. #show placed_after/2.\n",
+    ),
+    Page(
         "rule-allow",
         "A lint that is allowed in vain",
         "Reports a line `%! allow:` that names no lint, that has no reason, or whose rule has "

@@ -1,0 +1,136 @@
+"""Findings without a message, demands, things without a place, words taken for numbers."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+
+from mars_asp.asp.lint.clauses import Clause, name_of
+from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.values import Known, Values
+from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.trees import Kind, Node
+from mars_asp.asp.signature import Signature
+
+NONE, SILENT, DEMAND = "rule-none", "rule-silent", "rule-demand"
+DESCRIBED, UNPLACED = "rule-described", "rule-unplaced"
+#: Words for a value that there is not.
+_WORDS = frozenset({"none"})
+
+
+def out_of_place(
+    clause: Clause,
+    known: Known,
+    reported: Set[Signature],
+    demanding: Set[str],
+    decided: Mapping[str, Set[Signature]],
+) -> Iterator[Found]:
+    """Yield what is wrong with a rule by itself; without `demanding` stages no constraint is."""
+    yield from words_as_numbers(clause, known)
+    yield from silent(clause, reported)
+    if demanding:
+        yield from demands(clause, demanding, decided)
+
+
+def words_as_numbers(clause: Clause, known: Known) -> Iterator[Found]:
+    """Yield the comparisons with a number of a variable that may be `none`."""
+    outer = known.environment(clause, clause.body)
+    for scope in clause.scopes:
+        comparisons = (*clause.body.comparisons, *scope.comparisons)
+        denied = {
+            (name_of(one), str(other))
+            for each in comparisons
+            if each.sign == "!="
+            for one, other in ((each.left, each.right), (each.right, each.left))
+        }
+        environment = {**outer, **known.environment(clause, scope)}
+        for each in scope.comparisons:
+            # A number is never more than a word, so only the larger side matters.
+            sides = {">": (each.left, each.right), "<": (each.right, each.left)}
+            one, other = sides.get(each.sign[0], (None, None))
+            name = name_of(one) if one is not None else None
+            words = _words(environment.get(name)) if name is not None else set()
+            words = {word for word in words if (name, word) not in denied}
+            if other is not None and words and _is_number(known.of(other, environment)):
+                word = min(words)
+                message = f"`{name}` may be `{word}`, which is more than any number"
+                advice = f"add `{name} != {word}`"
+                yield found(NONE, message, clause.place(each.node), clause.rule, advice)
+
+
+def _words(values: Values) -> set[str]:
+    is_measured = any(each.form == "number" for each in values or ())
+    return {each.text for each in values or () if is_measured and each.text in _WORDS}
+
+
+def _is_number(values: Values) -> bool:
+    return bool(values) and all(each.form == "number" for each in values or ())
+
+
+def silent(clause: Clause, reported: Set[Signature]) -> Iterator[Found]:
+    """Yield the findings that have no message."""
+    head = clause.heads[0][0] if clause.heads else None
+    if clause.sort == "rule" and head is not None and clause.rule.because is None:
+        if head.signature.unsigned in reported:
+            message = f"`{head.text}` has no message"
+            advice = "write it above the rule: `%! because: ...`, with an `%! id: ...`"
+            yield found(SILENT, message, clause.place(head.node), clause.rule, advice)
+
+
+def demands(
+    clause: Clause, allowed: Set[str], decided: Mapping[str, Set[Signature]]
+) -> Iterator[Found]:
+    """Yield the constraints of stages that only derive, or over nothing that is decided.
+
+    `allowed` are stages in which constraints belong, `decided` predicates by stages that choose.
+    """
+    stage = clause.rule.stage
+    if clause.sort != "constraint" or stage in allowed:
+        return
+    if any(atom.signature.unsigned in decided.get(stage, ()) for atom in clause.read):
+        return
+    message = "where this constraint is not met, there is no answer at all"
+    advice = "derive a finding or a violation instead, which names what is wrong"
+    yield found(DEMAND, message, clause.place(clause.node), clause.rule, advice)
+
+
+def described_anew(
+    own: Iterable[Declaration], given: Mapping[Signature, Declaration]
+) -> Iterator[Found]:
+    """Yield the descriptions of predicates that have one already."""
+    for each in own:
+        earlier = given.get(each.signature.unsigned)
+        if earlier is not None and (earlier.public or earlier.origin is not None):
+            message = f"`{each.signature}` is described already"
+            labels = ((earlier.span, "the description that counts"),)
+            advice = f"leave this out: `rules show {each.signature}` prints the other"
+            yield found(DESCRIBED, message, each.span, None, advice, labels=labels)
+
+
+def unplaced(
+    clauses: Sequence[Clause], judged: Set[int], placing: Mapping[Signature, Set[Signature]]
+) -> Iterator[Found]:
+    """Yield the things that are introduced, but that no rule gives a place.
+
+    `placing` are, by the predicate that introduces a thing, those that give it a place. The thing
+    is the first argument of each.
+    """
+    placed = {
+        (head.signature.unsigned, _form(head.terms[0]))
+        for clause in clauses
+        for head, _ in clause.heads
+        if head.terms
+    }
+    for number in sorted(judged):
+        clause = clauses[number]
+        for head, _ in clause.heads:
+            by = placing.get(head.signature.unsigned)
+            form = _form(head.terms[0]) if by else None
+            if by and form and not any((each, at) in placed for each in by for at in (form, None)):
+                message = f"no rule places `{head.terms[0]!s}`"
+                advice = f"derive {' or '.join(f'`{each}`' for each in sorted(by))} for it"
+                yield found(UNPLACED, message, clause.place(head.node), clause.rule, advice)
+
+
+def _form(term: Node) -> tuple[str, int] | None:
+    """Return the function or constant that a term is; None if it may be any."""
+    if term.ast_type is Kind.Function:
+        return term.name, len(term.arguments)
+    return (str(term), 0) if term.ast_type is Kind.SymbolicTerm else None
