@@ -34,6 +34,14 @@ class Made(NamedTuple):
     knows: bool
 
 
+class Entry(NamedTuple):
+    """An input of a module: its sources, its name, and its place among the inputs, if known."""
+
+    source: str
+    name: str | None = None
+    place: int | None = None
+
+
 def made(kind: type, context: Context) -> Made:
     """Return an object of a class for one module.
 
@@ -98,13 +106,14 @@ def prepared(
     target: Callable[..., Any],
     context: Context,
     clock: Callable[[], float],
-    inputs: Sequence[str] | None = None,
+    inputs: Sequence[Entry] | None = None,
     *,
     knows: bool = False,
 ) -> Callable[..., Any]:
     """Return what takes the inputs of one computation and returns its result.
 
-    `inputs` are where they come from, `None` where that is not known; `knows` is whether the object
+    The values of `inputs` come in their order; each goes to the parameter of its name, else to that
+    of its place, else to the first that is left. They are `None` where that is not known; `knows` is whether the object
     that the target is a method of has the context or the parameters already. The context is kept
     at the time (s) of `clock`.
 
@@ -123,7 +132,9 @@ def prepared(
         _refuse_inputs(signature, given, inputs, shown)
     if given is not None and signature is not None:
         target = _handing(target, signature, given, context)
-    elif not knows:
+    if signature is not None and inputs is not None:
+        target = _in_order(target, signature, given, inputs, shown)
+    if given is None and not knows:
         return target
 
     def call(*values: Any) -> Any:
@@ -131,6 +142,69 @@ def prepared(
         return target(*values)
 
     return call
+
+
+def _in_order(
+    target: Callable[..., Any],
+    signature: Signature,
+    given: Parameter | None,
+    inputs: Sequence[Entry],
+    shown: str,
+) -> Callable[..., Any]:
+    """Return a function that takes the inputs in their order and passes each to its parameter."""
+    parameters = [each for each in _positional(signature) if each is not given]
+    filled = _filled(parameters, inputs)
+    last = max(filled, default=-1)
+    unfed = [n for n, each in enumerate(parameters[: last + 1]) if n not in filled]
+    for number in unfed:
+        if parameters[number].default is Parameter.empty:
+            message = f"nothing feeds the parameter `{parameters[number].name}` of `{shown}`"
+            help_text = "add a line that feeds it, or give it a default"
+            raise UnfitError(message, help_text)
+    strangers = [
+        each
+        for number, each in enumerate(inputs)
+        if each.name
+        and each.place is None
+        and each.name not in {p.name for p in parameters}
+        and number in filled.values()
+    ]
+    if len(strangers) > 1:
+        names = ", ".join(f"`{each.name}`" for each in strangers)
+        known = ", ".join(f"`{each.name}`" for each in parameters)
+        message = (
+            f"`{shown}{_shown(signature)}` has no parameters {names}, as the inputs are called"
+        )
+        raise UnfitError(message, f"call the inputs like the parameters: {known}")
+    further = [number for number in range(len(inputs)) if number not in filled.values()]
+    order = [filled.get(number) for number in range(last + 1)]
+    if [*order, *further] == list(range(len(inputs))):
+        return target
+    defaults = [each.default for each in parameters]
+
+    def call(*values: Any) -> Any:
+        first = [defaults[n] if at is None else values[at] for n, at in enumerate(order)]
+        return target(*first, *(values[at] for at in further))
+
+    return call
+
+
+def _filled(parameters: Sequence[Parameter], inputs: Sequence[Entry]) -> dict[int, int]:
+    """Return the number of the input that each parameter takes: by name, by place, then the first."""
+    number_of = {each.name: number for number, each in enumerate(parameters)}
+    filled: dict[int, int] = {}
+    placed: set[int] = set()
+    for wish in (
+        lambda each: number_of.get(each.name),
+        lambda each: each.place,
+        lambda each: next((n for n in range(len(parameters)) if n not in filled), None),
+    ):
+        for at, each in enumerate(inputs):
+            number = wish(each) if at not in placed else None
+            if number is not None and number < len(parameters) and number not in filled:
+                filled[number] = at
+                placed.add(at)
+    return filled
 
 
 def _handing(
@@ -192,7 +266,7 @@ def _refuse_stretched(target: Callable[..., Any], shown: str) -> None:
 
 
 def _refuse_inputs(
-    signature: Signature, given: Parameter | None, inputs: Sequence[str], shown: str
+    signature: Signature, given: Parameter | None, inputs: Sequence[Entry], shown: str
 ) -> None:
     """Refuse a function that cannot be called with so many inputs."""
     taken = [each for each in _positional(signature) if each is not given]
@@ -210,7 +284,8 @@ def _refuse_inputs(
     if len(inputs) < least:
         bound, number = ("", least) if least == most else ("at least ", least)
     wants = f"{bound}{number} input{'s' * (number != 1)}" if number else "no inputs"
-    come = f"{len(inputs)} ({', '.join(inputs)})" if inputs else "none"
+    sources = ", ".join(each.source for each in inputs)
+    come = f"{len(inputs)} ({sources})" if inputs else "none"
     message = f"`{shown}{_shown(signature)}` takes {wants}, and the module gets {come}"
     raise UnfitError(message, "give it one parameter for each input, in the order of the lines")
 

@@ -182,7 +182,10 @@ def _described(module: Module, files: Files) -> Described:
         lines,
         files.place(module.named or module.span) or nowhere,
         {name: services[number] or nowhere for name, number in outputs(module).items()},
-        {name: services[each.service] or nowhere for name, each in inputs(module).items()},
+        {
+            name: services[each.parameters[0].service] or nowhere
+            for name, each in inputs(module).items()
+        },
     )
 
 

@@ -57,6 +57,7 @@ def specified(
     """Return the specification that is to run, and its modules; where there is none, report it."""
     from mars_asp.model.described import described_modules
     from mars_asp.reasoning.synthesis.carried_modes import state_modes
+    from mars_asp.reasoning.synthesis.stated_inputs import state_inputs
 
     specification = _specification(project, arguments)
     if specification is None:
@@ -64,7 +65,9 @@ def specified(
         return None
     # A specification that was made here does not repeat the blocks of its configuration.
     modules = described_modules(project.configuration, project.modules)
-    return state_modes(specification, modules, rulebook_for(arguments)), modules
+    rulebook = rulebook_for(arguments)
+    named = state_inputs(specification, modules, rulebook)
+    return state_modes(named, modules, rulebook), modules
 
 
 def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from mars_asp.model.declarations import Configuration, Data, Module, Name, Relationship, ends_of
-from mars_asp.model.ports import DELIVERING, inputs, outputs
+from mars_asp.model.ports import DELIVERING, inputs, outputs, parameter_names
 
 
 def in_parts(
@@ -16,15 +16,15 @@ def in_parts(
 ) -> tuple[Configuration, dict[str, Module]]:
     """Return a specification, its modules apart where they have several outputs, and all modules.
 
-    Lines to named inputs come in the order of the function's parameters, which is the order in
-    which it is given its messages.
+    A line to an input that several of these functions take is one line for each.
     """
     every = {**modules, **{module.name: module for module in specification.declared}}
     split = {name: found for name, module in every.items() if len(found := outputs(module)) > 1}
-    placed = _by_parameter(specification, every)
     if not split:
-        return replace(specification, declared=(), relationships=placed), every
-    lines = tuple(_apart(line, every, split) for line in placed)
+        return replace(specification, declared=()), every
+    lines = tuple(
+        each for line in specification.relationships for each in _apart(line, every, split)
+    )
     used = {end for line in lines for end in ends_of(line)}
     parts = dict(every)
     names: list[Name] = []
@@ -47,57 +47,32 @@ def in_parts(
 
 def _apart(
     line: Relationship, every: Mapping[str, Module], split: Mapping[str, Mapping[str, int]]
-) -> Relationship:
-    """Return a line between the parts that it is about."""
+) -> Iterator[Relationship]:
+    """Yield the lines between parts that a line is split into."""
     if not isinstance(line, Data):
-        return line
-    source, client = line.source, line.client
-    if source in split and line.source_port is not None:
-        source = f"{source}.{line.source_port}"
-    if client in split:
-        service = _service_of(line, every)
-        port = next((p for p, number in split[client].items() if number == service), None)
-        client = client if port is None else f"{client}.{port}"
-    return replace(line, source=source, client=client)
-
-
-def _service_of(line: Data, every: Mapping[str, Module]) -> int | None:
-    """Return which of its client's functions a line is for: by the input, else by what it takes."""
-    client = every[line.client]
-    if line.client_port is not None:
-        entry = inputs(client).get(line.client_port)
-        return None if entry is None else entry.service
-    source = every.get(line.source)
-    delivered = set()
-    if source is not None:
-        for port, number in outputs(source).items():
-            if line.source_port in (None, port):
-                delivered.add(source.services[number].output)
-    taking = [n for n, each in enumerate(client.services) if delivered & set(each.inputs)]
-    able = taking or [n for n, each in enumerate(client.services) if each.inputs]
-    return able[0] if able else None
-
-
-def _by_parameter(
-    specification: Configuration, every: Mapping[str, Module]
-) -> tuple[Relationship, ...]:
-    """Return the lines, those to named inputs of a module among themselves in their order."""
-    lines = list(specification.relationships)
-    named: dict[str, list[int]] = {}
-    for at, line in enumerate(lines):
-        if isinstance(line, Data) and line.client_port is not None and line.client in every:
-            named.setdefault(line.client, []).append(at)
-    for client, places in named.items():
-        order = list(inputs(every[client]))
-        rank = {port: number for number, port in enumerate(order)}
-        stated = sorted(_at(lines, places), key=lambda d: rank.get(d.client_port or "", len(rank)))
-        for at, line in zip(places, stated, strict=True):
-            lines[at] = line
-    return tuple(lines)
-
-
-def _at(lines: list[Relationship], places: list[int]) -> Iterator[Data]:
-    for at in places:
-        line = lines[at]
-        assert isinstance(line, Data)
         yield line
+        return
+    if line.source in split and line.source_port is not None:
+        line = replace(line, source=f"{line.source}.{line.source_port}")
+    if line.client not in split:
+        yield line
+        return
+    for part, port in _parts(line, every[line.client], split[line.client]):
+        yield replace(line, client=part, client_port=port)
+
+
+def _parts(
+    line: Data, client: Module, split: Mapping[str, int]
+) -> Iterator[tuple[str, str | None]]:
+    """Yield the parts of its client that a line feeds, and the name of the input of each."""
+    known = inputs(client)
+    named = line.client_port or (next(iter(known)) if len(known) == 1 else None)
+    if named is None or named not in known:
+        # Nothing decides which part it is for: the plan reports it.
+        yield line.client, line.client_port
+        return
+    ports = {number: port for port, number in split.items()}
+    for number, index in known[named].parameters:
+        service = client.services[number]
+        own = tuple(inputs(replace(client, services=(service,))))[index]
+        yield (f"{line.client}.{ports[number]}" if number in ports else line.client), own

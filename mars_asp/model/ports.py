@@ -1,10 +1,12 @@
 """The ports of a module: its outputs and inputs, by name.
 
 Each function that delivers data is an output, named like the function or as `@Port` says; each of
-its parameters an input, named like the parameter, else by its representation. A name that comes
-again is `NAME#2`.
+its parameters an input, named like the parameter, else by its representation. A parameter of one
+name and representation that several functions take is one input. Any other name that comes again is
+`NAME#2`.
 """
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
@@ -12,14 +14,21 @@ from typing import NamedTuple
 from mars_asp.model.declarations import Module, Service
 
 DELIVERING = ("Sense", "DataOut")
+_POSITIONAL = re.compile(r"input([1-9][0-9]*)")
+
+
+class Parameter(NamedTuple):
+    """A parameter of a function: the number of its service, and its index there."""
+
+    service: int
+    index: int
 
 
 class Input(NamedTuple):
-    """An input of a module: its name, the number of its service, and its place there."""
+    """An input of a module: its name, and the parameters that it feeds, at most one a function."""
 
     name: str
-    service: int
-    place: int
+    parameters: tuple[Parameter, ...]
 
 
 def outputs(module: Module) -> dict[str, int]:
@@ -31,16 +40,28 @@ def outputs(module: Module) -> dict[str, int]:
 
 def inputs(module: Module) -> dict[str, Input]:
     """Return the inputs of a module by their names; a converter is fed by no line."""
-    found = [
-        (name, number, index)
-        for number, service in enumerate(module.services)
-        if service.kind != "Converts"
-        for index, name in enumerate(parameter_names(service))
-    ]
-    names = _told_apart(name for name, _, _ in found)
+    groups: list[tuple[str, list[Parameter]]] = []
+    known: dict[tuple[str, str, int], list[Parameter]] = {}
+    for number, service in enumerate(module.services):
+        if service.kind == "Converts":
+            continue
+        seen: Counter[str] = Counter()
+        for index, name in enumerate(parameter_names(service)):
+            representation = service.inputs[index]
+            seen[name] += 1
+            parameter = Parameter(number, index)
+            # Unknown representations are not equal.
+            shared = None if representation is None else (name, representation, seen[name])
+            if shared in known:
+                known[shared].append(parameter)
+                continue
+            groups.append((name, [parameter]))
+            if shared is not None:
+                known[shared] = groups[-1][1]
+    names = _told_apart(name for name, _ in groups)
     return {
-        name: Input(name, number, index)
-        for name, (_, number, index) in zip(names, found, strict=True)
+        name: Input(name, tuple(parameters))
+        for name, (_, parameters) in zip(names, groups, strict=True)
     }
 
 
@@ -49,6 +70,17 @@ def parameter_names(service: Service) -> Iterator[str]:
     for index, representation in enumerate(service.inputs):
         named = service.parameters[index] if index < len(service.parameters) else None
         yield named or representation or f"input{index}"
+
+
+def positional(number: int) -> str:
+    """Return the name of the input (from 1) of a client that nothing describes, by its position."""
+    return f"input{number}"
+
+
+def position(port: str) -> int | None:
+    """Return the position that a name of `positional` states, or None if it is none."""
+    stated = _POSITIONAL.fullmatch(port)
+    return None if stated is None else int(stated[1])
 
 
 def _output(service: Service) -> str:

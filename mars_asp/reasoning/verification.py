@@ -1,7 +1,8 @@
 """Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
 
 import clingo
 
@@ -15,8 +16,9 @@ from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.print import print_transformation
-from mars_asp.model.declarations import Configuration, Mount, Transformation
+from mars_asp.model.declarations import Configuration, Data, Mount, Transformation
 from mars_asp.model.described import described_modules
+from mars_asp.model.ports import position
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.facts.compile import (
     TellsAs,
@@ -30,6 +32,7 @@ from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.findings import FIRST_CLAUSE, VIOLATION
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.synthesis.stated_inputs import state_inputs
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 
 _CAUTION = Signature("caution", 1)
@@ -142,6 +145,8 @@ def _judged_by(
     """Return what rules find, or of them those that are named."""
     if judges is None:
         judges = [rule for rule in rulebook.rules if _is_judge(rule)]
+    described = {**project.modules, **{m.name: m for m in project.configuration.declared}}
+    specification = state_inputs(specification, described, rulebook)
     facts = given(specification_facts(specification, project, rulebook))
     judging = [*rulebook.fragments(_STAGE), *saying(_STAGE, judges), facts]
     if grounding is None:
@@ -208,11 +213,41 @@ def specification_facts(
     for fact in configuration_facts(specification, wanted=wanted, told_as=told_as):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
+    yield from _positions(specification, project)
     yield from mount_tuples("mount_tuple", project.configuration)
     yield from mount_tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
     yield from _conversions(specification, project)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
+
+
+def _positions(specification: Configuration, project: Project) -> Iterator[Fact]:
+    """Yield the positions of inputs that lines of both files mean, of undescribed clients.
+
+    They are those of the clients of which a line of the specification names one.
+    """
+    described = described_modules(project.configuration, project.modules)
+    clients = set()
+    for number, line in numbered(specification.relationships):
+        if isinstance(line, Data) and line.client_port and line.client not in described:
+            if at := position(line.client_port):
+                clients.add(line.client)
+                yield Fact(Atom("spec_position", (number, at)), line.span)
+    lines: dict[str, list[Data]] = {client: [] for client in clients}
+    numbers = {id(line): number for number, line in numbered(project.configuration.relationships)}
+    for line in project.configuration.relationships:
+        if isinstance(line, Data) and line.client in clients:
+            lines[line.client].append(line)
+    for each in lines.values():
+        taken = {position(line.client_port) for line in each if line.client_port is not None}
+        free = (number for number in count(1) if number not in taken)
+        known: dict[Hashable, int] = {}
+        for line in each:
+            if line.client_port is None:
+                # A line that is stated again has no input of its own.
+                stated = line.source, line.source_port, line.mode, line.hz
+                at = known[stated] if stated in known else known.setdefault(stated, next(free))
+                yield Fact(Atom("position", (numbers[id(line)], at)), line.span)
 
 
 def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]:

@@ -25,6 +25,7 @@ from mars_asp.execution.executor.nodes import (
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, Schedule
 from mars_asp.model.declarations import Configuration, Module
+from mars_asp.model.names import end
 
 DEFAULT_PERIOD = 100 * MILLISECOND
 
@@ -133,6 +134,7 @@ class Executor:
             if plan.kind(node) == "inheritance_node"
             for problem in _stands_for_none(plan, node, spans.get(node, whole))
         ]
+        problems += [_open_input(plan, link) for link in plan.links if plan.left_open(link)]
         links = (link for link in plan.links if link.kind == "data")
         problems += [_no_value(link) for link in links if lacks_value(plan.carried(link)[0])]
         if problems:
@@ -285,6 +287,14 @@ def _no_value(link: Link) -> Diagnostic:
     message = f"`{link.client}` gets `NotifyOnValue` from `{link.source}` without a value"
     help_text = "state the value: `NotifyOnValue(30)`"
     return Diagnostic("condition", "error", message, link.span, (), help_text)
+
+
+def _open_input(plan: Plan, link: Link) -> Diagnostic:
+    ports = plan.left_open(link)
+    listed = ", ".join(f"`{end(link.client, port)}`" for port in ports)
+    message = f"the line leaves open which input of `{link.client}` it feeds: {listed}"
+    help_text = f"name one, as in `{end(link.client, ports[0])} uses_data_from {link.source}`"
+    return Diagnostic("ambiguous-input", "error", message, link.span, (), help_text)
 
 
 def _unbound(name: str, kind: str, span: Span) -> Diagnostic:

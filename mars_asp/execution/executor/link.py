@@ -92,6 +92,9 @@ class Link:
     priority: int = 0
     hold: int | None = None
     allocation: str | None = None
+    client_port: str | None = None
+    #: The number of the input of its client that it feeds; several links may feed one.
+    slot: int = 0
     receive: Callable[[Message], None] = lambda message: None
     request: Callable[[], None] | None = None
     delivered: int = 0

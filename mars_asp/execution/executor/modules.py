@@ -84,10 +84,11 @@ class Algorithm:
         self.waiting = False
 
     def input(self, link: Link, pulled: bool) -> Callable[[Message], None]:
-        """Return what takes the messages of one link; inputs keep the order of their links."""
-        index, latest, unheard = len(self.latest), self.latest, self.unheard
-        latest.append(None)
-        unheard.add(index)
+        """Return the receiver of the messages of one link; its input is `link.slot`."""
+        index, latest, unheard = link.slot, self.latest, self.unheard
+        while len(latest) <= index:
+            unheard.add(len(latest))
+            latest.append(None)
         if pulled:
             self.pulled.append((index, link))
             return lambda message: self.answer(index, message)

@@ -1,9 +1,11 @@
 """What a specification says about its links, before anything runs."""
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from itertools import count
+from operator import itemgetter
+from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
@@ -20,6 +22,7 @@ from mars_asp.model.declarations import (
     Mount,
     Service,
 )
+from mars_asp.model.ports import inputs, position
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
 if TYPE_CHECKING:
@@ -28,6 +31,14 @@ if TYPE_CHECKING:
 DEFAULT_HOLD = 200 * MILLISECOND
 #: Longer (ns) than any run.
 ENDLESS = 2**62
+
+
+class Slot(NamedTuple):
+    """An input of a module: its name and its place among the parameters, if known, and its links."""
+
+    name: str | None
+    place: int | None
+    links: list[Link]
 
 
 class Plan:
@@ -50,6 +61,8 @@ class Plan:
         self.inheriting = InheritanceNodes(configuration, self.modules)
         for relationship in configuration.relationships:
             self._add(relationship)
+        #: The inputs of each module, in the order in which it is given their messages.
+        self.slots = {name: self._slots(name) for name in {**self.data_in, **self.control_in}}
         ends = (end for link in self.links for end in (link.source, link.client))
         self.names = tuple(dict.fromkeys([*(n.text for n in configuration.modules), *ends]))
         self.data_depth = self._data_depths()
@@ -61,6 +74,7 @@ class Plan:
             hz = None if relationship.hz is None else Fraction(relationship.hz)
             ends = relationship.source, relationship.client
             link = Link("data", *ends, relationship.span, relationship.mode, hz)
+            link.client_port = relationship.client_port
             into, out = self.data_in, self.data_out
         else:
             hold = relationship.hold_ms
@@ -73,6 +87,35 @@ class Plan:
         self.links.append(link)
         into[link.client].append(link)
         out[link.source].append(link)
+
+    def _slots(self, name: str) -> tuple[Slot, ...]:
+        """Number the inputs of a module that links feed, and return them in this order."""
+        found: dict[tuple[bool, int, str], Slot] = {}
+        declared = list(inputs(self.modules[name])) if name in self.modules else []
+        data = self.data_in[name]
+        taken = {position(link.client_port) for link in data if link.client_port is not None}
+        free = (number for number in count(1) if number not in taken)
+        for link in data:
+            port = link.client_port or (declared[0] if len(declared) == 1 else None)
+            if port in declared:
+                place: int | None = declared.index(port)
+            else:
+                place = (next(free) if port is None else position(port) or 0) - 1
+                place = None if place < 0 else place
+            # Inputs without a place are in the order of their names, not of the lines.
+            key = place is None, place or 0, "" if place is not None else port or ""
+            found.setdefault(key, Slot(port, place, [])).links.append(link)
+        slots = [slot for _, slot in sorted(found.items(), key=itemgetter(0))]
+        slots += (Slot(None, None, [link]) for link in self.control_in[name])
+        for number, slot in enumerate(slots):
+            for link in slot.links:
+                link.slot = number
+        return tuple(slots)
+
+    def left_open(self, link: Link) -> Sequence[str]:
+        """Return the inputs that a link could feed where it names none and its client has several."""
+        known = tuple(inputs(self.modules[link.client])) if link.client in self.modules else ()
+        return known if link.client_port is None and len(known) > 1 else ()
 
     def _data_depths(self) -> dict[str, int]:
         """Return how many data links lie behind each module; on a cycle, those known to."""
@@ -154,8 +197,8 @@ class Plan:
     def made(self, name: str) -> tuple[Mode, Fraction | None]:
         """Return the mode and rate of what stands behind a module's or node's outputs."""
         if self.kind(name) in ("data_splitter", "data_transformer"):
-            inputs = self.data_in[name]
-            return self.carried(inputs[0]) if inputs else (Mode(WHEN_READY), None)
+            feeding = self.data_in[name]
+            return self.carried(feeding[0]) if feeding else (Mode(WHEN_READY), None)
         mode, hz = self.offered(name)
         if mode.name not in (AT_FREQUENCY, ON_REQUEST):
             # What is made is raw: the link's own port sets the condition.
@@ -172,13 +215,13 @@ class Plan:
             hz = Fraction(SECOND, behaviour.period)
         if hz is not None:
             return hz
-        inputs = self.data_in[name]
-        if len(inputs) != 1:
+        feeding = self.data_in[name]
+        if len(feeding) != 1:
             return None
-        mode, stated = self.carried(inputs[0])
+        mode, stated = self.carried(feeding[0])
         if mode.name not in (AT_FREQUENCY, WHEN_READY):
             return None
-        return stated or self.rate(inputs[0].source, seen | {name})
+        return stated or self.rate(feeding[0].source, seen | {name})
 
     def hold(self, link: Link) -> int:
         """Return how long (ns) a message over a link into an arbiter stays in force."""

@@ -9,17 +9,18 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from mars_asp.behaviour.calls import Made, UnfitError, made, method_of, prepared
+from mars_asp.behaviour.calls import Entry, Made, UnfitError, made, method_of, prepared
 from mars_asp.behaviour.context import Context
 from mars_asp.behaviour.imports import Folder, folder_of, place_of
 from mars_asp.behaviour.values import copied
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.execution.executor import Behaviour
 from mars_asp.execution.executor.behaviour import AskedError
-from mars_asp.execution.executor.plan import Plan
+from mars_asp.execution.executor.plan import Plan, Slot
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.scenario.read import Scenario
 from mars_asp.model.declarations import Module, Service
+from mars_asp.model.ports import inputs, parameter_names
 from mars_asp.spelling import nearest
 
 Clock = Callable[[], float]
@@ -92,8 +93,8 @@ class Functions:
                 target = method_of(target, self._annotated(name, target))
             if not callable(target):
                 raise UnfitError(f"`{called}` is not a function", "name a function or a class")
-            inputs = _inputs(self.plan, name)
-            return prepared(target, context, self.clock, inputs, knows=knows), _place_of(target)
+            entries = _inputs(self.plan, name)
+            return prepared(target, context, self.clock, entries, knows=knows), _place_of(target)
 
     def _part(
         self, target: Any, part: str, name: str, context: Context, knows: bool
@@ -159,19 +160,36 @@ def _seen_from_here(file: str) -> str:
     return path.relative_to(here).as_posix() if path.is_relative_to(here) else path.name
 
 
-def _inputs(plan: Plan, name: str) -> tuple[str, ...] | None:
-    """Return where the inputs of a module come from; `None` where that is not known."""
+def _inputs(plan: Plan, name: str) -> tuple[Entry, ...] | None:
+    """Return the inputs of a module, or None where they are not known."""
     if name not in plan.names:
-        return ("what it converts",)
+        return (Entry("what it converts"),)
     kind = plan.kind(name)
     if kind == "effector":
-        return ("a command",)
+        return (Entry("a command"),)
     if kind == "data_transformer":
-        return ("what it converts",)
-    lines = [*plan.data_in[name], *plan.control_in[name]]
-    if not (lines or plan.data_out[name] or plan.control_out[name]):
+        return (Entry("what it converts"),)
+    slots = plan.slots.get(name, ())
+    if not (slots or plan.data_out[name] or plan.control_out[name]):
         return None  # it does not run
-    return tuple(link.source for link in lines) if kind != "sensor" else ()
+    if kind == "sensor":
+        return ()
+    return tuple(Entry(_sources(slot), _parameter(plan, name, slot), slot.place) for slot in slots)
+
+
+def _sources(slot: Slot) -> str:
+    return " or ".join(link.source for link in slot.links)
+
+
+def _parameter(plan: Plan, name: str, slot: Slot) -> str | None:
+    """Return how the parameter that an input feeds is called: not `NAME#2`."""
+    if slot.name is None or name not in plan.modules:
+        return slot.name
+    known = inputs(plan.modules[name]).get(slot.name)
+    if known is None:
+        return slot.name
+    number, index = known.parameters[0]
+    return tuple(parameter_names(plan.modules[name].services[number]))[index]
 
 
 def _place_of(target: Any) -> tuple[str, int] | None:

@@ -46,6 +46,7 @@ from mars_asp.reasoning.facts.ports import (
     loose_ends,
     named_inputs,
     output_facts,
+    turns,
     unknown_ports,
 )
 from mars_asp.reasoning.facts.rates import Rates, rates_in, rounded_rates
@@ -93,7 +94,7 @@ RELATIONSHIPS = frozenset(
 )
 WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
 #: Those that are told together, of the ports that modules have and lines name.
-PORTS = frozenset("output_of into input_of takes_in port_name near".split())
+PORTS = frozenset("output_of into in_turn input_of takes_in port_name near".split())
 ANNOTATIONS = frozenset(
     "described class guard native place converts commands unknown_input input ambiguous_name"
     " delivers output offered_mode offered_rate".split()
@@ -377,6 +378,7 @@ class Compiler:
         # Of a specification's configuration these are told already.
         if self._told_as is None:
             self.take(input_facts(self.configuration, self.described, self.ends))
+            self.take(turns(self.configuration, self.ends, self.numbered))
 
     def loose_ends(self) -> None:
         """Add what no line takes, and which inputs each of these outputs may be meant for."""

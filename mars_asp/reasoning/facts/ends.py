@@ -5,8 +5,9 @@ What lines name of a module that nothing describes is taken at its word; of any 
 there, which rules see.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 from mars_asp.model.declarations import Configuration, Data, Module, Service
@@ -35,7 +36,7 @@ class Entry(NamedTuple):
 class Ends:
     """What lines of a configuration name; `outputs` are those of modules with several.
 
-    `entries` are the inputs of modules of which a line names one.
+    `entries` are the inputs of clients that have several, or of which a line names one.
     """
 
     outputs: Mapping[str, Output]
@@ -58,6 +59,11 @@ class Ends:
         if port is None:
             return None
         return self._clients.get((data.client, port), end(data.client, port))
+
+    @cached_property
+    def described_clients(self) -> Set[str]:
+        """Return the modules that have described inputs among `entries`."""
+        return {entry.module for entry in self.entries.values() if entry.found is not None}
 
     def output(self, module: str, port: str) -> str:
         """Return the name of an output of a module."""
@@ -82,11 +88,14 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
     lines = [each for each in configuration.relationships if isinstance(each, Data)]
     named: dict[str, dict[str, None]] = {}
     entered: dict[str, dict[str, None]] = {}
+    several_inputs = {name for name, module in described.items() if _has_several_inputs(module)}
     for line in lines:
         if line.source_port is not None:
             named.setdefault(line.source, {})[line.source_port] = None
         if line.client_port is not None:
             entered.setdefault(line.client, {})[line.client_port] = None
+        elif line.client in several_inputs:
+            entered.setdefault(line.client, {})
     taken = {name.text for name in configuration.modules}
     every: dict[str, Output] = {}
     sources: dict[tuple[str, str | None], str] = {}
@@ -111,6 +120,13 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
             text = clients[name, port] = _free(taken, name, port)
             entries[text] = Entry(name, port, known.get(port))
     return Ends(every, entries, sources, clients, stated)
+
+
+def _has_several_inputs(module: Module) -> bool:
+    # Most modules have few parameters, and need no names for them.
+    if sum(len(service.inputs) for service in module.services) < 2:
+        return False
+    return len(inputs(module)) > 1
 
 
 def _delivering(module: Module) -> list[Service]:

@@ -1,5 +1,6 @@
 """Ports as facts: which there are, which lines name, and what is loose or misspelt."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
@@ -38,8 +39,21 @@ def named_inputs(ends: Ends, lines: Numbered) -> Iterator[Fact]:
                 yield _fact(line.span, "into", number, named)
 
 
+def turns(configuration: Configuration, ends: Ends, lines: Numbered) -> Iterator[Fact]:
+    """Yield the order of the lines that name no input, for each client of `ends.entries`."""
+    clients = ends.described_clients
+    if not clients:
+        return
+    numbers = {id(line): number for number, line in lines}
+    counts: Counter[str] = Counter()
+    for line in configuration.relationships:
+        if isinstance(line, Data) and line.client_port is None and line.client in clients:
+            counts[line.client] += 1
+            yield _fact(line.span, "in_turn", numbers[id(line)], counts[line.client])
+
+
 def input_facts(configuration: Configuration, described: Described, ends: Ends) -> Iterator[Fact]:
-    """Yield which inputs the modules have of which a line names one."""
+    """Yield the inputs of clients that have several, or of which a line names one."""
     if not ends.entries:
         return
     places, numbers = _places(configuration), annotation_numbers(configuration, described)
@@ -48,10 +62,12 @@ def input_facts(configuration: Configuration, described: Described, ends: Ends) 
             place = places.get(entry.module, configuration.span)
             yield _fact(place, "input_of", text, entry.module)
             continue
-        service = described[entry.module].services[entry.found.service]
-        yield _fact(service.span, "input_of", text, entry.module)
-        number, _ = numbers[entry.module, id(service)]
-        yield _fact(service.span, "takes_in", text, number, entry.found.place)
+        services = described[entry.module].services
+        first = services[entry.found.parameters[0].service]
+        yield _fact(first.span, "input_of", text, entry.module)
+        for at, index in entry.found.parameters:
+            number, span = numbers[entry.module, id(services[at])]
+            yield _fact(span, "takes_in", text, number, index)
 
 
 def loose_ends(
@@ -125,5 +141,6 @@ def _outputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:
 
 
 def _inputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:
-    for name, (_, service, place) in inputs(module).items():
-        yield name, service, place, module.services[service].inputs[place]
+    for name, each in inputs(module).items():
+        for service, index in each.parameters:
+            yield name, service, index, module.services[service].inputs[index]

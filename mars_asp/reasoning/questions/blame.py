@@ -121,10 +121,9 @@ def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]
     for name, (module, port) in ports.items():
         yield Atom("sought_port", (name, module))
         entry = inputs(described[module]).get(port) if module in described else None
-        if entry is not None:
-            service = described[module].services[entry.service]
-            number, _ = numbers[module, id(service)]
-            yield Atom("sought_input", (name, number, entry.place))
+        for at, index in () if entry is None else entry.parameters:
+            number, _ = numbers[module, id(described[module].services[at])]
+            yield Atom("sought_input", (name, number, index))
 
 
 def _that_give(told: "_Told", project: Project, gives: Callable[[Project], bool]) -> Iterator[Said]:

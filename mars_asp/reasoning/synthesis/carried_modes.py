@@ -34,7 +34,7 @@ def state_modes(
     }
     if not any(line.mode is None and ends.source(line) in offered for line in lines):
         return specification
-    nodes = _nodes(specification, known)
+    nodes = data_nodes(specification, known)
     apart = replace(
         specification,
         kind="configuration",
@@ -62,7 +62,7 @@ def state_modes(
     )
 
 
-def _nodes(specification: Configuration, known: Mapping[str, Module]) -> frozenset[str]:
+def data_nodes(specification: Configuration, known: Mapping[str, Module]) -> frozenset[str]:
     """Return the nodes that hand on data, those of rule packs among them."""
 
     def hands_on(name: str) -> bool:
@@ -85,10 +85,10 @@ def _end_to_end(lines: list[Data], nodes: frozenset[str]) -> Iterator[Data]:
             feeds.setdefault(line.client, []).append(line)
     for line in lines:
         if line.client not in nodes:
-            yield from _from_sources(line, feeds)
+            yield from from_sources(line, feeds)
 
 
-def _from_sources(line: Data, feeds: Mapping[str, list[Data]]) -> Iterator[Data]:
+def from_sources(line: Data, feeds: Mapping[str, list[Data]]) -> Iterator[Data]:
     """Yield a line of a module for each way from a source; no more of those that state the same."""
     waiting, seen = [line], set()
     while waiting:

@@ -36,6 +36,7 @@ class DataLines:
             self._out_of.setdefault(feeder, []).append(_Line(line, client, feeder))
         self._modes = derived.of_each("spec_required_mode")
         self._rates = derived.of_each("spec_required_rate")
+        self._inputs = derived.of_each("spec_into")
         self._done: set[TermId] = set()
         #: A node that takes several inputs is come to from each of them.
         self._written: set[TermId] = set()
@@ -83,19 +84,14 @@ class DataLines:
         mode, hz = self._service(line.line)
         feeder = draft.name(line.feeder, self._derived)
         source, source_port = draft.ends.written(feeder)
-        stated = self._stated(line.line)
-        client_port = None if stated is None else stated.client_port
-        if line.client in self._derived.kinds:
-            client_port = None
+        entry = self._inputs.get(line.line)
+        client_port = (
+            None if entry is None else draft.ends.entries[self._derived.string(entry)].port
+        )
         ports = client_port, source_port
         draft.lines.append(Data(client, source, draft.span, mode, hz, *ports))
-
-    def _stated(self, line: TermId) -> Data | None:
-        """Return the relationship that a line to a client stands for."""
-        if line not in self._places or line in self._derived.kinds:
-            return None
-        stated = self._draft.relationships[self._places[line]]
-        return stated if isinstance(stated, Data) else None
+        if line.line in self._places and line.client not in self._derived.kinds:
+            draft.place_of[id(draft.lines[-1])] = self._places[line.line]
 
     def _service(self, line: TermId) -> tuple[Mode | None, Fraction | None]:
         """Return the mode and frequency that a line states, in the words of its relationship."""

@@ -1,16 +1,19 @@
 """A specification while it is written: nodes get names, lines get their order."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import count
 
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, text
 from mars_asp.model.declarations import (
     Conversion,
+    Data,
     Relationship,
     Service,
     node_names,
 )
 from mars_asp.model.described import described_modules
+from mars_asp.model.ports import position, positional
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
 from mars_asp.reasoning.facts.rates import rates_in
@@ -53,6 +56,9 @@ class Draft:
             if isinstance(annotation, Service)
         }
         self.lines: list[Relationship] = []
+        #: The place in the file of the relationship that each line to a client realises.
+        self.place_of: dict[int, int] = {}
+        self.described = described.keys()
         #: The nodes in the order in which they were named.
         self.nodes: dict[TermId, Node] = {}
         declared = {module.name for module in configuration.declared}
@@ -79,6 +85,25 @@ class Draft:
             if found.setdefault(line, place) > place:
                 found[line] = place
         return found
+
+    def name_positions(self) -> None:
+        """Name the inputs of undescribed clients whose lines are not in the configuration's order."""
+        lines: dict[str, list[Data]] = {}
+        for line in self.lines:
+            if isinstance(line, Data) and line.client not in self.described:
+                if id(line) in self.place_of:
+                    lines.setdefault(line.client, []).append(line)
+        named: dict[int, Data] = {}
+        for each in lines.values():
+            unnamed = [line for line in each if line.client_port is None]
+            ordered = sorted(unnamed, key=lambda line: self.place_of[id(line)])
+            if unnamed == ordered:
+                continue
+            taken = {position(line.client_port) for line in each if line.client_port is not None}
+            free = (number for number in count(1) if number not in taken)
+            for line, number in zip(ordered, free, strict=False):
+                named[id(line)] = replace(line, client_port=positional(number))
+        self.lines = [named.get(id(line), line) for line in self.lines]
 
     def pass_over(self, counts: Mapping[str, int], name: str) -> bool:
         """Count nodes by kind that are not written here, unless one of them would have a name."""

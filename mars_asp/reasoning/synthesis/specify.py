@@ -63,6 +63,7 @@ def specify(project: Project, derived: Derived) -> Specification:
     """Build the specification that the rules derived."""
     configuration, draft = project.configuration, Draft(project)
     introduced = introduce(draft, derived, configuration.relationships)
+    draft.name_positions()
     nodes = introduced.nodes
     # A specification that needs no more nodes stays in the order in which it is written.
     stays = configuration.kind == "specification" and not nodes
