@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from mars_asp.model.declarations import Configuration, Data, Module, Name, Relationship, ends_of
-from mars_asp.model.ports import DELIVERING, inputs, outputs, parameter_names
+from mars_asp.model.ports import DELIVERING, inputs, outputs
 
 
 def in_parts(

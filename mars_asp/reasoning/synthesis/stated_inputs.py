@@ -1,7 +1,7 @@
 """The inputs that the lines of a specification mean, where they leave them out."""
 
-from dataclasses import replace
 from collections.abc import Mapping
+from dataclasses import replace
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.model.declarations import Configuration, Data, Module
