@@ -63,7 +63,7 @@ def readings(
 ) -> dict[int, tuple[str, ...]]:
     """Return the inputs that each line to a described client may mean, by the line's `id`.
 
-    One is what it means, several are left to the cheapest resolution, none stay open.
+    One is the input of the line. Several are left to the cheapest resolution, none stay open.
     """
     lines = [line for line in configuration.relationships if isinstance(line, Data)]
     found: dict[int, tuple[str, ...]] = {}
