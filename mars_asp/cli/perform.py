@@ -57,7 +57,7 @@ def specified(
     """Return the specification that is to run, and its modules; where there is none, report it."""
     from mars_asp.model.described import described_modules
     from mars_asp.reasoning.synthesis.carried_modes import state_modes
-    from mars_asp.reasoning.synthesis.stated_inputs import state_inputs
+    from mars_asp.reasoning.synthesis.line_inputs import state_inputs
 
     specification = _specification(project, arguments)
     if specification is None:

@@ -79,8 +79,8 @@ def positional(number: int) -> str:
 
 def position(port: str) -> int | None:
     """Return the position that a name of `positional` states, or None if it is none."""
-    stated = _POSITIONAL.fullmatch(port)
-    return None if stated is None else int(stated[1])
+    found = _POSITIONAL.fullmatch(port)
+    return None if found is None else int(found[1])
 
 
 def _output(service: Service) -> str:

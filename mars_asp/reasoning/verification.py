@@ -35,7 +35,7 @@ from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.findings import FIRST_CLAUSE, VIOLATION
 from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.synthesis.stated_inputs import state_inputs
+from mars_asp.reasoning.synthesis.line_inputs import state_inputs
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 
 _CAUTION = Signature("caution", 1)
@@ -282,8 +282,8 @@ def _positions(specification: Configuration, project: Project) -> Iterator[Fact]
         for line in each:
             if line.client_port is None:
                 # A line that is stated again has no input of its own.
-                stated = line.source, line.source_port, line.mode, line.hz
-                at = known[stated] if stated in known else known.setdefault(stated, next(free))
+                key = line.source, line.source_port, line.mode, line.hz
+                at = known[key] if key in known else known.setdefault(key, next(free))
                 yield Fact(Atom("position_of", (numbers[id(line)], at)), line.span)
 
 

@@ -94,6 +94,7 @@ def assert_bound_as_written(seed: int) -> None:
     if still_open:
         return
     given = given_in_a_run(text)
+    assert given is not None
     for client, each in known.items():
         own = [line for line in lines if line.client == client]
         for name in inputs_of(each) if own else ():
@@ -139,9 +140,9 @@ def given_in_a_run(text: str) -> Mapping[str, Mapping[str, set[str]]] | None:
             # Each source is read at instants of its own.
             behaviours[name] = source_of(name, (7 + number) * MILLISECOND)
     plan = Plan(specification, modules, behaviours)
-    for name in known:
+    for name, module in known.items():
         if name.startswith("C"):
-            call = recorder(given[name], len(inputs_of(known[name])))
+            call = recorder(given[name], len(inputs_of(module)))
             context = Context(name, 0, {})
             inputs = entries(plan, name)
             behaviours[name] = Behaviour(prepared(call, context, lambda: 0.0, inputs))

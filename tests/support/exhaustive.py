@@ -100,7 +100,7 @@ def taking(
 ) -> list[tuple[str | None, str | None]]:
     """Return the inputs that a line may feed, with their representations.
 
-    `meant` is what each line means, by `id`; a line that is left open may feed any.
+    `meant` has the inputs of each line, by `id`; a line that is left open may feed any.
     """
     entries = list(inputs_of(known[line.client]).items()) if line.client in known else []
     own = (meant or {}).get(id(line))
@@ -110,7 +110,7 @@ def taking(
 def stated(
     line: Data, known: Mapping[str, Module], meant: Mapping[int, tuple[str, ...]]
 ) -> Hashable:
-    """Return what a line states, with the input that it means."""
+    """Return the client, the input and the service of a line."""
     own = meant.get(id(line), ())
     return line.client, own[0] if len(own) == 1 else line.client_port, line.mode, line.hz
 

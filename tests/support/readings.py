@@ -63,7 +63,7 @@ def readings(
 ) -> dict[int, tuple[str, ...]]:
     """Return the inputs that each line to a described client may mean, by the line's `id`.
 
-    One is what it means, several are left to the cheapest resolution, none stay open.
+    One is the input of the line. Several are left to the cheapest resolution, none stay open.
     """
     lines = [line for line in configuration.relationships if isinstance(line, Data)]
     found: dict[int, tuple[str, ...]] = {}
@@ -114,6 +114,25 @@ def _of_client(
             choosing[id(line)] = {str(way) for way in ways}
     left = [name for name in free if name not in meant.values()]
     rest = [line for line in unnamed if id(line) not in meant and id(line) not in choosing]
+    meant |= _eliminated(rest, left, known, brought)
+    could = {
+        number: tuple(name for way in sorted(ways) for name in _candidates(way, known, free))
+        for number, ways in choosing.items()
+    }
+    unfed = {name for name in free if name not in meant.values()}
+    for number, names in could.items():
+        others = (set(each) for other, each in could.items() if other != number)
+        disputed = any(len(set(names) & each & unfed) > 1 for each in others)
+        yield number, () if disputed else names
+    for number, name in meant.items():
+        yield number, () if name is None else (name,)
+
+
+def _eliminated(
+    rest: list[Data], left: list[str], known: Inputs, brought: Mapping[int, str | None]
+) -> dict[int, str | None]:
+    """Return what lines without a fitting representation mean of the inputs that are left."""
+    meant: dict[int, str | None] = {}
     untyped = [name for name in left if known[name] is None]
     typed = [line for line in rest if brought[id(line)] is not None]
     if len(untyped) == 1 and typed:
@@ -127,17 +146,7 @@ def _of_client(
             meant[id(line)] = left[number] if number < len(left) else None
     else:
         meant |= {id(line): None for line in rest}
-    could = {
-        number: tuple(name for way in sorted(ways) for name in _candidates(way, known, free))
-        for number, ways in choosing.items()
-    }
-    unfed = {name for name in free if name not in meant.values()}
-    for number, names in could.items():
-        others = (set(each) for other, each in could.items() if other != number)
-        disputed = any(len(set(names) & each & unfed) > 1 for each in others)
-        yield number, () if disputed else names
-    for number, name in meant.items():
-        yield number, () if name is None else (name,)
+    return meant
 
 
 def _candidates(representation: str, known: Inputs, free: list[str]) -> list[str]:
