@@ -106,16 +106,17 @@ def prepared(
     target: Callable[..., Any],
     context: Context,
     clock: Callable[[], float],
-    inputs: Sequence[Entry] | None = None,
+    inputs: Sequence[Entry | str] | None = None,
     *,
     knows: bool = False,
 ) -> Callable[..., Any]:
     """Return what takes the inputs of one computation and returns its result.
 
-    The values of `inputs` come in their order; each goes to the parameter of its name, else to that
-    of its place, else to the first that is left. They are `None` where that is not known; `knows` is whether the object
-    that the target is a method of has the context or the parameters already. The context is kept
-    at the time (s) of `clock`.
+    Of an input of which nothing but the source is known, `inputs` has that alone; `None` is for
+    inputs that are not known. The values come in this order, and each goes to the parameter of the
+    input's name, else to that of its place, else to the first that is left. `knows` is whether the
+    object of a method has the context or the parameters already. The context is kept at the time
+    (s) of `clock`.
 
     Raises:
         UnfitError: it cannot be called with so many inputs, or gives no single result.
@@ -124,16 +125,19 @@ def prepared(
     _refuse_stretched(target, shown)
     signature = _signature(target)
     given = None if signature is None else _context_of(signature)
+    order = None
     if context.parameters and given is None and not knows:
         told = ", ".join(f"`{name}`" for name in context.parameters)
         help_text = "add a parameter `ctx`, and read `ctx.parameters`"
         raise UnfitError(f"`{shown}` takes no `ctx`, so it cannot read {told}", help_text)
     if signature is not None and inputs is not None:
-        _refuse_inputs(signature, given, inputs, shown)
+        entries = [Entry(each) if isinstance(each, str) else each for each in inputs]
+        _refuse_inputs(signature, given, entries, shown)
+        order = _order(signature, given, entries, shown)
     if given is not None and signature is not None:
         target = _handing(target, signature, given, context)
-    if signature is not None and inputs is not None:
-        target = _in_order(target, signature, given, inputs, shown)
+    if order is not None:
+        target = order(target)
     if given is None and not knows:
         return target
 
@@ -144,66 +148,64 @@ def prepared(
     return call
 
 
-def _in_order(
-    target: Callable[..., Any],
-    signature: Signature,
-    given: Parameter | None,
-    inputs: Sequence[Entry],
-    shown: str,
-) -> Callable[..., Any]:
-    """Return a function that takes the inputs in their order and passes each to its parameter."""
+def _order(
+    signature: Signature, given: Parameter | None, inputs: Sequence[Entry], shown: str
+) -> Callable[[Callable[..., Any]], Callable[..., Any]] | None:
+    """Return a decorator that passes each input to its parameter, or None if they are in order.
+
+    Raises:
+        UnfitError: nothing feeds a parameter, or names of inputs decide nothing.
+    """
     parameters = [each for each in _positional(signature) if each is not given]
     filled = _filled(parameters, inputs)
     last = max(filled, default=-1)
-    unfed = [n for n, each in enumerate(parameters[: last + 1]) if n not in filled]
-    for number in unfed:
-        if parameters[number].default is Parameter.empty:
-            message = f"nothing feeds the parameter `{parameters[number].name}` of `{shown}`"
-            help_text = "add a line that feeds it, or give it a default"
-            raise UnfitError(message, help_text)
+    for number, each in enumerate(parameters[: last + 1]):
+        if number not in filled and each.default is Parameter.empty:
+            message = f"nothing feeds the parameter `{each.name}` of `{shown}`"
+            raise UnfitError(message, "add a line that feeds it, or give it a default")
+    names = {each.name for each in parameters}
     strangers = [
-        each
-        for number, each in enumerate(inputs)
-        if each.name
-        and each.place is None
-        and each.name not in {p.name for p in parameters}
-        and number in filled.values()
+        inputs[at].name
+        for at in filled.values()
+        if inputs[at].place is None and inputs[at].name not in {*names, None}
     ]
     if len(strangers) > 1:
-        names = ", ".join(f"`{each.name}`" for each in strangers)
+        listed = ", ".join(f"`{name}`" for name in strangers)
+        message = f"`{shown}{_shown(signature)}` has no parameters {listed}"
         known = ", ".join(f"`{each.name}`" for each in parameters)
-        message = (
-            f"`{shown}{_shown(signature)}` has no parameters {names}, as the inputs are called"
-        )
-        raise UnfitError(message, f"call the inputs like the parameters: {known}")
-    further = [number for number in range(len(inputs)) if number not in filled.values()]
+        raise UnfitError(message, f"name the inputs in the lines like the parameters: {known}")
+    further = [at for at in range(len(inputs)) if at not in filled.values()]
     order = [filled.get(number) for number in range(last + 1)]
     if [*order, *further] == list(range(len(inputs))):
-        return target
+        return None
     defaults = [each.default for each in parameters]
 
-    def call(*values: Any) -> Any:
-        first = [defaults[n] if at is None else values[at] for n, at in enumerate(order)]
-        return target(*first, *(values[at] for at in further))
+    def reorder(target: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*values: Any) -> Any:
+            first = [defaults[n] if at is None else values[at] for n, at in enumerate(order)]
+            return target(*first, *(values[at] for at in further))
 
-    return call
+        return call
+
+    return reorder
 
 
 def _filled(parameters: Sequence[Parameter], inputs: Sequence[Entry]) -> dict[int, int]:
-    """Return the number of the input that each parameter takes: by name, by place, then the first."""
-    number_of = {each.name: number for number, each in enumerate(parameters)}
+    """Return the number of the input of each parameter: by name, by place, then in order."""
+    number_of: dict[str | None, int] = {each.name: n for n, each in enumerate(parameters)}
     filled: dict[int, int] = {}
-    placed: set[int] = set()
-    for wish in (
-        lambda each: number_of.get(each.name),
-        lambda each: each.place,
-        lambda each: next((n for n in range(len(parameters)) if n not in filled), None),
-    ):
-        for at, each in enumerate(inputs):
-            number = wish(each) if at not in placed else None
-            if number is not None and number < len(parameters) and number not in filled:
+
+    def fill(at: int, number: int | None) -> None:
+        if number is not None and number < len(parameters) and number not in filled:
+            if at not in filled.values():
                 filled[number] = at
-                placed.add(at)
+
+    for at, each in enumerate(inputs):
+        fill(at, number_of.get(each.name))
+    for at, each in enumerate(inputs):
+        fill(at, each.place)
+    for at in range(len(inputs)):
+        fill(at, next((n for n in range(len(parameters)) if n not in filled), None))
     return filled
 
 

@@ -21,7 +21,7 @@ class Parameter(NamedTuple):
     """A parameter of a function: the number of its service, and its index there."""
 
     service: int
-    index: int
+    place: int
 
 
 class Input(NamedTuple):

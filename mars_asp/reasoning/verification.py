@@ -247,7 +247,7 @@ def _positions(specification: Configuration, project: Project) -> Iterator[Fact]
                 # A line that is stated again has no input of its own.
                 stated = line.source, line.source_port, line.mode, line.hz
                 at = known[stated] if stated in known else known.setdefault(stated, next(free))
-                yield Fact(Atom("position", (numbers[id(line)], at)), line.span)
+                yield Fact(Atom("position_of", (numbers[id(line)], at)), line.span)
 
 
 def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]:

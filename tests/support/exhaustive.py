@@ -25,6 +25,7 @@ from mars_asp.model.declarations import (
     Service,
 )
 from tests.support.least_supports import least_supports
+from tests.support.readings import inputs_of, readings
 
 #: (nodes, conversion cost, relationships).
 Cost: TypeAlias = tuple[int, int, int]
@@ -61,14 +62,15 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
     # Each output is a source of its own.
     data: dict[tuple[str, str | None], list[Data]] = {}
     # Of two lines that are the same relationship, the one that names its input tells where it ends.
+    meant = readings(configuration, known)
     lines = (line for line in configuration.relationships if isinstance(line, Data))
     for line in sorted(lines, key=lambda line: line.client_port is None):
         voice = speaking(line, known)
         port = line.source_port if voice is None else voice.port or voice.function
         mine = data.setdefault((line.source, port), [])
-        if all(stated(line, known) != stated(other, known) for other in mine):
+        if all(stated(line, known, meant) != stated(other, known, meant) for other in mine):
             mine.append(line)
-    parts += [resolve_data(lines, known) for lines in data.values()]
+    parts += [resolve_data(lines, known, meant) for lines in data.values()]
     hierarchical = configuration.architecture == "hierarchical"
     nodes = inheritance(configuration, known)
     heard = hearing(configuration, nodes)
@@ -93,25 +95,24 @@ def speaking(line: Data, known: Mapping[str, Module]) -> Service | None:
     return voices[0] if len(voices) == 1 else None
 
 
-def taking(line: Data, known: Mapping[str, Module]) -> list[tuple[str | None, str | None]]:
-    """Return the inputs that a line may feed, with their representations."""
-    services = known[line.client].services if line.client in known else ()
-    entries = [
-        entry
-        for service in services
-        if service.kind != "Converts"
-        for entry in itertools.zip_longest(service.parameters, service.inputs)
-    ]
-    return [e for e in entries if line.client_port in (None, e[0])]
+def taking(
+    line: Data, known: Mapping[str, Module], meant: Mapping[int, tuple[str, ...]] | None = None
+) -> list[tuple[str | None, str | None]]:
+    """Return the inputs that a line may feed, with their representations.
+
+    `meant` is what each line means, by `id`; a line that is left open may feed any.
+    """
+    entries = list(inputs_of(known[line.client]).items()) if line.client in known else []
+    own = (meant or {}).get(id(line))
+    return [e for e in entries if (e[0] in own if own else line.client_port in (None, e[0]))]
 
 
-def stated(line: Data, known: Mapping[str, Module]) -> Hashable:
-    """Return what a line states; it may leave out its client's only input of what it carries."""
-    voice = speaking(line, known)
-    delivered = None if voice is None else voice.output
-    same = [port for port, taken in taking(line, known) if taken == delivered is not None]
-    meant = same[0] if line.client_port is None and len(same) == 1 else line.client_port
-    return line.client, meant, line.mode, line.hz
+def stated(
+    line: Data, known: Mapping[str, Module], meant: Mapping[int, tuple[str, ...]]
+) -> Hashable:
+    """Return what a line states, with the input that it means."""
+    own = meant.get(id(line), ())
+    return line.client, own[0] if len(own) == 1 else line.client_port, line.mode, line.hz
 
 
 # ---- Services: the table of section 6 ------------------------------------------------------------
@@ -150,7 +151,9 @@ class Client:
     orphan: bool
 
 
-def resolve_data(lines: Sequence[Data], known: Mapping[str, Module]) -> Answers | None:
+def resolve_data(
+    lines: Sequence[Data], known: Mapping[str, Module], meant: Mapping[int, tuple[str, ...]]
+) -> Answers | None:
     """Search the lines of one output."""
     voice = speaking(lines[0], known)
     delivered = voice.output if voice else None
@@ -169,7 +172,7 @@ def resolve_data(lines: Sequence[Data], known: Mapping[str, Module]) -> Answers 
             service = "direct" if carried is None else serve(line, offers[0], carried)
             if service is None:
                 break
-            inputs = [taken for _, taken in taking(line, known)]
+            inputs = [taken for _, taken in taking(line, known, meant)]
             accepts = None if not inputs or None in inputs else frozenset(map(str, inputs))
             orphan = (
                 delivered is not None

@@ -127,13 +127,15 @@ def specification_of(atoms: Sequence[clingo.Symbol], project: Project) -> Config
     modes, rates = of("spec_required_mode"), of("spec_required_rate")
     priorities, holds = of("spec_priority"), of("spec_hold")
     allocations = of("spec_allocation")
+    entries = of("spec_into")
     lines: list[Relationship] = [
         line for line in project.configuration.relationships if isinstance(line, Mount)
     ]
     for line, client, source in sorted(rows.get("spec_uses_data_from", ())):
         mode = mode_of(modes[line]) if line in modes else None
         hz = Fraction(rates[line].number, 1000) if line in rates else None
-        lines.append(Data(named[client.string], named[source.string], span, mode, hz))
+        port = entries[line].string.partition(".")[2] if line in entries else None
+        lines.append(Data(named[client.string], named[source.string], span, mode, hz, port))
     for line, controlled, controller in sorted(rows.get("spec_is_controlled_by", ())):
         lines.append(
             Control(

@@ -34,7 +34,7 @@ ENDLESS = 2**62
 
 
 class Slot(NamedTuple):
-    """An input of a module: its name and its place among the parameters, if known, and its links."""
+    """An input of a module: its name and its place, if they are known, and its links."""
 
     name: str | None
     place: int | None
@@ -113,7 +113,7 @@ class Plan:
         return tuple(slots)
 
     def left_open(self, link: Link) -> Sequence[str]:
-        """Return the inputs that a link could feed where it names none and its client has several."""
+        """Return the inputs that a link could feed if it names none of several."""
         known = tuple(inputs(self.modules[link.client])) if link.client in self.modules else ()
         return known if link.client_port is None and len(known) > 1 else ()
 

@@ -93,8 +93,10 @@ class Functions:
                 target = method_of(target, self._annotated(name, target))
             if not callable(target):
                 raise UnfitError(f"`{called}` is not a function", "name a function or a class")
-            entries = _inputs(self.plan, name)
-            return prepared(target, context, self.clock, entries, knows=knows), _place_of(target)
+            inputs_of_module = entries(self.plan, name)
+            return prepared(target, context, self.clock, inputs_of_module, knows=knows), _place_of(
+                target
+            )
 
     def _part(
         self, target: Any, part: str, name: str, context: Context, knows: bool
@@ -160,7 +162,7 @@ def _seen_from_here(file: str) -> str:
     return path.relative_to(here).as_posix() if path.is_relative_to(here) else path.name
 
 
-def _inputs(plan: Plan, name: str) -> tuple[Entry, ...] | None:
+def entries(plan: Plan, name: str) -> tuple[Entry, ...] | None:
     """Return the inputs of a module, or None where they are not known."""
     if name not in plan.names:
         return (Entry("what it converts"),)

@@ -87,7 +87,7 @@ class Draft:
         return found
 
     def name_positions(self) -> None:
-        """Name the inputs of undescribed clients whose lines are not in the configuration's order."""
+        """Name the inputs of undescribed clients whose lines are in another order now."""
         lines: dict[str, list[Data]] = {}
         for line in self.lines:
             if isinstance(line, Data) and line.client not in self.described:
