@@ -249,7 +249,7 @@ def test_findings_are_commands(folder: Path, capsys: pytest.CaptureFixture[str])
     assert told[0][-1].splitlines() == [
         "`A` and `B` control `Base` with the same priority, 1",
         "Among them, the latest message wins.",
-        "help: give each controller a priority of its own",
+        "help: give `A` and `B` priorities that differ",
     ]
 
 

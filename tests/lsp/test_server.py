@@ -69,7 +69,7 @@ def test_a_robot_is_asked_about(folder: Path) -> None:
         assert found.message == (
             "`Joystick` and `Planner` control `Wheels` with the same priority, 1\n"
             "Among them, the latest message wins.\n"
-            "help: give each controller a priority of its own"
+            "help: give `Joystick` and `Planner` priorities that differ"
         )
         assert found.code == "control/ambiguous-priority"
         assert found.severity == types.DiagnosticSeverity.Warning

@@ -192,7 +192,9 @@ def test_whatever_is_cited_of_random_configurations_is_a_cause(kind: type) -> No
 def test_each_account_of_a_random_configuration_has_a_sentence_and_each_line_once(
     kind: type,
 ) -> None:
-    assert [fault for topic in topics(kind(1)) for fault in malformed(topic)] == []
+    assert [
+        fault for seed in (17, 20) for topic in topics(kind(seed)) for fault in malformed(topic)
+    ] == []
 
 
 def test_an_account_without_a_sentence_or_with_a_line_twice_is_malformed() -> None:
