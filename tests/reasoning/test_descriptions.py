@@ -2,6 +2,7 @@
 
 import json
 import random
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -154,20 +155,32 @@ def test_a_source_of_a_specification_describes_its_modules(
     assert found["realises"]
 
 
-FORMS = ("A", "A.out", '"A"."out"')
 SOURCE = (
     "@module_start\n@module_name A\n@Sense NotifyWhenReady\n@Port out\nRep look();\n@module_end"
 )
+CLIENT = "@module_start\n@module_name B\n@DataIn\nvoid take(Rep in);\n@module_end"
+OUTPUTS = ("A", "A.out", '"A"."out"')
+FORMS = (("B", "A"), ("B.in", "A"), ("B", "A.out"), ("B.in", "A.out"), ('B."in"', '"A"."out"'))
 
 
-@pytest.mark.parametrize("blocks", ["", SOURCE])
-def test_an_output_that_is_the_only_one_may_be_left_out(blocks: str) -> None:
-    line = "@{}\n@modules A, B\nB uses_data_from {}\n{}\n"
-    for here, there in product(FORMS, repeat=2):
-        specification = parse_text(line.format("specification", here, ""), "s.mars").configuration
-        assert (
-            verify(specification, read(line.format("configuration", there, blocks)), RULEBOOK) == ()
-        )
+@pytest.mark.parametrize(
+    ("forms", "blocks"),
+    [
+        ([("B", output) for output in OUTPUTS], ""),
+        ([("B", output) for output in OUTPUTS], SOURCE),
+        (FORMS, CLIENT),
+        (FORMS, f"{SOURCE}\n{CLIENT}"),
+    ],
+)
+def test_a_port_may_be_left_out_where_there_is_one(
+    forms: Sequence[tuple[str, str]], blocks: str
+) -> None:
+    line = "@{}\n@modules A, B\n{} uses_data_from {}\n{}\n"
+    for here, there in product(forms, repeat=2):
+        text = line.format("specification", *here, "")
+        specification = parse_text(text, "s.mars").configuration
+        project = read(line.format("configuration", *there, blocks))
+        assert verify(specification, project, RULEBOOK) == ()
 
 
 def test_one_of_several_outputs_of_an_unknown_source_is_not_left_out() -> None:

@@ -43,7 +43,7 @@ class Ends:
     entries: Mapping[str, Entry]
     #: By module and port, and by module alone, the name of an output.
     _sources: Mapping[tuple[str, str | None], str]
-    _clients: Mapping[tuple[str, str], str]
+    _clients: Mapping[tuple[str, str | None], str]
     #: By the name of an output, the port that lines state.
     _stated: Mapping[str, str]
 
@@ -57,7 +57,7 @@ class Ends:
         """Return the name of the input that a line names, if it names one."""
         port = data.client_port
         if port is None:
-            return None
+            return self._clients.get((data.client, None))
         return self._clients.get((data.client, port), end(data.client, port))
 
     @cached_property
@@ -113,7 +113,7 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
                 sources[name, output.port] = text
                 every[text] = output
     entries: dict[str, Entry] = {}
-    clients: dict[tuple[str, str], str] = {}
+    clients: dict[tuple[str, str | None], str] = {}
     for name, ports in sorted(entered.items()):
         known = inputs(described[name]) if name in described else {}
         for port in dict.fromkeys((*known, *ports)):
@@ -135,7 +135,8 @@ def ends_of_specification(
     """Return the ends of a configuration, extended for the lines of a specification of it.
 
     A port that only the specification names is the output of a source that has one, or the only
-    port that is named of a source that nothing describes.
+    port that is named of a source that nothing describes. The only input of a client is the same
+    end with and without its name.
     """
     ends = ends_in(configuration, described)
     named: dict[str, set[str]] = {}
@@ -148,7 +149,16 @@ def ends_of_specification(
         ports = outputs(described[module]) if module in described else named[module]
         if len(ports) == 1:
             alone[module, *ports] = module
-    return replace(ends, _sources={**ends._sources, **alone})
+    entries: dict[tuple[str, str | None], str] = {}
+    clients = {line.client for line in specification.relationships if isinstance(line, Data)}
+    for client in clients & described.keys():
+        if len(own := inputs(described[client])) == 1:
+            (port,) = own
+            if (client, port) in ends._clients:
+                entries[client, None] = ends._clients[client, port]
+            else:
+                entries[client, port] = client
+    return replace(ends, _sources={**ends._sources, **alone}, _clients={**ends._clients, **entries})
 
 
 def _delivering(module: Module) -> list[Service]:
