@@ -90,10 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_inputs(*arguments.files, arguments.scenario)
     project = read_project(arguments)
     scenario = _scenario(arguments)
-    if arguments.seed is not None:
-        scenario = replace(scenario, seed=arguments.seed)
     if arguments.duration is not None:
-        scenario = replace(scenario, duration=arguments.duration)
         report(_never_begun(scenario), arguments)
     found = specified(project, arguments)
     if found is None:
@@ -158,7 +155,9 @@ def _functions(
 def _scenario(arguments: argparse.Namespace) -> "Scenario":
     from mars_asp.execution.scenario.read import read_scenario
 
-    return read_scenario(*scenario_text(arguments), read_changes(arguments.vary))
+    scenario = read_scenario(*scenario_text(arguments), read_changes(arguments.vary))
+    given = {"seed": arguments.seed, "duration": arguments.duration}
+    return replace(scenario, **{key: value for key, value in given.items() if value is not None})
 
 
 def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
