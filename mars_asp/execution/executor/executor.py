@@ -51,7 +51,7 @@ class Executor:
         self.command_timeout, self.observe = command_timeout, observe
         self._refuse_incomplete()
         depth = max((self.plan.depth(name) for name in self.plan.names), default=0)
-        clocks = self._clock_ranks()
+        clocks = self._data_ranks()
         self._ranks = {key: DATA + 1 + k for k, key in enumerate(clocks)}
         self.schedule = Schedule(len(clocks), max(depth, 1))
         self.arbiters: dict[str, FlatArbitration | HierarchicalArbitration] = {}
@@ -83,10 +83,11 @@ class Executor:
         """Run all events up to and including an instant (ns)."""
         self.schedule.step_until(time)
 
-    def _clock_ranks(self) -> list[tuple[int, bool]]:
-        """Return where clocks tick: by depth, a module's own before those of its outputs."""
+    def _data_ranks(self) -> list[tuple[int, bool]]:
+        """Return the ranks of joins and clocks: by depth, a module's own before its outputs'."""
         plan = self.plan
-        ranks = {(plan.data_depth[name], False) for name in plan.names if self._clock(name)}
+        waiting = (name for name in plan.names if self._clock(name) or len(plan.data_in[name]) > 1)
+        ranks = {(plan.data_depth[name], False) for name in waiting}
         for link in plan.links:
             if link.kind == "data" and plan.carried(link)[0].name == AT_FREQUENCY:
                 ranks.add((plan.data_depth[link.source], True))
@@ -196,6 +197,11 @@ class Executor:
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
         hz = self._clock(name)
         on_request = kind == "data_out" and self.plan.made(name)[0].name == ON_REQUEST
+        rank = DATA
+        if hz is not None or len(self.plan.data_in[name]) > 1:
+            rank = self._ranks[self.plan.data_depth[name], False]
+        if kind == "control_out":
+            rank = self.schedule.control + self.plan.depth(name)
         algorithm = Algorithm(
             name,
             behaviour,
@@ -205,11 +211,10 @@ class Executor:
             pulls=any(
                 self.plan.carried(link)[0].name == ON_REQUEST for link in self.plan.data_in[name]
             ),
+            rank=rank,
         )
         self._demands[name] = algorithm.run
         if hz is not None:
-            own = self._ranks[self.plan.data_depth[name], False]
-            rank = self.schedule.control if algorithm.commands else own
             self.schedule.every(hz, rank, algorithm.run)
         return algorithm
 

@@ -9,7 +9,7 @@ from mars_asp.behaviour.values import copied
 from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import Offer
 from mars_asp.execution.executor.link import Failures, Link, Message, message_of
-from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, SENSORS, Schedule
+from mars_asp.execution.executor.schedule import MILLISECOND, SECOND, SENSORS, Schedule
 
 COMMAND_TIMEOUT = 500 * MILLISECOND
 
@@ -51,9 +51,10 @@ class Sensor:
 class Algorithm:
     """Computes with the latest of each input, once all have arrived.
 
-    A data input that is pulled is asked when the module runs, and the run waits for the answer.
-    `commands` says that its results are commands, `triggered` that inputs make it
-    run, `pulls` that some of them it has to ask for.
+    Inputs that arrive in one instant make one computation. A data input that is pulled is requested
+    when the module runs, and the run waits for the answer. With `commands` its results are
+    commands, with `triggered` inputs make it run, and with `pulls` it requests some of them. `rank`
+    is that of its computations in the schedule.
     """
 
     def __init__(
@@ -65,12 +66,12 @@ class Algorithm:
         commands: bool,
         triggered: bool,
         pulls: bool,
+        rank: int,
     ) -> None:
         self.name, self.schedule = name, schedule
         self.call, self.delay = behaviour.call, behaviour.delay
         self.commands, self.triggered = commands, triggered
-        self.rank = schedule.control if commands else DATA
-        self.queue = schedule.queue(self.rank)
+        self.rank, self.queue = rank, schedule.queue(rank)
         self.offers: list[Offer] = []
         self.outputs: list[Link] = []
         self.failures = Failures(place=behaviour.place)
@@ -82,6 +83,10 @@ class Algorithm:
         self.pulled: list[tuple[int, Link]] = []
         self.missing: set[int] = set()
         self.waiting = False
+        #: Whether a computation is queued in this instant.
+        self.queued = False
+        #: How many computations there were.
+        self.computed = 0
 
     def input(self, link: Link, pulled: bool) -> Callable[[Message], None]:
         """Return what takes the messages of one link; inputs keep the order of their links."""
@@ -103,7 +108,9 @@ class Algorithm:
 
         def trigger(message: Message) -> None:
             keep(message)
-            queue(run)
+            if not self.queued:
+                self.queued = True
+                queue(run)
 
         return trigger if self.triggered else keep
 
@@ -117,7 +124,8 @@ class Algorithm:
             self.queue(self.compute)
 
     def ask(self) -> None:
-        """Ask for what is pulled; compute when it is there."""
+        """Request the pulled inputs; compute when all have been answered."""
+        self.queued = False
         if self.waiting:
             return
         self.missing = {index for index, _ in self.pulled}
@@ -127,9 +135,11 @@ class Algorithm:
                 link.request()
 
     def compute(self) -> None:
-        """Call the behaviour and offer its result, unless it returns nothing."""
+        """Call the behaviour and offer its result, unless that is None."""
+        self.queued = False
         if self.unheard:
             return
+        self.computed += 1
         self.unread.clear()
         try:
             result = self.call(*map(copied, self.latest))

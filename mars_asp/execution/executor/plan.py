@@ -190,10 +190,11 @@ class Plan:
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
 
     def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
-        """Return how many arbiters stand one behind the other before a node."""
+        """Return how many arbiters and commanded controllers commands pass up to a node."""
         if name in seen:
             return 0
-        own = self.kind(name) == "arbitration_node"
+        kind = self.kind(name)
+        own = kind == "arbitration_node" or (kind == "control_out" and bool(self.control_in[name]))
         behind = [self.depth(link.source, seen | {name}) for link in self.control_in[name]]
         return own + max(behind, default=0)
 

@@ -30,10 +30,10 @@ class Clock:
 class Schedule:
     """Events by time, then by rank, then by sequence.
 
-    The ranks: sensors; data that arrives; the clocks of data modules and splitters, `clocks` ranks
-    of them, so that within one instant those nearer to a source tick first; control; arbiters, one
-    rank for each depth of cascade, so that an inner one has settled before the one it feeds
-    decides; effectors.
+    The ranks: sensors; data that arrives; joins of data and the clocks of data modules and
+    splitters, `clocks` ranks of them, so that within one instant those nearer to a source run
+    first; control; arbiters and commanded controllers, one rank for each depth of cascade, so that
+    an inner one has settled before the one it feeds decides; effectors.
     """
 
     def __init__(self, clocks: int = 1, arbiters: int = 1) -> None:

@@ -33,7 +33,7 @@ def test_an_algorithm_computes_with_the_latest_of_each_input_once_all_have_arriv
         },
         0.4,
     )
-    assert inbox.got == [(150, (1, 0)), (200, (2, 0)), (300, (3, 0)), (400, (4, 1)), (400, (4, 1))]
+    assert inbox.got == [(150, (1, 0)), (200, (2, 0)), (300, (3, 0)), (400, (4, 1))]
 
 
 def test_an_algorithm_at_a_frequency_computes_on_its_clock_with_what_came_in_that_instant() -> None:
