@@ -37,8 +37,9 @@ class Condition:
 class Grid:
     """Sends the latest message at each deadline of a rate, also one that came in that instant.
 
-    With `again` a message that was sent before is repeated and counted as stale. A least gap
-    between messages would make 8.3 of 25 -> 10 Hz; deadlines make 10.
+    With `again` a message that was sent before is repeated and counted as stale; until a first one
+    comes there is none to repeat. A least gap between messages would make 8.3 of 25 -> 10 Hz;
+    deadlines make 10.
     """
 
     def __init__(
@@ -46,10 +47,15 @@ class Grid:
     ) -> None:
         self.link, self.again, self.fresh = link, again, False
         self.latest: Message | None = None
+        self.schedule = schedule
+        if again:
+            link.begun = None
         schedule.every(hz, rank, self.tick)
 
     def offer(self, message: Message) -> None:
         """Keep a message for the next deadline."""
+        if self.link.begun is None:
+            self.link.begun = self.schedule.now
         if self.fresh:
             self.link.dropped["lowered"] += 1
         self.latest, self.fresh = message, True

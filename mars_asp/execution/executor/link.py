@@ -97,6 +97,8 @@ class Link:
     delivered: int = 0
     #: When (ns) the last few were delivered.
     latest: deque[int] = field(default_factory=lambda: deque(maxlen=8))
+    #: Since when (ns) there was a message to repeat, or None before; 0 where none is repeated.
+    begun: int | None = 0
     stale: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
     fault: str = ""
