@@ -351,6 +351,7 @@ def _unfinished(scenario: Scenario, verdict: str, error: str) -> dict[str, objec
     return {
         "verdict": verdict,
         "requirements": [],
+        "warnings": [],
         "seconds": scenario.duration,
         "seed": scenario.seed,
         "events": None,

@@ -1,25 +1,38 @@
-"""What a campaign shows at its end: shares with intervals, and the worst runs."""
+"""The end of a campaign: shares with intervals, quantiles, warnings, and the worst runs."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import inf
 from typing import Any, TextIO
 
 from mars_asp.cli.layout import cells as width_of
 from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.execution.campaign.summary import (
     MOST_WORST,
+    QUANTILES,
     Cell,
     Share,
+    Spread,
     cells,
     control_shares,
     fixed_values,
     requirement_shares,
     share_passed,
+    spreads,
+    warning_counts,
     worst,
 )
 from mars_asp.execution.scenario.vary import written_change
 from mars_asp.output import visible
 
 _Result = Mapping[str, Any]
+#: How the table calls quantities, and their units.
+_TITLES = {
+    "min_clearance_mm": ("least clearance", "mm"),
+    "reached_s": ("time to reach", "s"),
+    "nearest_to_place_mm": ("distance to place", "mm"),
+}
+#: Those of the quantiles that the table shows.
+_SHOWN = (5, 50, 95)
 
 
 def print_table(
@@ -41,24 +54,26 @@ def print_table(
 
 
 def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
-    """Yield what passed in each cell, what held, and who was in control.
+    """Yield shares of each cell: runs that passed, requirements and controllers; then quantiles.
 
     Requirements that always held are one line, and so are controllers that always or never were in
-    control.
+    control, and warnings of as many runs.
     """
     passed, shares = share_passed(results), requirement_shares(results)
     groups = cells(results)
     labels = [_label(cell, fixed_values(groups)) for cell in groups]
-    rows = [("", "passed", passed)]
-    rows += [(label, "passed", cell.passed) for label, cell in zip(labels, groups, strict=True)]
+    rows = [("", "passed", passed.text)]
+    rows += [
+        (label, "passed", cell.passed.text) for label, cell in zip(labels, groups, strict=True)
+    ]
     always = []
     for name, share in shares.items():
         if share.held == share.of == passed.of:
             always.append(name)
             continue
-        rows.append(("", name, share))
+        rows.append(("", name, share.text))
         rows += [
-            (label, name, cell.requirements[name])
+            (label, name, cell.requirements[name].text)
             for label, cell in zip(labels, groups, strict=True)
             if name in cell.requirements
         ]
@@ -66,12 +81,20 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
     for name, share in controls.items():
         if 0 < share.held < share.of:
             title = f"{name} in control"
-            rows.append(("", title, share))
+            rows.append(("", title, share.text))
             rows += [
-                (label, title, cell.in_control[name])
+                (label, title, cell.in_control[name].text)
                 for label, cell in zip(labels, groups, strict=True)
                 if name in cell.in_control
             ]
+    for name, spread in spreads(results).items():
+        title, unit = _titled(name)
+        rows.append(("", title, _spread_text(spread, unit)))
+        rows += [
+            (label, title, _spread_text(cell.spreads[name], unit))
+            for label, cell in zip(labels, groups, strict=True)
+            if name in cell.spreads
+        ]
     fixed = ", ".join(written_change(*each) for each in fixed_values(groups).items())
     head = f"{counted(passed.of, 'run')}{' with ' * bool(fixed)}{fixed}"
     yield from map(visible, wrapped(f"{head}, intervals of 95 % (Wilson)", width, "", "  "))
@@ -80,6 +103,12 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
     if always:
         text = f"{Share(passed.of, passed.of).text}: {', '.join(always)}"
         yield from map(visible, wrapped(text, width, "held in all, ", "  "))
+    by_count: dict[int, list[str]] = {}
+    for name, count in warning_counts(results).items():
+        by_count.setdefault(count, []).append(name)
+    for count, names in by_count.items():
+        head = f"warnings in {count} of {passed.of}: "
+        yield from map(visible, wrapped(", ".join(names), width, head, "  "))
     for told, among in (
         ("in control in each run: ", [n for n, s in controls.items() if 0 < s.held == s.of]),
         ("in control in no run: ", [n for n, s in controls.items() if s.held == 0]),
@@ -88,16 +117,37 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
             yield from map(visible, wrapped(", ".join(among), width, told, "  "))
 
 
-def _aligned(rows: Sequence[tuple[str, str, Share]]) -> Iterator[str]:
+def _titled(name: str) -> tuple[str, str]:
+    """Return the title and the unit of a quantity, which may be that of one of several robots."""
+    robot, _, quantity = name.rpartition(".")
+    title, unit = _TITLES[quantity]
+    return f"{title} of {robot}" if robot else title, unit
+
+
+def _spread_text(spread: Spread, unit: str) -> str:
+    """Return the quantiles that a table shows, as in `5 % 12 mm, 50 % 130 mm, 95 % 480 mm`."""
+    values = dict(zip(QUANTILES, spread.values, strict=True))
+    shown = (
+        f"{percent} % {'never' if values[percent] == inf else _number(values[percent], unit)}"
+        for percent in _SHOWN
+    )
+    return ", ".join(shown)
+
+
+def _number(value: float, unit: str) -> str:
+    return f"{value:.1f} s" if unit == "s" else f"{value:.0f} {unit}"
+
+
+def _aligned(rows: Sequence[tuple[str, str, str]]) -> Iterator[str]:
     """Yield the lines of a table; where several follow of one requirement, it is named once."""
     names = max((width_of(visible(name)) for _, name, _ in rows), default=0)
     labels = max((width_of(visible(label)) for label, _, _ in rows), default=0)
     before = None
-    for label, name, share in rows:
+    for label, name, text in rows:
         shown = visible(name if name != before else "")
         before = name
         place = f"  {_filled(visible(label), labels)}" if labels else ""
-        yield f"{_filled(shown, names)}{place}  {share.text}"
+        yield f"{_filled(shown, names)}{place}  {text}"
 
 
 def _filled(text: str, width: int) -> str:

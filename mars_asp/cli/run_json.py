@@ -21,6 +21,10 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
         "requirements": [
             {"name": r.name, "holds": r.holds, "message": r.message} for r in judgement.requirements
         ],
+        "warnings": [
+            {"kind": each.kind, "subject": each.subject, "message": each.message}
+            for each in judgement.warnings
+        ],
         "seconds": trial.scenario.duration,
         "seed": trial.scenario.seed,
         "events": executor.schedule.events,

@@ -56,6 +56,8 @@ def _summary(run: Mapping[str, Any]) -> str:
 def _sections(run: Mapping[str, Any]) -> Iterator[str]:
     requirements = [(_HOLDS[r["holds"]], r["name"], r["message"]) for r in run["requirements"]]
     yield from _table("Requirements", ("", "requirement", ""), requirements)
+    warnings = [(each["kind"], each["message"]) for each in run["warnings"]]
+    yield from _table("Warnings", ("kind", ""), warnings)
     shares = sorted(run["control_time"].items(), key=lambda share: -share[1])
     times = [
         (name, f"{seconds:.2f} s", f"{100 * seconds / run['seconds']:.1f} %")

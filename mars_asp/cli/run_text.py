@@ -52,6 +52,8 @@ def _print_tables(
     for requirement in judgement.requirements:
         word = _WORDS[requirement.holds]
         _say(console, f"{word:8} {requirement.name}  ", requirement.message)
+    for warning in judgement.warnings:
+        _say(console, "warning  ", f"{warning.message} [{warning.kind}]")
     bodies, clearance = trial.bodies, trial.clearance
     # Where there is nothing to come near to, there is no clearance.
     clear = f"least clearance {clearance:.0f} mm, " if clearance < float("inf") else ""
@@ -74,10 +76,11 @@ def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> No
 
 
 def _verdict(judgement: "Judgement") -> str:
-    """Return the verdict, and which requirements were violated."""
-    count = len(judgement.requirements)
+    """Return the verdict, which requirements were violated, and how many warnings there are."""
+    count, warnings = len(judgement.requirements), len(judgement.warnings)
     if judgement.verdict == "pass":
-        return f"pass: all {count} requirements hold"
+        warned = f", with {counted(warnings, 'warning')}" if warnings else ""
+        return f"pass: all {count} requirements hold{warned}"
     state, told = (False, "violated") if judgement.verdict == "fail" else (None, "not decided")
     names = [each.name for each in judgement.requirements if each.holds is state]
     are = "is" if len(names) == 1 else "are"

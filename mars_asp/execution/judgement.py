@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from itertools import pairwise
+from math import dist
 from pathlib import Path
 from typing import Any, Literal
 
@@ -50,6 +51,8 @@ ON_REQUEST = {
 }
 #: Requirement and the kind of consequence that says that the run ended too early to show it.
 UNDECIDED = {"services delivered": "undecided_service", "reach": "undecided_reach"}
+#: Kinds of consequences that warn that a run shows less than its verdict seems to.
+WARNINGS = ("module_never_ran", "input_never_came", "requirement_in_vain", "goal_in_obstacle")
 #: Where facts are that stand in no file.
 OBSERVED = point("<run>", 1, 1)
 _MOST = 2**31 - 1
@@ -85,9 +88,10 @@ class Requirement:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Every requirement, those that always apply first, and what they were judged by."""
+    """Every requirement, those that always apply first, warnings, and the facts and rules of both."""
 
     requirements: tuple[Requirement, ...]
+    warnings: tuple[Consequence, ...]
     analysis: Analysis
     facts: tuple[Fact, ...]
     rulebook: Rulebook
@@ -99,13 +103,14 @@ class Judgement:
         return "fail" if False in held else "not decided" if None in held else "pass"
 
     def traces(self) -> tuple[tuple[Consequence, Trace], ...]:
-        """Return why each violation was found, down to lines of scenario and configuration.
+        """Return why each violation and warning was found, down to lines of scenario and robot.
 
         What was observed has no line but, where it has one, an instant.
         """
         given = GivenFacts(self.facts, self.rulebook.declarations)
         explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
         found = [c for requirement in self.requirements for c in requirement.violations]
+        found += self.warnings
         traces = explainer.why(dict.fromkeys(c.atom for c in found))
         return tuple((c, traces[c.atom]) for c in found)
 
@@ -166,7 +171,7 @@ def judge_facts(
     analysis = analyse(facts, rulebook, span)
     named = {**ALWAYS, **{name: ON_REQUEST[name] for name in asked}}
     # What a pack finds wrong with a run is a requirement of that name.
-    built_in = {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values()}
+    built_in = {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values(), *WARNINGS}
     named |= {kind: kind for kind in sorted(consequence_kinds(rulebook) - built_in)}
 
     def found(kind: str | None) -> tuple[Consequence, ...]:
@@ -175,7 +180,8 @@ def judge_facts(
     requirements = tuple(
         Requirement(name, found(kind), found(UNDECIDED.get(name))) for name, kind in named.items()
     )
-    return Judgement(requirements, analysis, facts, rulebook)
+    warnings = tuple(each for kind in WARNINGS for each in found(kind))
+    return Judgement(requirements, warnings, analysis, facts, rulebook)
 
 
 def run_facts(trial: Trial) -> Iterator[Fact]:
@@ -201,11 +207,29 @@ def _facts(trial: Trial) -> Iterator[Fact]:
         )
         yield _fact(scenario.places.get(name, place), "asked", Atom(name))
     yield from _robots(trial)
+    yield from _at_work(trial)
     for first, second in asked.get("exclusive", ()):
+        for function in (first, second):
+            if trial.is_active(function):
+                yield _seen("active", function)
         seconds, since = trial.together(first, second)
         yield _seen("together", first, second, _whole(seconds * 1000), _whole(since * 1000))
     if "coverage" in asked:
-        yield _seen("coverage", _whole(trial.coverage * 1000), _whole(asked["coverage"] * 1000))
+        at_start, covered = (_whole(share * 1000) for share in trial.coverages)
+        yield _seen("coverage", covered, _whole(asked["coverage"] * 1000))
+        yield _seen("covered_at_start", at_start)
+
+
+def _at_work(trial: Trial) -> Iterator[Fact]:
+    """Yield how often modules ran and what came to their inputs."""
+    executor, plan = trial.executor, trial.executor.plan
+    for name, runs in executor.runs.items():
+        yield _seen("obeyed_commands" if name in executor.effectors else "ran", name, runs)
+        if plan.kind(name) in ("data_out", "control_out", "sink"):
+            for link in (*plan.data_in[name], *plan.control_in[name]):
+                port = plan.input_name(link)
+                entry = "it" if port is None else f"its input `{port}`"
+                yield _fact(link.span, "came", name, entry, plan.origin(link), link.delivered)
 
 
 def _robots(trial: Trial) -> Iterator[Fact]:
@@ -214,8 +238,14 @@ def _robots(trial: Trial) -> Iterator[Fact]:
     yield _seen("called", THING, "something")
     for robot in scenario.robots:
         yield _seen("called", robot.name, scenario.called(robot))
+    world = trial.bodies[0].world
+    for kind, present in (("fixed", world.is_built), ("moving", bool(world.moving))):
+        if present:
+            yield _fact(scenario.span, "solid", Atom(kind))
     for robot, body in trial.robots:
         yield from _contacts(trial, robot, body)
+        if body.driven:
+            yield _seen("travelled", robot.name)
     if "clearance" in scenario.requirements:
         told = set[frozenset[str]]()
         for body in sorted(trial.bodies, key=lambda body: body.clearance):
@@ -227,23 +257,43 @@ def _robots(trial: Trial) -> Iterator[Fact]:
                 told_so = (_whole(number * 1000) for number in numbers)
                 yield _seen("clearance", body.name, body.beside, *told_so)
     for robot in scenario.robots:
-        if robot.reach is not None and trial.reached(robot) is None:
-            yield from _missed(trial, robot, robot.reach)
+        if robot.reach is not None:
+            yield from _place(trial, robot, robot.reach)
+            if trial.reached(robot) is None:
+                yield from _missed(trial, robot, robot.reach)
+
+
+def _place(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fact]:
+    """Yield how far the place that a robot is to reach is from fixed things and from its start."""
+    x, y = reach["at"]
+    radius, place = reach.get("radius", 200.0), _where(trial, robot)
+    if dist((x, y), robot.start[:2]) <= radius:
+        yield _fact(place, "starts_there", robot.name, _text_of(x, y))
+    gap = trial.bodies[0].world.fixed().distance((x, y), 0.0)
+    lengths = (_whole(length * 1000) for length in (gap, radius, robot.radius))
+    yield _fact(place, "place_gap", robot.name, _text_of(x, y), *lengths)
 
 
 def _missed(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fact]:
     """Yield by when a robot was to come to its place, and how near it came."""
     scenario = trial.scenario
     within = reach.get("within", scenario.duration)
-    place = robot.places.get("reach") or scenario.places["reach"]
-    yield _fact(place, "deadline", robot.name, _whole(within * 1000))
+    yield _fact(_where(trial, robot), "deadline", robot.name, _whole(within * 1000))
     ended = _whole(min(within, scenario.duration) * 1000)
     yield _seen("never_reached", robot.name, ended)
     x, y = reach["at"]
     distance, at = trial.nearest(robot)
     # Whole millimetres are as much as a reader wants.
     told = _whole(round(distance) * 1000), _whole(at * 1000)
-    yield _seen("came_nearest", robot.name, f"({x:g}, {y:g})", *told)
+    yield _seen("came_nearest", robot.name, _text_of(x, y), *told)
+
+
+def _where(trial: Trial, robot: Robot) -> Span:
+    return robot.places.get("reach") or trial.scenario.places["reach"]
+
+
+def _text_of(x: float, y: float) -> str:
+    return f"({x:g}, {y:g})"
 
 
 def _written(facts: Iterable[Fact]) -> Iterator[Fact]:

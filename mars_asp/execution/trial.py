@@ -1,7 +1,7 @@
 """A specification in a scenario: world, robot, devices and executor, put together and run."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, dist, inf, radians, sin
@@ -167,29 +167,47 @@ class Trial:
     def _body(self, robot: Robot) -> Body:
         return self.bodies[self.scenario.robots.index(robot)]
 
+    def is_active(self, function: str) -> bool:
+        """Whether an effector carried out a function at some time."""
+        return any(until > since for since, until in self._runs(function))
+
     @property
     def coverage(self) -> float:
-        """Return which share of squares, as wide as the widest robot, a robot's centre has been in.
+        """Return the share of squares that robots' centres were in."""
+        return self.coverages[1]
 
-        Squares lie side by side in the rectangle around all walls, whole ones alone.
+    @property
+    def coverages(self) -> tuple[float, float]:
+        """Return the shares of squares that robots' centres were in at the start and in all.
+
+        Squares, as wide as the widest robot, lie side by side in the rectangle around all walls,
+        whole ones alone.
         """
         segments = self.bodies[0].world.segments
         size = 2 * max(body.radius for body in self.bodies)
         if not len(segments) or not size:
-            return 0.0
+            return 0.0, 0.0
         low = segments.reshape(-1, 2).min(axis=0)
         rows, columns = ((segments.reshape(-1, 2).max(axis=0) - low) // size).astype(int)
-        been = set()
-        for stretch, until in (each for body in self.bodies for each in body.stretches):
-            # Between two times at which it passes a line, it is in one square.
-            passed = {stretch.since, until}
-            for axis in (0, 1):
-                passed.update(stretch.crossings(axis, size, float(low[axis]), until))
-            for since, next_ in pairwise(sorted(passed)):
-                pose = stretch.at((since + next_) / 2)
-                been.add((int((pose.forward - low[0]) // size), int((pose.side - low[1]) // size)))
-        inside = sum(0 <= row < rows and 0 <= column < columns for row, column in been)
-        return float(inside / (rows * columns)) if rows * columns else 0.0
+
+        def share(poses: Iterable[Pose]) -> float:
+            found = {
+                (int((pose.forward - low[0]) // size), int((pose.side - low[1]) // size))
+                for pose in poses
+            }
+            inside = sum(0 <= row < rows and 0 <= column < columns for row, column in found)
+            return float(inside / (rows * columns)) if rows * columns else 0.0
+
+        def passed() -> Iterator[Pose]:
+            for stretch, until in (each for body in self.bodies for each in body.stretches):
+                # Between two times at which it passes a line, it is in one square.
+                times = {stretch.since, until}
+                for axis in (0, 1):
+                    times.update(stretch.crossings(axis, size, float(low[axis]), until))
+                for since, next_ in pairwise(sorted(times)):
+                    yield stretch.at((since + next_) / 2)
+
+        return share(body.motion[0].pose for body in self.bodies), share(passed())
 
 
 def _to_reach(robot: Robot) -> tuple[Point, float, float]:

@@ -9,6 +9,7 @@ from mars_asp.execution.judgement import (
     ALWAYS,
     ON_REQUEST,
     UNDECIDED,
+    WARNINGS,
     in_words,
     judge,
     run_rulebook,
@@ -72,7 +73,7 @@ def test_the_run_rules_have_checked_messages_and_a_requirement_each() -> None:
         for rule in book.rules
         if rule.stage == "run" and rule.text.startswith("consequence(")
     }
-    assert kinds == {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values()}
+    assert kinds == {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values(), *WARNINGS}
 
 
 FROM_FILE = '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'

@@ -15,7 +15,7 @@ from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED, PASS
 
 FORMAT, VERSION = "mars-campaign", 1
 #: What else of a run is compared and counted.
-COUNTED = ("collisions", "min_clearance_mm", "control_time", "error")
+COUNTED = ("collisions", "min_clearance_mm", "control_time", "turn_while_driving_s", "error")
 
 
 class Ended(NamedTuple):
@@ -126,6 +126,28 @@ def _is_run(found: Mapping[str, Any]) -> bool:
         and _is_times(found.get("control_time"))
         and isinstance(judged, list)
         and all(map(_is_requirement, judged))
+        and isinstance(found.get("turn_while_driving_s"), int | float | None)
+        and isinstance(found.get("robots", []), list)
+        and all(map(_is_robot, found.get("robots", [])))
+        and isinstance(found.get("warnings", []), list)
+        and all(map(_is_warning, found.get("warnings", [])))
+    )
+
+
+def _is_robot(found: object) -> bool:
+    return (
+        isinstance(found, dict)
+        and isinstance(found.get("name"), str)
+        and isinstance(found.get("reached_s"), int | float | None)
+        and isinstance(found.get("nearest_to_place_mm"), int | float | None)
+    )
+
+
+def _is_warning(found: object) -> bool:
+    return (
+        isinstance(found, dict)
+        and isinstance(found.get("kind"), str)
+        and isinstance(found.get("subject"), str)
     )
 
 
@@ -142,10 +164,19 @@ def _is_requirement(found: object) -> bool:
 
 
 def _counted(whole: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what of a line is counted: of many runs the rest would not fit into memory."""
+    """Return the part of a line that is counted: of many runs the rest would not fit into memory.
+
+    `places` has for each robot with one when (s) it came there, or None, and how near (mm).
+    """
     judged = [{"name": r["name"], "holds": r["holds"]} for r in whole["requirements"]]
     kept = {key: whole.get(key) for key in ("seed", "vary", "verdict", *COUNTED)}
-    return {**kept, "requirements": judged}
+    places = {
+        each["name"]: (each["reached_s"], each["nearest_to_place_mm"])
+        for each in whole.get("robots", [])
+        if each["nearest_to_place_mm"] is not None
+    }
+    warnings = sorted({f"{each['kind']}({each['subject']})" for each in whole.get("warnings", [])})
+    return {**kept, "requirements": judged, "places": places, "warnings": warnings}
 
 
 def _object(line: bytes) -> dict[str, Any] | None:

@@ -1,8 +1,10 @@
-"""What the runs of a campaign show together: shares with their intervals, and the worst worlds."""
+"""The runs of a campaign together: shares with intervals, quantiles, warnings, the worst runs."""
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from math import inf, sqrt
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import chain, zip_longest
+from math import ceil, inf, sqrt
 from typing import Any, NamedTuple
 
 PASS, FAIL, NOT_DECIDED = "pass", "fail", "not decided"
@@ -41,16 +43,30 @@ class Share(NamedTuple):
         return f"{self.held} of {self.of} ({100 * low:.1f}-{100 * high:.1f} %)"
 
 
-class Cell(NamedTuple):
-    """The runs with one combination of values: how many passed, and what held in how many.
+#: Percentages of runs, and the values that so many of them do not exceed.
+QUANTILES = (5, 25, 50, 75, 95)
 
-    `in_control` has in how many a controller was in control at some time.
+
+class Spread(NamedTuple):
+    """Quantiles of a quantity, in its unit, over the runs that have it; inf where it never came."""
+
+    of: int
+    values: tuple[float, ...]
+
+
+class Cell(NamedTuple):
+    """The runs with one combination of values: how many passed, and in how many which one held.
+
+    `in_control` has in how many a controller was in control at some time, `warnings` in how many
+    there was which warning.
     """
 
     vary: Mapping[str, Any]
     passed: Share
     requirements: Mapping[str, Share]
     in_control: Mapping[str, Share]
+    spreads: Mapping[str, Spread]
+    warnings: Mapping[str, int]
 
 
 def share_passed(results: Iterable[_Result]) -> Share:
@@ -88,6 +104,8 @@ def cells(results: Iterable[_Result]) -> list[Cell]:
             share_passed(group),
             requirement_shares(group),
             control_shares(group),
+            spreads(group),
+            warning_counts(group),
         )
         for group in groups.values()
     ]
@@ -103,24 +121,77 @@ def fixed_values(groups: Sequence[Cell]) -> dict[str, Any]:
     }
 
 
-def worst(results: Iterable[_Result]) -> list[_Result]:
-    """Return at most five of the runs that did not pass, the worst first.
+def spreads(results: Iterable[_Result]) -> dict[str, Spread]:
+    """Return the quantiles of clearance, and of the time and distance to places to reach.
 
-    A failed run is worse than one that was not decided; then count requirements that were violated,
-    collisions, and the least clearance; then the order of the lines.
+    Of several robots with a place each has its own. A place that was not reached was reached never.
     """
-    return sorted((each for each in results if each["verdict"] != PASS), key=_badness)[:MOST_WORST]
+    values: dict[str, list[float]] = {}
+    for result in results:
+        if result.get("min_clearance_mm") is not None:
+            values.setdefault("min_clearance_mm", []).append(result["min_clearance_mm"])
+        places = result.get("places") or {}
+        for name, (reached, nearest) in places.items():
+            before = f"{name}." if len(places) > 1 else ""
+            seconds = inf if reached is None else reached
+            values.setdefault(f"{before}reached_s", []).append(seconds)
+            values.setdefault(f"{before}nearest_to_place_mm", []).append(nearest)
+    return {name: _spread(each) for name, each in values.items()}
 
 
-def _badness(result: _Result) -> tuple[bool, int, int, float]:
+def _spread(values: list[float]) -> Spread:
+    values.sort()
+    ranks = (max(1, ceil(percent * len(values) / 100)) for percent in QUANTILES)
+    return Spread(len(values), tuple(values[rank - 1] for rank in ranks))
+
+
+def warning_counts(results: Iterable[_Result]) -> dict[str, int]:
+    """Return in how many runs there was which warning, the most frequent first."""
+    found = Counter(chain.from_iterable(result.get("warnings") or () for result in results))
+    return dict(sorted(found.items(), key=lambda each: (-each[1], each[0])))
+
+
+def worst(results: Iterable[_Result]) -> list[_Result]:
+    """Return at most five of the runs that did not pass: the worst of each requirement in turn.
+
+    Runs that failed without an end come first, then the requirement that failed most often; runs
+    that were not decided follow. The worst run of a requirement is the worst by its measure:
+    contacts, clearance, or the distance to the place.
+    """
+    unpassed = [each for each in results if each["verdict"] != PASS]
+    found: dict[str, _Result] = {}
+    for verdict, holds in ((FAIL, False), (NOT_DECIDED, None)):
+        groups: dict[str, list[_Result]] = {}
+        for result in (each for each in unpassed if each["verdict"] == verdict):
+            for name in _missed(result, holds=holds):
+                groups.setdefault(name, []).append(result)
+        ranked = sorted(groups.items(), key=lambda group: (group[0] != "", -len(group[1])))
+        columns = [sorted(group, key=lambda each: _badness(name, each)) for name, group in ranked]
+        for result in chain.from_iterable(zip_longest(*columns)):
+            if result is not None:
+                found.setdefault(json.dumps([result["seed"], result["vary"]]), result)
+    return list(found.values())[:MOST_WORST]
+
+
+def _missed(result: _Result, *, holds: bool | None) -> Iterator[str]:
+    """Yield the requirements that were violated or not decided; an empty name without any."""
+    names = [each["name"] for each in result["requirements"] if each["holds"] is holds]
+    yield from names or [""]
+
+
+def _badness(requirement: str, result: _Result) -> tuple[float, ...]:
+    """Return a number that is lower for worse runs, first by the measure of a requirement."""
+    clearance, contacts = result.get("min_clearance_mm"), result.get("collisions") or 0
+    near = inf if clearance is None else clearance
+    places = (result.get("places") or {}).values()
+    measures = {
+        "no_collision": -contacts,
+        "clearance": near,
+        "reach": -max((far for reached, far in places if reached is None), default=0),
+        "exclusive": -(result.get("turn_while_driving_s") or 0),
+    }
     violated = sum(each["holds"] is False for each in result["requirements"])
-    clearance = result.get("min_clearance_mm")
-    return (
-        result["verdict"] != FAIL,
-        -violated,
-        -(result.get("collisions") or 0),
-        inf if clearance is None else clearance,
-    )
+    return measures.get(requirement, 0), -violated, -contacts, near
 
 
 def summary_json(results: Sequence[_Result], command: Callable[[_Result], str]) -> dict[str, Any]:
@@ -132,6 +203,8 @@ def summary_json(results: Sequence[_Result], command: Callable[[_Result], str]) 
         **_interval_json(passed),
         "requirements": _shares_json(requirement_shares(results)),
         "in_control": _shares_json(control_shares(results)),
+        "quantiles": _spreads_json(spreads(results)),
+        "warnings": warning_counts(results),
         "cells": [
             {
                 "vary": cell.vary,
@@ -140,6 +213,8 @@ def summary_json(results: Sequence[_Result], command: Callable[[_Result], str]) 
                 **_interval_json(cell.passed),
                 "requirements": _shares_json(cell.requirements),
                 "in_control": _shares_json(cell.in_control),
+                "quantiles": _spreads_json(cell.spreads),
+                "warnings": cell.warnings,
             }
             for cell in cells(results)
         ],
@@ -154,6 +229,20 @@ def _shares_json(shares: Mapping[str, Share]) -> dict[str, object]:
     return {
         name: {"held": share.held, "of": share.of, **_interval_json(share)}
         for name, share in shares.items()
+    }
+
+
+def _spreads_json(found: Mapping[str, Spread]) -> dict[str, object]:
+    """Return quantiles by their percentages; null for a place that was not reached."""
+    return {
+        name: {
+            "of": spread.of,
+            **{
+                str(percent): None if value == inf else value
+                for percent, value in zip(QUANTILES, spread.values, strict=True)
+            },
+        }
+        for name, spread in found.items()
     }
 
 

@@ -79,6 +79,12 @@ class Executor:
         found |= {f"{link.source} -> {link.client}": link.failures for link in self.links}
         return {name: failures for name, failures in found.items() if failures.count}
 
+    @property
+    def runs(self) -> dict[str, int]:
+        """Return how often each module sensed or computed, or how many commands it got."""
+        counts = ((name, getattr(each, "runs", None)) for name, each in self.elements.items())
+        return {name: runs for name, runs in counts if runs is not None}
+
     def step_until(self, time: int) -> None:
         """Run all events up to and including an instant (ns)."""
         self.schedule.step_until(time)

@@ -92,6 +92,7 @@ class Link:
     priority: int = 0
     hold: int | None = None
     allocation: str | None = None
+    client_port: str | None = None
     receive: Callable[[Message], None] = lambda message: None
     request: Callable[[], None] | None = None
     delivered: int = 0

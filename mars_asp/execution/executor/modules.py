@@ -26,11 +26,13 @@ class Sensor:
         if hz is None and behaviour.period is not None:
             hz = Fraction(SECOND, behaviour.period)
         self.clocked = hz is not None
+        self.runs = 0
         if hz is not None:
             schedule.every(hz, SENSORS, self.sample)
 
     def sample(self) -> None:
-        """Read the device and offer what it says to every output."""
+        """Read the device and offer its reading to every output."""
+        self.runs += 1
         try:
             reading = copied(self.call())
         except Exception as error:  # a device's fault must not end the run
@@ -85,8 +87,7 @@ class Algorithm:
         self.waiting = False
         #: Whether a computation is queued in this instant.
         self.queued = False
-        #: How many computations there were.
-        self.computed = 0
+        self.runs = 0
 
     def input(self, link: Link, pulled: bool) -> Callable[[Message], None]:
         """Return what takes the messages of one link; inputs keep the order of their links."""
@@ -139,7 +140,7 @@ class Algorithm:
         self.queued = False
         if self.unheard:
             return
-        self.computed += 1
+        self.runs += 1
         self.unread.clear()
         try:
             result = self.call(*map(copied, self.latest))
@@ -188,6 +189,8 @@ class Effector:
         self.ways: dict[str, float] = {}
         self.rates: dict[str, float] = {}
         self.since = 0
+        #: How many commands it got.
+        self.runs = 0
 
     def position(self) -> Mapping[str, float]:
         """Return how far each motion has come, in degrees and mm, as told or as reckoned."""
@@ -205,6 +208,7 @@ class Effector:
 
     def receive(self, link: Link, message: Message) -> None:
         """Take a command; it is applied when everything else of the instant is done."""
+        self.runs += 1
         if self.left:
             taken = {f: rate for f, rate in message.value.items() if f not in self.left}
             message = message._replace(value=taken)

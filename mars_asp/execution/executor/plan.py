@@ -9,6 +9,7 @@ from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
 from mars_asp.execution.executor.link import Link
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
+from mars_asp.model import ports
 from mars_asp.model.declarations import (
     FOREVER,
     MOTION_FUNCTIONS,
@@ -61,6 +62,7 @@ class Plan:
             hz = None if relationship.hz is None else Fraction(relationship.hz)
             ends = relationship.source, relationship.client
             link = Link("data", *ends, relationship.span, relationship.mode, hz)
+            link.client_port = relationship.client_port
             into, out = self.data_in, self.data_out
         else:
             hold = relationship.hold_ms
@@ -86,6 +88,24 @@ class Plan:
                 if not left[link.client]:
                     ready.append(link.client)
         return depths
+
+    def input_name(self, link: Link) -> str | None:
+        """Return the name of the input that a data link feeds, or None if that is not known."""
+        client = self.modules.get(link.client)
+        named = list(ports.inputs(client)) if client is not None and link.kind == "data" else []
+        return link.client_port or (named[0] if len(named) == 1 else None)
+
+    def origin(self, link: Link) -> str:
+        """Return the modules, or outputs of them, whose messages or commands come over a link."""
+        if link.kind == "control":
+            return " or ".join(dict.fromkeys(self._commanders(link.source)))
+        source, seen = link.source, set[str]()
+        while source not in self.modules and source not in seen and self.data_in[source]:
+            if self.kind(source) not in ("data_splitter", "data_transformer"):
+                break
+            seen.add(source)
+            source = self.data_in[source][0].source
+        return source
 
     def kind(self, name: str) -> str:
         """Return the kind of a node, or what a module is to the executor."""

@@ -129,6 +129,17 @@ class World:
         """Return the same world for another robot, which is near to other things."""
         return copy(self)
 
+    @property
+    def is_built(self) -> bool:
+        """Whether it has anything solid that does not move."""
+        return bool(len(self.segments) or len(self.circles))
+
+    def fixed(self) -> "World":
+        """Return the same world without the circles that move."""
+        still = copy(self)
+        still.moving, still._seen, still._beside = (), None, None
+        return still
+
     def rays(
         self, origin: Point, angles: Floats, reach: float, seconds: float, discs: Floats = _NONE
     ) -> Floats:

@@ -10,7 +10,7 @@ from mars_asp.execution.scenario.vary import Axis
 RADIUS = Axis("robot.radius", (100, 200, 400))
 SWITCH = Axis("modules.C", ("on", "off"))
 CELLS = [
-    Cell({"robot.radius": radius, "modules.C": switch}, Share(held, 10), {}, {})
+    Cell({"robot.radius": radius, "modules.C": switch}, Share(held, 10), {}, {}, {}, {})
     for radius, held in ((100, 10), (200, 5), (400, 0))
     for switch in ("on", "off")
 ]
@@ -53,7 +53,7 @@ def test_numbers_are_drawn_along_before_words() -> None:
     assert plotted_axis([SWITCH, RADIUS]) == RADIUS
     assert plotted_axis([Axis("duration", (1,)), SWITCH]) == SWITCH
     svg = campaign_picture(
-        [Cell({"modules.C": value}, Share(1, 2), {}, {}) for value in ("on", "off")], [SWITCH], "t"
+        [Cell({"modules.C": value}, Share(1, 2), {}, {}, {}, {}) for value in ("on", "off")], [SWITCH], "t"
     )
     assert len(points(svg)) == 2
     assert "polyline" not in svg
@@ -62,7 +62,7 @@ def test_numbers_are_drawn_along_before_words() -> None:
 def test_a_cell_of_an_earlier_grid_is_left_out() -> None:
     cells = [
         *CELLS[::2],
-        Cell({}, Share(1, 2), {}, {}),
-        Cell({"robot.radius": 7}, Share(1, 2), {}, {}),
+        Cell({}, Share(1, 2), {}, {}, {}, {}),
+        Cell({"robot.radius": 7}, Share(1, 2), {}, {}, {}, {}),
     ]
     assert len(points(campaign_picture(cells, [RADIUS], "t"))) == 3
