@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     from mars_asp.execution.campaign.journal import Ended, Journal
     from mars_asp.execution.campaign.summary import Share
 
-#: So often a runner that ends is started again for one run.
-_TRIES = 3
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
@@ -58,7 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         type=_count,
         default=1,
-        help="carry out N runs at a time; needs `mars-asp[campaign]`",
+        help="carry out N runs at a time, each in a process of its own",
     )
     add(
         "--cluster",
@@ -136,25 +133,24 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_engine(arguments: argparse.Namespace) -> None:
-    """Refuse several workers where nothing can start them.
+    """Refuse a cluster that cannot be used, and options that contradict each other.
 
     Raises:
-        MarsError: Dask is not installed, or two engines are asked for.
+        MarsError: Dask is not installed, or two engines are requested.
     """
     from mars_asp.cli.campaign_dask import has_dask
 
-    option = "--cluster" if arguments.cluster else "--workers"
     if arguments.cluster and arguments.workers > 1:
         raise refusal(
             "campaign",
             "a cluster has workers of its own",
-            option,
+            "--cluster",
             "leave out --workers or --cluster",
         )
-    if (arguments.cluster or arguments.workers > 1) and not has_dask():
-        message = f"`{option}` needs Dask, which is not installed"
-        help_text = "`pip install 'mars-asp[campaign]'`, or leave the option out: one run at a time"
-        raise refusal("campaign", message, option, help_text)
+    if arguments.cluster and not has_dask():
+        help_text = "`pip install 'mars-asp[campaign]'`, or use --workers on this machine"
+        message = "`--cluster` needs Dask, which is not installed"
+        raise refusal("campaign", message, "--cluster", help_text)
     if arguments.fresh and arguments.output == STANDARD_INPUT:
         raise refusal(
             "campaign", "there is no file to begin anew", "--fresh", "name it: -o OUT.jsonl"
@@ -216,30 +212,15 @@ def _outcomes(
 ) -> "Generator[tuple[Run, Outcome]]":
     if not runs:
         return
-    if arguments.cluster or arguments.workers > 1:
+    if arguments.cluster:
         from mars_asp.cli.campaign_dask import on_cluster
 
-        yield from on_cluster(job, runs, min(arguments.workers, len(runs)), arguments.cluster)
+        yield from on_cluster(job, runs, arguments.cluster)
         return
-    from mars_asp.cli.campaign_runner import Runner, RunnerLostError
+    from mars_asp.cli.campaign_runner import outcomes_of
 
-    runner = Runner(job)
-    try:
-        for each in runs:
-            for _ in range(_TRIES):
-                try:
-                    outcome = runner.run(each)
-                except RunnerLostError:
-                    runner = Runner(job)
-                    continue
-                if outcome is not None:
-                    yield each, outcome
-                break
-            else:
-                told = "the process that carries out runs ended again and again"
-                raise refusal("campaign", told, "--scenario", "is there enough memory?")
-    finally:
-        runner.end()
+    with closing(outcomes_of(job, runs, arguments.workers)) as outcomes:
+        yield from outcomes
 
 
 def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

@@ -1,4 +1,4 @@
-"""Runs of a campaign on Dask: a local cluster, or one that others have started.
+"""Runs of a campaign on the workers of a Dask scheduler that others have started.
 
 What travels are the pickled job and the runs; a worker needs mars-asp, the scheduler does not.
 Each thread of a worker has a runner of its own, which carries out one run after another.
@@ -9,7 +9,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from importlib.util import find_spec
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
@@ -37,12 +37,8 @@ def has_dask() -> bool:
     return find_spec("distributed") is not None
 
 
-def on_cluster(
-    job: bytes, runs: Sequence[Run], workers: int, address: str | None
-) -> Iterator[tuple[Run, Outcome]]:
-    """Yield runs with what became of them, as they end.
-
-    Without the address of a scheduler a local cluster of so many workers is started.
+def on_cluster(job: bytes, runs: Sequence[Run], address: str) -> Iterator[tuple[Run, Outcome]]:
+    """Yield runs with their outcomes, as they end.
 
     Raises:
         MarsError: the cluster cannot be reached, is lost, or has no workers.
@@ -50,39 +46,22 @@ def on_cluster(
     # Its logs are about its own machinery; what concerns a run comes as its outcome.
     logging.disable(logging.CRITICAL)
     try:
-        with _client(workers, address) as client:
-            yield from _outcomes(client, job, runs, address or "the local cluster")
+        with _client(address) as client:
+            yield from _outcomes(client, job, runs, address)
     finally:
         logging.disable(logging.NOTSET)
 
 
 @contextmanager
-def _client(workers: int, address: str | None) -> "Iterator[Client]":
-    from distributed import Client, LocalCluster
+def _client(address: str) -> "Iterator[Client]":
+    from distributed import Client
 
-    with ExitStack() as stack:
-        try:
-            cluster = address or stack.enter_context(
-                LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    host="127.0.0.1",
-                    # Pages about it are for this machine alone, on ports that are free.
-                    dashboard_address="127.0.0.1:0",
-                    worker_dashboard_address="127.0.0.1:0",
-                    silence_logs=logging.CRITICAL,
-                    memory_limit=0,  # each run has a limit of its own
-                )
-            )
-            client = stack.enter_context(Client(cluster, timeout=_ANSWER, set_as_default=False))
-        except (OSError, ValueError, RuntimeError) as error:
-            told = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
-            raise _wrong(
-                f"no scheduler answers at `{address}`: {told}"
-                if address
-                else f"the local cluster cannot be started: {told}"
-            ) from None
+    try:
+        client = Client(address, timeout=_ANSWER, set_as_default=False)
+    except (OSError, ValueError, RuntimeError) as error:
+        told = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
+        raise _wrong(f"no scheduler answers at `{address}`: {told}") from None
+    with client:
         yield client
 
 

@@ -1,4 +1,4 @@
-"""The process that carries out the runs of a campaign, one after another, each in a child.
+"""The processes that carry out the runs of a campaign, each one run after another, in children.
 
 A child has its own interpreter state, memory and time, so that no run depends on those before it
 and no behaviour can hang or end more than its own run. The runner has one thread, so it can fork;
@@ -7,6 +7,7 @@ it ends with the process that started it, as its standard input does, and so doe
 Both ways pickles cross pipes, each after its length (eight bytes); what a child says is JSON.
 """
 
+import gc
 import importlib
 import json
 import os
@@ -17,9 +18,11 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import IO, Any, NamedTuple, NoReturn
 
@@ -29,9 +32,10 @@ from mars_asp.cli import worker
 from mars_asp.cli.limits import limit_memory
 from mars_asp.cli.perform import performed
 from mars_asp.cli.run_json import run_json
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, point, refusal
 from mars_asp.execution.campaign.grid import Run
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED
+from mars_asp.execution.judgement import judge_facts
 from mars_asp.execution.scenario.read import Scenario, read_scenario
 from mars_asp.model.declarations import Configuration, Module
 
@@ -79,11 +83,52 @@ class RunnerLostError(Exception):
     """A runner ended without being asked to."""
 
 
+class _Fork:
+    """A runner that has imported all that this process has; of its threads it has this one."""
+
+    def __init__(self) -> None:
+        given, sent = os.pipe()
+        answers, answered = os.pipe()
+        with warnings.catch_warnings():
+            # The only other thread of a worker waits for an end, and holds no lock.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            self._child = os.fork()
+        if not self._child:
+            try:
+                os.dup2(given, 0)
+                os.dup2(answered, 1)
+                os.closerange(3, os.sysconf("SC_OPEN_MAX"))
+                sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 -- for as long as it runs
+                main()
+            finally:
+                os._exit(0)
+        os.close(given)
+        os.close(answered)
+        self.stdin, self.stdout = os.fdopen(sent, "wb", 0), os.fdopen(answers, "rb", 0)
+
+    def kill(self) -> None:
+        """End it."""
+        os.kill(self._child, signal.SIGKILL)
+
+    def wait(self) -> None:
+        """Wait for its end, once."""
+        with suppress(ChildProcessError):
+            os.waitpid(self._child, 0)
+
+
 class Runner:
     """A runner of one job, as a process of its own."""
 
-    def __init__(self, job: bytes) -> None:
-        """Start it with a pickled job."""
+    def __init__(self, job: bytes, *, forked: bool = False) -> None:
+        """Start it, as a fork of this process or with an interpreter of its own.
+
+        The pickled job is sent with the first run, when others may have started as well.
+        """
+        self._job: bytes | None = job
+        self._process: _Fork | subprocess.Popen[bytes]
+        if forked and hasattr(os, "fork"):
+            self._process = _Fork()
+            return
         start = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import main; main()"
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-c", start],
@@ -91,23 +136,29 @@ class Runner:
             stdout=subprocess.PIPE,
             bufsize=0,
         )
-        with suppress(BrokenPipeError):  # it is noticed when a run is asked for
-            self._send(job)
 
-    def run(self, run: Run, wanted: Callable[[], bool] = lambda: True) -> Outcome | None:
-        """Carry out a run; nothing where it is wanted no more.
+    @property
+    def answers(self) -> IO[bytes]:
+        """The pipe that has something to read when a run has ended, or the runner has."""
+        assert self._process.stdout is not None
+        return self._process.stdout
+
+    def begin(self, run: Run) -> None:
+        """Request a run; a runner that has ended is noticed when its answer is read."""
+        with suppress(OSError, ValueError):
+            if self._job is not None:
+                self._send(self._job)
+                self._job = None
+            self._send(pickle.dumps(run))
+
+    def outcome(self) -> Outcome:
+        """Return the outcome of the run that was requested, when it has ended.
 
         Raises:
             RunnerLostError: the runner ended.
         """
-        assert self._process.stdout is not None
         try:
-            self._send(pickle.dumps(run))
-            while not select.select([self._process.stdout], [], [], _GLANCE)[0]:
-                if not wanted():
-                    self.end()
-                    return None
-            answer = _received(self._process.stdout)
+            answer = _received(self.answers)
         except (OSError, ValueError):
             answer = None
         if answer is None:
@@ -115,6 +166,19 @@ class Runner:
             raise RunnerLostError
         found: Outcome = pickle.loads(answer)
         return found
+
+    def run(self, run: Run, wanted: Callable[[], bool] = lambda: True) -> Outcome | None:
+        """Carry out a run; return its outcome, or None if it is wanted no more.
+
+        Raises:
+            RunnerLostError: the runner ended.
+        """
+        self.begin(run)
+        while not select.select([self.answers], [], [], _GLANCE)[0]:
+            if not wanted():
+                self.end()
+                return None
+        return self.outcome()
 
     def end(self) -> None:
         """End it and what it runs."""
@@ -128,6 +192,48 @@ class Runner:
     def _send(self, payload: bytes) -> None:
         assert self._process.stdin is not None
         _send(self._process.stdin, payload)
+
+
+def outcomes_of(job: bytes, runs: Sequence[Run], workers: int) -> Generator[tuple[Run, Outcome]]:
+    """Yield runs with their outcomes as they end, carried out by so many runners.
+
+    Raises:
+        MarsError: a runner ended again and again with one run.
+    """
+    waiting = iter(runs)
+    busy: dict[int, tuple[Runner, Run, int]] = {}
+    ready = select.poll()
+
+    def begin(runner: Runner, run: Run, tries: int) -> None:
+        runner.begin(run)
+        busy[runner.answers.fileno()] = runner, run, tries
+        ready.register(runner.answers, select.POLLIN)
+
+    try:
+        for runner, run in [(Runner(job, forked=True), run) for run in islice(waiting, workers)]:
+            begin(runner, run, 1)
+        while busy:
+            for pipe, _ in ready.poll():
+                ready.unregister(pipe)
+                runner, run, tries = busy.pop(pipe)
+                try:
+                    outcome = runner.outcome()
+                except RunnerLostError:
+                    if tries == _TRIES:
+                        message = "the process that carries out runs ended again and again"
+                        help_text = "is there enough memory?"
+                        raise refusal("campaign", message, "--scenario", help_text) from None
+                    begin(Runner(job, forked=True), run, tries + 1)
+                    continue
+                following = next(waiting, None)
+                if following is None:
+                    runner.end()
+                else:
+                    begin(runner, following, 1)
+                yield run, outcome
+    finally:
+        for runner, _, _ in busy.values():
+            runner.end()
 
 
 def _send(pipe: IO[bytes], payload: bytes) -> None:
@@ -214,6 +320,11 @@ class _Carrier:
         self._scenarios: dict[str, Scenario] = {}
         for name in _PRELOADED:
             importlib.import_module(name)
+        # Tables that each child would make again; and no collection is to copy what is shared.
+        judge_facts((), (), self._rulebook, point(job.path, 1, 1))
+        gc.collect()
+        gc.freeze()
+        gc.set_threshold(1_000_000, 20, 20)
 
     def __call__(self, run: Run) -> Outcome:
         key = json.dumps(run.vary)

@@ -88,7 +88,7 @@ class Requirement:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Every requirement, those that always apply first, warnings, and the facts and rules of both."""
+    """Every requirement, those that always apply first, and the warnings of a run."""
 
     requirements: tuple[Requirement, ...]
     warnings: tuple[Consequence, ...]

@@ -239,15 +239,18 @@ def test_a_run_that_cannot_begin_ends_the_campaign_and_is_named(
     assert [line["seed"] for line in campaign.lines()[1:]] == [1]
 
 
-def test_several_workers_need_dask(
+def test_a_cluster_needs_dask_and_several_workers_do_not(
     campaign: Campaign, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr("mars_asp.cli.campaign_dask.find_spec", lambda name: None)
-    for words in (["--workers", "2"], ["--cluster", "tcp://127.0.0.1:1"]):
-        assert run_here(campaign.words("--seeds", "1", *words)) == 2
-        assert "pip install 'mars-asp[campaign]'" in capsys.readouterr().err
-    assert run_here(campaign.words("--seeds", "1", "--format", "json")) == 0
+    assert run_here(campaign.words("--seeds", "1", "--cluster", "tcp://127.0.0.1:1")) == 2
+    assert "pip install 'mars-asp[campaign]'" in capsys.readouterr().err
+    written = []
+    for workers in "13":
+        run_here(campaign.words("--seeds", "1-7", "--workers", workers))
+        written.append(capsys.readouterr().out)
+    assert written[0] == written[1]
 
 
 def test_a_grid_is_drawn_and_shown_by_cell(campaign: Campaign, capsys: Captured) -> None:
@@ -279,13 +282,12 @@ def left(folder: Path) -> Iterator[str]:
                 continue
 
 
-def workers_of_dask(folder: Path) -> Iterator[int]:
-    """Yield the processes that carry out tasks for a command in a folder."""
+def children(parent: int) -> Iterator[int]:
+    """Yield the processes that a process has started."""
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
             with suppress(OSError):
-                words = (entry / "cmdline").read_text()
-                if (entry / "cwd").readlink() == folder and "spawn_main" in words:
+                if f"PPid:\t{parent}\n" in (entry / "status").read_text():
                     yield int(entry.name)
 
 
@@ -304,27 +306,34 @@ def await_none_left(campaign: Campaign) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc")
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize(
+    ("number", "workers"), [(signal.SIGTERM, 1), (signal.SIGINT, 2), (signal.SIGKILL, 2)]
+)
 def test_nothing_goes_on_when_the_command_is_ended(
-    campaign: Campaign, number: signal.Signals
+    campaign: Campaign, number: signal.Signals, workers: int
 ) -> None:
     campaign.behave(1000)
-    with campaign.process("--seeds", "1-3") as command:
-        await_true(campaign.log.exists, command)
+    with campaign.process("--seeds", "1-3", "--workers", str(workers)) as command:
+        await_true(
+            lambda: campaign.log.exists() and len(campaign.log.read_text()) == workers, command
+        )
         os.chdir(ROOT)
         command.send_signal(number)
-        assert command.wait(1) == (128 + number if number == signal.SIGTERM else -number)
+        assert command.wait(1) == (-number if number == signal.SIGKILL else 128 + number)
     await_none_left(campaign)
     assert len(campaign.lines()) == 1
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc")
-def test_a_cluster_loses_and_repeats_nothing(campaign: Campaign, capsys: Captured) -> None:
-    """A worker of Dask and then the command are killed; the file is that of one worker."""
+def test_several_workers_lose_and_repeat_nothing(campaign: Campaign, capsys: Captured) -> None:
+    """A worker and then the command are killed; the file is that of one worker."""
     campaign.behave(0.02)
     with campaign.process("--seeds", "1-24", "--workers", "2") as command:
         await_true(lambda: len(campaign.lines()) > 2, command)
-        os.kill(max(workers_of_dask(campaign.folder)), signal.SIGKILL)
+        (verb,) = children(command.pid)
+        workers = [*children(verb)]
+        assert len(workers) == 2
+        os.kill(workers[0], signal.SIGKILL)
         await_true(lambda: len(campaign.lines()) > 6, command)
         command.kill()
     os.chdir(ROOT)

@@ -53,7 +53,9 @@ def test_numbers_are_drawn_along_before_words() -> None:
     assert plotted_axis([SWITCH, RADIUS]) == RADIUS
     assert plotted_axis([Axis("duration", (1,)), SWITCH]) == SWITCH
     svg = campaign_picture(
-        [Cell({"modules.C": value}, Share(1, 2), {}, {}, {}, {}) for value in ("on", "off")], [SWITCH], "t"
+        [Cell({"modules.C": value}, Share(1, 2), {}, {}, {}, {}) for value in ("on", "off")],
+        [SWITCH],
+        "t",
     )
     assert len(points(svg)) == 2
     assert "polyline" not in svg
