@@ -41,14 +41,13 @@ def needs_of(
     Raises:
         MarsError: a file is missing, or the specification has no place for what is stated.
     """
-    names = [name.text for name in specification.modules]
     plan = Plan(*in_parts(specification, modules), {})
     files: dict[Path, None] = {}
     found: dict[Diagnostic, None] = {}
     for cell in grid.cells():
         scenario = read_scenario(text, path, cell)
         found |= dict.fromkeys(disagreements(plan, scenario))
-        bound = dict(bound_functions(modules, scenario, names))
+        bound = dict(bound_functions(plan.modules, scenario, plan.names))
         files |= dict.fromkeys(file for file, _ in bound.values())
     if problems := [each for each in found if each.severity == "error"]:
         raise MarsError(problems)

@@ -35,8 +35,8 @@ from mars_asp.cli.run_json import run_json
 from mars_asp.diagnostic import Diagnostic, MarsError, point, refusal
 from mars_asp.execution.campaign.grid import Run
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED
-from mars_asp.execution.judgement import judge_facts
 from mars_asp.execution.scenario.read import Scenario, read_scenario
+from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration, Module
 
 #: A run whose process ends without a result is carried out so often: it may have been killed.
@@ -320,8 +320,8 @@ class _Carrier:
         self._scenarios: dict[str, Scenario] = {}
         for name in _PRELOADED:
             importlib.import_module(name)
-        # Tables that each child would make again; and no collection is to copy what is shared.
-        judge_facts((), (), self._rulebook, point(job.path, 1, 1))
+        # Each child would fill caches again; and no collection is to copy what is shared.
+        _warm_up(self._rulebook)
         gc.collect()
         gc.freeze()
         gc.set_threshold(1_000_000, 20, 20)
@@ -433,6 +433,17 @@ class _Carrier:
         # No result depends on where it was found.
         raw = json.dumps(found, ensure_ascii=False).encode("utf-8", "surrogatepass")
         return (raw.replace(self._root, b"") if self._root else raw) + b"\n"
+
+
+def _warm_up(rulebook: Rulebook) -> None:
+    """Carry out and judge a run without the code of others."""
+    robot = "@specification\n@modules P, C\nP is_controlled_by C\n"
+    world = "walls = [[[900, -900], [900, 900]]]\nscatter.count = 3"
+    hand = 'kind = "joystick"\nscript = [[0, "Trans_Z", 200], [0.5, "Rotn_Y", 20]]'
+    text = f'duration = 1\n[robot]\nmodule = "P"\n[world]\n{world}\n[devices.C]\n{hand}\n'
+    scenario = read_scenario(text, Path("warm-up.toml"))
+    configuration = parse_text(robot, "warm-up.mars").configuration
+    run_json(*performed(configuration, {}, scenario, rulebook=rulebook))
 
 
 def _ended_soon(child: int) -> int | None:

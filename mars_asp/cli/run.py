@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from mars_asp.execution.judgement import Judgement
     from mars_asp.execution.scenario.read import Scenario
     from mars_asp.execution.trial import Trial
+    from mars_asp.model.declarations import Configuration, Module
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -83,7 +84,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
     load_freely("mars_asp.execution.trial")
     from mars_asp.asp.trace.document import traces_json
-    from mars_asp.execution.scenario.functions import bound_functions
 
     check_packages(arguments)
     check_inputs(*arguments.files, arguments.scenario)
@@ -98,8 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
     if found is None:
         return 1
     specification, modules = found
-    named = [name.text for name in specification.modules]
-    functions = dict(bound_functions(modules, scenario, named))
+    functions = _functions(specification, modules, scenario)
     if arguments.dry_run:
         return _print_plan(functions, scenario, arguments)
     # What modules print is no part of the result that programs read.
@@ -140,6 +139,17 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.explain:
             print_traces(judgement)
     return int(judgement.verdict != "pass")
+
+
+def _functions(
+    specification: "Configuration", modules: "Mapping[str, Module]", scenario: "Scenario"
+) -> "dict[str, tuple[Path, str]]":
+    """Return the file and function of each module, or part of one, that Python runs."""
+    from mars_asp.execution.parts import in_parts
+    from mars_asp.execution.scenario.functions import bound_functions
+
+    parts, described = in_parts(specification, modules)
+    return dict(bound_functions(described, scenario, (name.text for name in parts.modules)))
 
 
 def _scenario(arguments: argparse.Namespace) -> "Scenario":

@@ -1,14 +1,24 @@
-"""Modules with several outputs as what they are when they run: one part for each function.
+"""Modules of several functions as they run: one part for each output.
 
-A part is called like its output, `Camera.image`, and a scenario binds it by that name. What else a
-module does stays with its own name.
+A module with several outputs, or with an output beside commands or a sink, has a part for each
+output. It is named like the output, `Camera.image`, and a scenario binds it by that name. The
+commands and the sink of a module keep its own name. An input that several functions take, of one
+name and representation, feeds each of their parts.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mars_asp.model.declarations import Configuration, Data, Module, Name, Relationship, ends_of
-from mars_asp.model.ports import DELIVERING, inputs, outputs
+from mars_asp.model.declarations import (
+    Configuration,
+    Data,
+    Module,
+    Name,
+    Relationship,
+    Service,
+    ends_of,
+)
+from mars_asp.model.ports import DELIVERING, inputs, outputs, parameter_names
 
 
 def in_parts(
@@ -20,11 +30,11 @@ def in_parts(
     which it is given its messages.
     """
     every = {**modules, **{module.name: module for module in specification.declared}}
-    split = {name: found for name, module in every.items() if len(found := outputs(module)) > 1}
+    split = {name: outputs(module) for name, module in every.items() if _has_parts(module)}
     placed = _by_parameter(specification, every)
     if not split:
         return replace(specification, declared=(), relationships=placed), every
-    lines = tuple(_apart(line, every, split) for line in placed)
+    lines = tuple(part for line in placed for part in _apart(line, every, split))
     used = {end for line in lines for end in ends_of(line)}
     parts = dict(every)
     names: list[Name] = []
@@ -45,37 +55,78 @@ def in_parts(
     return split_up, parts
 
 
+def _has_parts(module: Module) -> bool:
+    """Whether a module has several outputs, or one beside commands or a sink."""
+    count = len(outputs(module))
+    return count > 1 or bool(
+        count and any(each.kind in ("ControlOut", "DataIn") for each in module.services)
+    )
+
+
 def _apart(
     line: Relationship, every: Mapping[str, Module], split: Mapping[str, Mapping[str, int]]
-) -> Relationship:
-    """Return a line between the parts that it is about."""
+) -> Iterator[Relationship]:
+    """Yield a line between the parts that it is about, once for each part that it feeds."""
     if not isinstance(line, Data):
-        return line
-    source, client = line.source, line.client
-    if source in split and line.source_port is not None:
-        source = f"{source}.{line.source_port}"
-    if client in split:
-        service = _service_of(line, every)
-        port = next((p for p, number in split[client].items() if number == service), None)
-        client = client if port is None else f"{client}.{port}"
-    return replace(line, source=source, client=client)
+        yield line
+        return
+    source = line.source
+    if source in split:
+        named = line.source_port or (next(iter(split[source])) if len(split[source]) == 1 else None)
+        source = source if named is None else f"{source}.{named}"
+    if line.client not in split:
+        yield replace(line, source=source)
+        return
+    ports = {number: port for port, number in split[line.client].items()}
+    served = [ports.get(number) for number in _services_of(line, every)] or [None]
+    for port in dict.fromkeys(served):
+        client = line.client if port is None else f"{line.client}.{port}"
+        yield replace(line, source=source, client=client)
 
 
-def _service_of(line: Data, every: Mapping[str, Module]) -> int | None:
-    """Return which of its client's functions a line is for: by the input, else by what it takes."""
-    client = every[line.client]
+def _services_of(line: Data, every: Mapping[str, Module]) -> list[int]:
+    """Return the functions of its client that a line feeds: by the input, else by the data.
+
+    The first that takes them is meant, and each that has the same parameter.
+    """
+    services = every[line.client].services
     if line.client_port is not None:
-        entry = inputs(client).get(line.client_port)
-        return None if entry is None else entry.service
+        entry = inputs(every[line.client]).get(line.client_port)
+        if entry is None:
+            return []
+        first, place = entry.service, entry.place
+        if "#" in line.client_port:
+            return [first]
+    else:
+        taken = [
+            (number, place)
+            for number, service in enumerate(services)
+            for place in range(len(service.inputs))
+        ]
+        delivered = _delivered(line, every)
+        fitting = [(n, place) for n, place in taken if services[n].inputs[place] in delivered]
+        if not taken:
+            return []
+        first, place = (fitting or taken)[0]
+    shared = _parameters(services[first])[place]
+    others = (n for n, each in enumerate(services) if shared in _parameters(each))
+    return [first, *(n for n in others if n != first and services[n].kind != "Converts")]
+
+
+def _parameters(service: Service) -> list[tuple[str, str | None]]:
+    return list(zip(parameter_names(service), service.inputs, strict=True))
+
+
+def _delivered(line: Data, every: Mapping[str, Module]) -> set[str | None]:
+    """Return the representations that the source of a line may deliver over it."""
     source = every.get(line.source)
-    delivered = set()
-    if source is not None:
-        for port, number in outputs(source).items():
-            if line.source_port in (None, port):
-                delivered.add(source.services[number].output)
-    taking = [n for n, each in enumerate(client.services) if delivered & set(each.inputs)]
-    able = taking or [n for n, each in enumerate(client.services) if each.inputs]
-    return able[0] if able else None
+    if source is None:
+        return set()
+    return {
+        source.services[number].output
+        for port, number in outputs(source).items()
+        if line.source_port in (None, port)
+    }
 
 
 def _by_parameter(

@@ -318,7 +318,9 @@ def _point(at: Any) -> tuple[float, float]:
 
 
 def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circle]:
-    """Yield circles that leave `free` mm around each start, the last `moving` of them moving.
+    """Yield circles, the last `moving` of them moving.
+
+    They leave `free` mm around each start, each place to reach and each mark.
 
     Raises:
         MarsError: there is no room for as many.
@@ -326,6 +328,9 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
     random = Random(f"{scenario.seed}/world")
     within, free = scatter.get("within", 4000.0), scatter.get("free", 600.0)
     count, low_high = scatter.get("count", SCATTERED), scatter.get("radius", (100.0, 300.0))
+    kept = [robot.start[:2] for robot in scenario.robots]
+    kept += [_point(robot.reach["at"]) for robot in scenario.robots if robot.reach is not None]
+    kept += [_point(mark["at"]) for mark in scenario.world.get("marks", ())]
     made = tries = 0
     while made < count:
         tries += 1
@@ -336,7 +341,7 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
             raise MarsError([Diagnostic("scenario", "error", message, place, (), help_text)])
         radius = random.uniform(*low_high)
         at = random.uniform(-within, within), random.uniform(-within, within)
-        if any(dist(at, robot.start[:2]) - radius < free for robot in scenario.robots):
+        if any(dist(at, each) - radius < free for each in kept):
             continue
         made, tries = made + 1, 0
         if made > count - scatter.get("moving", 0):

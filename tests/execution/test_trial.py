@@ -1,5 +1,6 @@
 """A specification staged in a scenario: what is bound, what moves, and what faults do."""
 
+from math import dist
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,18 @@ def test_a_world_without_room_for_its_circles_is_reported() -> None:
         trial(f"{BASE}{HAND}[world]\nscatter = {{ count = 100_000, within = 10, free = 900 }}\n")
     (found,) = raised.value.diagnostics
     assert (found.span.line, found.help) == (8, "lower `free` or `radius`, or raise `within`")
+
+
+def test_scattered_circles_leave_starts_places_and_marks_free() -> None:
+    world = "scatter = { count = 12, within = 1500, free = 400 }"
+    marks = 'marks = [{ at = [0, 1200], colour = "red" }]'
+    asked = "[requirements]\nreach = { at = [1200, 0] }\n"
+    for seed in range(20):
+        text = f"seed = {seed}\n{BASE}{HAND}[world]\n{world}\n{marks}\n{asked}"
+        made = trial(text.replace("duration = 3", "duration = 0.1"))
+        for x, y, radius in made.bodies[0].world.circles:
+            for place in ((0, 0), (1200, 0), (0, 1200)):
+                assert dist((x, y), place) - radius >= 400
 
 
 def test_unbound_modules_are_reported_together_before_the_run() -> None:

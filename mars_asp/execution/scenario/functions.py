@@ -272,7 +272,8 @@ def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) ->
     `silent` returns nothing, `stuck` repeats its last result, `throwing` raises, from `from` to
     `until` seconds; `late` adds `by` ms to the delay and `babbling` runs every `by` ms, always.
     """
-    fault = scenario.faults.get(name)
+    # A fault of a module is one of each of its parts.
+    fault = scenario.faults.get(name) or scenario.faults.get(name.rpartition(".")[0])
     if fault is None:
         return behaviour
     kind, by = fault.get("kind", "silent"), _nanoseconds(fault.get("by", 100.0))
