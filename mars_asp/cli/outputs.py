@@ -1,7 +1,7 @@
 """What a run leaves behind: a plot, a page that plays it, a record."""
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import IO, TYPE_CHECKING, cast
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from mars_asp.execution.judgement import Judgement
     from mars_asp.execution.recording.record import Record
     from mars_asp.execution.trial import Trial
+    from mars_asp.model.declarations import Configuration, Module
 
 #: What is imported for files of an ending, and the extra that brings it.
 _NEEDED = {".mcap": ("mcap", "mcap"), ".png": ("resvg_py", "png")}
@@ -66,8 +67,12 @@ def check_packages(arguments: argparse.Namespace) -> None:
 
 
 @contextmanager
-def recorded(arguments: argparse.Namespace) -> "Iterator[Record | None]":
-    """Yield what records a run, as it is asked for; the record appears when the block has ended."""
+def recorded(
+    arguments: argparse.Namespace,
+    specification: "Configuration",
+    modules: "Mapping[str, Module]",
+) -> "Iterator[Record | None]":
+    """Yield the record of a run, or None without one; it appears when the block has ended."""
     if not arguments.record:
         yield None
         return
@@ -77,9 +82,12 @@ def recorded(arguments: argparse.Namespace) -> "Iterator[Record | None]":
 
             yield Lines(file.write)
         else:
+            from mars_asp.execution.executor.plan import Plan
+            from mars_asp.execution.parts import in_parts
             from mars_asp.execution.recording.mcap import Foxglove
 
-            yield Foxglove(cast("IO[bytes]", file))
+            plan = Plan(*in_parts(specification, modules), {})
+            yield Foxglove(cast("IO[bytes]", file), plan)
 
 
 def write_outputs(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:

@@ -107,7 +107,8 @@ def run(arguments: argparse.Namespace) -> int:
     from mars_asp.execution.judgement import run_rulebook
 
     with shown(arguments, _title(scenario)) as page:
-        with aside, recorded(arguments) as record, live_line(arguments, run_line) as line:
+        recording = recorded(arguments, specification, modules)
+        with aside, recording as record, live_line(arguments, run_line) as line:
 
             def show(trial: "Trial") -> None:
                 line(trial)

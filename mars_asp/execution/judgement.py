@@ -362,8 +362,9 @@ def _services(trial: Trial) -> Iterator[Fact]:
     for each in promises(trial):
         yield _seen("delivered", each.number, _whole(each.delivered))
         if each.promised is not None:
-            link = each.link
-            ends = link.source, link.client, _whole(each.promised)
+            link, plan = each.link, trial.executor.plan
+            clients = " and ".join(plan.targets(link)) or link.client
+            ends = plan.origin(link), clients, _whole(each.promised)
             yield _fact(link.span, "promised", each.number, *ends)
 
 

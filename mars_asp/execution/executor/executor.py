@@ -74,9 +74,14 @@ class Executor:
 
     @property
     def failures(self) -> dict[str, Failures]:
-        """Return what modules, converters and links raised that nobody asked for, by who did."""
-        found = {name: getattr(e, "failures", Failures()) for name, e in self.elements.items()}
-        found |= {f"{link.source} -> {link.client}": link.failures for link in self.links}
+        """Return the exceptions of modules, converters and links that no scenario injects."""
+        found = {
+            self.plan.converter(name) or name: getattr(each, "failures", Failures())
+            for name, each in self.elements.items()
+        }
+        found |= {
+            self.plan.called(link): link.failures for link in self.links if link.failures.count
+        }
         return {name: failures for name, failures in found.items() if failures.count}
 
     @property
@@ -141,7 +146,7 @@ class Executor:
             for problem in _stands_for_none(plan, node, spans.get(node, whole))
         ]
         links = (link for link in plan.links if link.kind == "data")
-        problems += [_no_value(link) for link in links if lacks_value(plan.carried(link)[0])]
+        problems += [_no_value(plan, k) for k in links if lacks_value(plan.carried(k)[0])]
         if problems:
             raise MarsError(problems)
 
@@ -292,8 +297,9 @@ class Executor:
         return receive
 
 
-def _no_value(link: Link) -> Diagnostic:
-    message = f"`{link.client}` gets `NotifyOnValue` from `{link.source}` without a value"
+def _no_value(plan: Plan, link: Link) -> Diagnostic:
+    clients = " and ".join(f"`{name}`" for name in plan.targets(link)) or f"`{link.client}`"
+    message = f"{clients} gets `NotifyOnValue` from `{plan.origin(link)}` without a value"
     help_text = "state the value: `NotifyOnValue(30)`"
     return Diagnostic("condition", "error", message, link.span, (), help_text)
 

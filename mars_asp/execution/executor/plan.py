@@ -100,12 +100,47 @@ class Plan:
         if link.kind == "control":
             return " or ".join(dict.fromkeys(self._commanders(link.source)))
         source, seen = link.source, set[str]()
-        while source not in self.modules and source not in seen and self.data_in[source]:
-            if self.kind(source) not in ("data_splitter", "data_transformer"):
-                break
+        while self.is_node(source) and source not in seen and self.data_in[source]:
             seen.add(source)
             source = self.data_in[source][0].source
         return source
+
+    def targets(self, link: Link, seen: frozenset[str] = frozenset()) -> list[str]:
+        """Return the modules, or inputs of them, that messages or commands of a link are for."""
+        name = link.client
+        if not self.is_node(name):
+            port = link.client_port
+            return [name if port is None else f"{name}.{port}"]
+        following = self.data_out[name] if link.kind == "data" else self.control_out[name]
+        if name in seen:
+            return []
+        found = (target for each in following for target in self.targets(each, seen | {name}))
+        return list(dict.fromkeys(found))
+
+    def converter(self, transformer: str) -> str | None:
+        """Return the converter that a DataTransformer applies, or None if none is declared."""
+        stated = self.configuration.conversions
+        return next((c.converter for c in stated if c.transformer == transformer), None)
+
+    def is_node(self, name: str) -> bool:
+        """Whether a name is a node of the specification, not a module of the user."""
+        return name not in self.modules and self.configuration.node_kind(name) is not None
+
+    def called(self, link: Link) -> str:
+        """Return the name of a link by the modules that it connects, through any nodes."""
+        return f"{self.origin(link)} -> {' and '.join(self.targets(link)) or link.client}"
+
+    def topic(self, link: Link) -> str | None:
+        """Return the name of the messages of a link, or None between two nodes."""
+        origin, targets = self.origin(link), self.targets(link)
+        if self.is_node(link.source):
+            if self.is_node(link.client):
+                return None
+            if link.kind == "control":
+                return f"/{link.client}/received"
+        elif self.is_node(link.client) and (link.kind == "data" or len(targets) != 1):
+            return f"/{link.source}/sent"
+        return f"/{origin}/{targets[0] if targets else link.client}"
 
     def kind(self, name: str) -> str:
         """Return the kind of a node, or what a module is to the executor."""

@@ -1,7 +1,7 @@
 """A run as an MCAP file that Foxglove shows: lengths in metres, z up, x forward, y to the left.
 
 Messages are JSON in the well-known schemas FrameTransform, SceneUpdate and Log of Foxglove
-(github.com/foxglove/foxglove-sdk, schemas). What passed over a link is a topic of its own.
+(github.com/foxglove/foxglove-sdk, schemas). The messages of a link are a topic of its own.
 """
 
 from collections.abc import Iterator, Mapping
@@ -12,6 +12,7 @@ from typing import IO, Any, NamedTuple
 from mcap.writer import Writer
 
 from mars_asp import __version__
+from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import SECOND
 from mars_asp.execution.recording.record import Event, plain
 from mars_asp.execution.simulator import Pose, World
@@ -107,10 +108,16 @@ class Entry(NamedTuple):
 class Foxglove:
     """Writes each event as a message to an MCAP file, and at the end how robot and world moved.
 
-    The same run gives the same bytes. Readers put messages in order by an index.
+    The same run gives the same bytes. Readers put messages in order by an index. Topics and logs
+    have the names of `plan`'s modules; messages between two of its nodes are left out.
     """
 
-    def __init__(self, file: IO[bytes]) -> None:
+    def __init__(self, file: IO[bytes], plan: Plan) -> None:
+        self._topics = {f"{each.source} -> {each.client}": plan.topic(each) for each in plan.links}
+        self._names = {f"{each.source} -> {each.client}": plan.called(each) for each in plan.links}
+        for each in plan.links:
+            if plan.kind(each.source) == "arbitration_node":
+                self._names[each.source] = " and ".join(plan.targets(each))
         self._writer = Writer(file)
         self._writer.start(library=f"mars-asp {__version__}")
         self._schemas = {
@@ -121,7 +128,12 @@ class Foxglove:
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
         """Write an event."""
-        self._add(_told(Event(at, what, where, plain(value))))
+        if what in ("data", "control"):
+            topic = self._topics[where]
+            if topic is not None:
+                self._add(Entry(at, topic, "mars_asp.Message", {"value": plain(value)}))
+        else:
+            self._add(_log(Event(at, what, self._names.get(where, where), plain(value))))
 
     def end(self, trial: Trial) -> None:
         """Write the motion, and what makes the file whole."""
@@ -138,12 +150,9 @@ class Foxglove:
         self._writer.add_message(self._channels[topic], at, _json(message).encode(), at)
 
 
-def _told(event: Event) -> Entry:
-    """Return a delivery as a message of its link, and what arbiters and faults say as a log."""
+def _log(event: Event) -> Entry:
+    """Return a change of control or a dropped message as a log."""
     at, what, where, value = event
-    if what in ("data", "control"):
-        topic = "/" + where.replace(" -> ", "/")
-        return Entry(at, topic, "mars_asp.Message", {"value": value})
     if what == "holds":
         holder, why = value
         level, message = _INFO, f"{holder or 'no controller'} holds control: {why}"

@@ -287,7 +287,7 @@ def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits()
     assert base.got == [(0, {"Trans_X": -8}), (100, {}), (200, {"Trans_X": -4}), (300, {})]
     # Nobody has the last one, so it shows as it came, and the node says so.
     assert arm.got == [(0, {}), (100, {GRASP: 3}), (200, {}), (300, {"Trans_Z": 1})]
-    assert list(executor.failures) == ["InheritanceNode1 -> Base"]
+    assert list(executor.failures) == ["A -> Base"]
 
 
 @pytest.mark.parametrize(

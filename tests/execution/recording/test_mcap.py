@@ -11,9 +11,11 @@ import pytest
 from mcap.reader import make_reader
 
 from mars_asp.cli import run_here
+from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.recording.mcap import SCHEMAS, Foxglove
 from mars_asp.execution.trial import Trial
-from tests.execution.recording.test_replay import trial
+from mars_asp.language import parse_text
+from tests.execution.recording.test_replay import SPECIFICATION, trial
 from tests.support.documents import ROOT
 
 KINDS: dict[str, Any] = {
@@ -40,13 +42,19 @@ def assert_conforms(value: Any, schema: dict[str, Any]) -> None:
         assert_conforms(item, schema["items"])
 
 
+#: Nodes have no name in a topic.
+TOPICS = {
+    "Low -> ArbitrationNode": "/Low/P",
+    "High -> ArbitrationNode": "/High/P",
+    "ArbitrationNode -> P": "/P/received",
+}
 #: When, what, where and the value of an event.
 Told = tuple[int, str, str, Any]
 
 
 def recorded() -> tuple[Trial, list[Told], bytes]:
     file, events = io.BytesIO(), list[Told]()
-    record = Foxglove(file)
+    record = Foxglove(file, Plan(parse_text(SPECIFICATION, "x.mars").configuration, {}, {}))
 
     def observe(*event: Any) -> None:
         events.append(event)
@@ -78,12 +86,12 @@ def test_every_message_conforms_to_its_schema_and_every_event_is_there() -> None
     assert {schema for _, schema, _, _ in found} == set(SCHEMAS)
     passed = [(topic, at, m["value"]) for topic, name, at, m in found if "mars_asp" in name]
     assert passed == [
-        ("/" + where.replace(" -> ", "/"), at, value)
+        (TOPICS[where], at, value)
         for at, what, where, value in events
         if what in ("data", "control")
     ]
     logs = [(at, m["name"], m["message"]) for topic, _, at, m in found if topic == "/log"]
-    assert logs[1] == (0, "ArbitrationNode", "High holds control: priority 7 outranks Low (3)")
+    assert logs[1] == (0, "P", "High holds control: priority 7 outranks Low (3)")
     assert len(logs) == 4
 
 
@@ -118,6 +126,8 @@ def test_the_command_line_writes_it(tmp_path: Path) -> None:
     assert run_here([*WORDS, "--duration", "1", "--quiet", "--record", str(out)]) == 0
     topics = {topic for topic, *_ in messages(out.read_bytes())}
     assert {"/tf", "/world", "/moving", "/log", "/Sonar/SonarMap"} <= topics
+    assert {"/SonarMap/sent", "/SonarMap/FeelForce", "/Turn/MobilePlatform"} <= topics
+    assert not [topic for topic in topics if "Node" in topic or "Splitter" in topic]
 
 
 def test_a_package_that_is_missing_is_named_before_the_run(
