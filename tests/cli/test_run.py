@@ -157,7 +157,7 @@ def test_a_violated_requirement_is_status_1(
     assert "mm, and 3 m is required [run/run/clearance]" in out
     assert f"s.toml:{len(text.splitlines())} clearance = 3000" in out
     assert run_command([*words, "--format", "json"]) == 1
-    (trace,) = json.loads(capfd.readouterr().out)["traces"]
+    trace, *_ = json.loads(capfd.readouterr().out)["traces"]
     assert trace["rule"]["id"] == "run/run/clearance"
     asked, observed = trace["premises"]
     assert (asked["atom"], asked["kind"]) == ("asked(clearance)", "given")

@@ -48,7 +48,14 @@ def triples(cells: list[str]) -> list[list[str]]:
 
 
 def made(**keys: Any) -> dict[str, Any]:
-    run_ = {"verdict": "fail", "requirements": [], "seconds": 2.0, "seed": 1, "collisions": 1}
+    run_ = {
+        "verdict": "fail",
+        "requirements": [],
+        "warnings": [],
+        "seconds": 2.0,
+        "seed": 1,
+        "collisions": 1,
+    }
     return {
         **run_,
         "min_clearance_mm": None,
