@@ -81,7 +81,7 @@ def test_numbers_in_the_case_study_are_in_what_its_commands_print() -> None:
 #: Whole or with a fraction.
 NUMBER = re.compile(r"\d+(?:\.\d+)?")
 #: Of the case study: the day, the bound of p, and 200 mm/s over 500 mm/s a second.
-ELSEWHERE = "2026 11 23 0.05 0.002 0.4"
+ELSEWHERE = "2026 11 23 26 0.05 0.0019 0.4"
 
 
 def test_the_sign_test_is_that_of_fair_coins() -> None:

@@ -136,6 +136,27 @@ def test_lines_are_those_of_single_runs(campaign: Campaign, capsys: Captured) ->
         assert "VIOLATED no_collision" in capsys.readouterr().out
 
 
+def test_quantiles_and_warnings_are_in_lines_and_table(
+    campaign: Campaign, capsys: Captured
+) -> None:
+    reach = "[requirements]\nreach = { at = [900, 0], radius = 600 }\n"
+    Path("s.toml").write_text(SCENARIO.replace("[requirements]\n", reach))
+    vary = ["--vary", "modules.C=on,off", "--workers", "2", "-o", "o.jsonl"]
+    assert run_here(campaign.words("--seeds", "1-2", *vary)) == 1
+    _, *lines, summary = campaign.lines()
+    off = [line for line in lines if line["vary"]["modules.C"] == "off"]
+    for line in off:
+        kinds = {f"{each['kind']}({each['subject']})" for each in line["warnings"]}
+        assert kinds == {"module_never_ran(P)", "requirement_in_vain(no_collision)"}
+    assert summary["warnings"] == {
+        "module_never_ran(P)": 2, "requirement_in_vain(no_collision)": 2
+    }  # fmt: skip
+    table = capsys.readouterr().out
+    assert re.search(r"(?m)^time to reach +5 % 0\.\d s, 50 % 0\.\d s, 95 % never$", table)
+    assert re.search(r"(?m)^distance to place +5 % \d+ mm, ", table)
+    assert "warnings in 2 of 4: module_never_ran(P)," in table
+
+
 def test_a_run_cannot_hang_or_end_a_campaign(campaign: Campaign, capsys: Captured) -> None:
     words = campaign.words("--seeds", "1,97-99,2", "--run-limit", "1", "-o", "o.jsonl")
     assert run_here(words) == 1

@@ -73,6 +73,44 @@ def test_the_worst_are_at_most_five_and_those_that_struck_most_come_first() -> N
     assert [each["seed"] for each in worst(results[:2])] == [2]
 
 
+def judged(**holds: bool | None) -> list[dict[str, object]]:
+    return [{"name": name, "holds": held} for name, held in holds.items()]
+
+
+def test_the_worst_are_those_of_each_requirement_by_its_own_measure() -> None:
+    far = [result(k, "fail", requirements=judged(reach=False)) for k in range(1, 5)]
+    for k, each in enumerate(far):
+        each |= {"places": {"robot": (None, 100.0 * k)}, "min_clearance_mm": 900.0 - k}
+    struck = result(9, "fail", requirements=judged(reach=True, no_collision=False), collisions=7)
+    near = result(8, "fail", requirements=judged(no_collision=False), collisions=1)
+    assert [each["seed"] for each in worst([*far, near, struck])] == [4, 9, 3, 8, 2]
+    assert [each["seed"] for each in worst(far)] == [4, 3, 2, 1]
+
+
+def test_quantiles_count_a_place_that_was_not_reached_as_never() -> None:
+    results = [result(k, "pass", min_clearance_mm=float(k)) for k in range(1, 41)]
+    for k, each in enumerate(results):
+        each["places"] = {"robot": (float(k) if k < 30 else None, 5.0)}
+    found = summary_json(results, lambda each: "")["quantiles"]
+    assert found["min_clearance_mm"] == {"of": 40, "5": 2, "25": 10, "50": 20, "75": 30, "95": 38}
+    assert found["reached_s"] == {"of": 40, "5": 1, "25": 9, "50": 19, "75": 29, "95": None}
+    assert found["nearest_to_place_mm"]["95"] == 5
+    assert summary_json([result(1, "pass")], lambda each: "")["quantiles"] == {}
+
+
+def test_places_of_several_robots_have_quantiles_of_their_own() -> None:
+    places = {"left": (1.0, 5.0), "right": (None, 90.0)}
+    found = summary_json([result(1, "fail", places=places)], lambda each: "")["quantiles"]
+    assert (found["left.reached_s"]["50"], found["right.reached_s"]["50"]) == (1, None)
+
+
+def test_warnings_are_counted_by_runs() -> None:
+    results = [result(k, "pass", {"x": k % 2}, warnings=["w(A)"] * (k > 1)) for k in range(4)]
+    found = summary_json(results, lambda each: "")
+    assert found["warnings"] == {"w(A)": 2}
+    assert [cell["warnings"] for cell in found["cells"]] == [{"w(A)": 1}, {"w(A)": 1}]
+
+
 def test_each_combination_of_values_is_a_cell() -> None:
     results = [
         result(1, "pass", {"x": 1}),
