@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
     if found is None:
         return 1
     specification, modules = found
-    functions = _functions(specification, modules, scenario)
+    functions = _bound_functions(specification, modules, scenario)
     if arguments.dry_run:
         return _print_plan(functions, scenario, arguments)
     # What modules print is no part of the result that programs read.
@@ -142,7 +142,7 @@ def run(arguments: argparse.Namespace) -> int:
     return int(judgement.verdict != "pass")
 
 
-def _functions(
+def _bound_functions(
     specification: "Configuration", modules: "Mapping[str, Module]", scenario: "Scenario"
 ) -> "dict[str, tuple[Path, str]]":
     """Return the file and function of each module, or part of one, that Python runs."""

@@ -108,12 +108,12 @@ def _services_of(line: Data, every: Mapping[str, Module]) -> list[int]:
         if not taken:
             return []
         first, place = (fitting or taken)[0]
-    shared = _parameters(services[first])[place]
-    others = (n for n, each in enumerate(services) if shared in _parameters(each))
+    shared = _parameter_pairs(services[first])[place]
+    others = (n for n, each in enumerate(services) if shared in _parameter_pairs(each))
     return [first, *(n for n in others if n != first and services[n].kind != "Converts")]
 
 
-def _parameters(service: Service) -> list[tuple[str, str | None]]:
+def _parameter_pairs(service: Service) -> list[tuple[str, str | None]]:
     return list(zip(parameter_names(service), service.inputs, strict=True))
 
 

@@ -171,7 +171,7 @@ def _inputs(plan: Plan, name: str) -> tuple[str, ...] | None:
     lines = [*plan.data_in[name], *plan.control_in[name]]
     if not (lines or plan.data_out[name] or plan.control_out[name]):
         return None  # it does not run
-    return tuple(plan.origin(link) for link in lines) if kind != "sensor" else ()
+    return tuple(plan.origin_of(link) for link in lines) if kind != "sensor" else ()
 
 
 def _place_of(target: Any) -> tuple[str, int] | None:
