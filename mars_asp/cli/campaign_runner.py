@@ -143,7 +143,7 @@ class Runner:
         assert self._process.stdout is not None
         return self._process.stdout
 
-    def begin(self, run: Run) -> None:
+    def start_run(self, run: Run) -> None:
         """Request a run; a runner that has ended is noticed when its answer is read."""
         with suppress(OSError, ValueError):
             if self._job is not None:
@@ -173,7 +173,7 @@ class Runner:
         Raises:
             RunnerLostError: the runner ended.
         """
-        self.begin(run)
+        self.start_run(run)
         while not select.select([self.answers], [], [], _GLANCE)[0]:
             if not wanted():
                 self.end()
@@ -204,14 +204,14 @@ def outcomes_of(job: bytes, runs: Sequence[Run], workers: int) -> Generator[tupl
     busy: dict[int, tuple[Runner, Run, int]] = {}
     ready = select.poll()
 
-    def begin(runner: Runner, run: Run, tries: int) -> None:
-        runner.begin(run)
+    def assign(runner: Runner, run: Run, tries: int) -> None:
+        runner.start_run(run)
         busy[runner.answers.fileno()] = runner, run, tries
         ready.register(runner.answers, select.POLLIN)
 
     try:
         for runner, run in [(Runner(job, forked=True), run) for run in islice(waiting, workers)]:
-            begin(runner, run, 1)
+            assign(runner, run, 1)
         while busy:
             for pipe, _ in ready.poll():
                 ready.unregister(pipe)
@@ -223,13 +223,13 @@ def outcomes_of(job: bytes, runs: Sequence[Run], workers: int) -> Generator[tupl
                         message = "the process that carries out runs ended again and again"
                         help_text = "is there enough memory?"
                         raise refusal("campaign", message, "--scenario", help_text) from None
-                    begin(Runner(job, forked=True), run, tries + 1)
+                    assign(Runner(job, forked=True), run, tries + 1)
                     continue
                 following = next(waiting, None)
                 if following is None:
                     runner.end()
                 else:
-                    begin(runner, following, 1)
+                    assign(runner, following, 1)
                 yield run, outcome
     finally:
         for runner, _, _ in busy.values():

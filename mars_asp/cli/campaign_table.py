@@ -88,7 +88,7 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
                 if name in cell.in_control
             ]
     for name, spread in spreads(results).items():
-        title, unit = _titled(name)
+        title, unit = _spread_title(name)
         rows.append(("", title, _spread_text(spread, unit)))
         rows += [
             (label, title, _spread_text(cell.spreads[name], unit))
@@ -117,7 +117,7 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
             yield from map(visible, wrapped(", ".join(among), width, told, "  "))
 
 
-def _titled(name: str) -> tuple[str, str]:
+def _spread_title(name: str) -> tuple[str, str]:
     """Return the title and the unit of a quantity, which may be that of one of several robots."""
     robot, _, quantity = name.rpartition(".")
     title, unit = _TITLES[quantity]
@@ -126,16 +126,13 @@ def _titled(name: str) -> tuple[str, str]:
 
 def _spread_text(spread: Spread, unit: str) -> str:
     """Return the quantiles that a table shows, as in `5 % 12 mm, 50 % 130 mm, 95 % 480 mm`."""
-    values = dict(zip(QUANTILES, spread.values, strict=True))
+    digits = int(unit == "s")
     shown = (
-        f"{percent} % {'never' if values[percent] == inf else _number(values[percent], unit)}"
-        for percent in _SHOWN
+        f"{percent} % {f'{value:.{digits}f} {unit}' if value < inf else 'never'}"
+        for percent, value in zip(QUANTILES, spread.values, strict=True)
+        if percent in _SHOWN
     )
     return ", ".join(shown)
-
-
-def _number(value: float, unit: str) -> str:
-    return f"{value:.1f} s" if unit == "s" else f"{value:.0f} {unit}"
 
 
 def _aligned(rows: Sequence[tuple[str, str, str]]) -> Iterator[str]:

@@ -97,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 1
     specification, modules = found
     scenario = bind_kinds(scenario, specification)
-    functions = _functions(specification, modules, scenario)
+    functions = _bound_functions(specification, modules, scenario)
     if arguments.dry_run:
         return _print_plan(functions, scenario, arguments)
     # What modules print is no part of the result that programs read.
@@ -141,7 +141,7 @@ def run(arguments: argparse.Namespace) -> int:
     return int(judgement.verdict != "pass")
 
 
-def _functions(
+def _bound_functions(
     specification: "Configuration", modules: "Mapping[str, Module]", scenario: "Scenario"
 ) -> "dict[str, tuple[Path, str]]":
     """Return the file and function of each module, or part of one, that Python runs."""

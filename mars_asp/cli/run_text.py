@@ -48,7 +48,7 @@ def _print_tables(
     for link in trial.executor.links:
         if link.faulty:
             fault = " ".join(f"{link.fault:.200}".splitlines())
-            _say(console, f"failed   {trial.executor.plan.called(link)}  ", f"first by {fault}")
+            _say(console, f"failed   {trial.executor.plan.link_title(link)}  ", f"first by {fault}")
     for requirement in judgement.requirements:
         word = _WORDS[requirement.holds]
         _say(console, f"{word:8} {requirement.name}  ", requirement.message)

@@ -223,13 +223,13 @@ def _facts(trial: Trial) -> Iterator[Fact]:
 def _at_work(trial: Trial) -> Iterator[Fact]:
     """Yield how often modules ran and what came to their inputs."""
     executor, plan = trial.executor, trial.executor.plan
-    for name, runs in executor.runs.items():
+    for name, runs in executor.run_counts.items():
         yield _seen("obeyed_commands" if name in executor.effectors else "ran", name, runs)
         if plan.kind(name) in ("data_out", "control_out", "sink"):
             for link in (*plan.data_in[name], *plan.control_in[name]):
                 port = plan.input_name(link)
                 entry = "it" if port is None else f"its input `{port}`"
-                yield _fact(link.span, "came", name, entry, plan.origin(link), link.delivered)
+                yield _fact(link.span, "came", name, entry, plan.origin_of(link), link.delivered)
 
 
 def _robots(trial: Trial) -> Iterator[Fact]:
@@ -258,41 +258,41 @@ def _robots(trial: Trial) -> Iterator[Fact]:
                 yield _seen("clearance", body.name, body.beside, *told_so)
     for robot in scenario.robots:
         if robot.reach is not None:
-            yield from _place(trial, robot, robot.reach)
+            yield from _place_facts(trial, robot, robot.reach)
             if trial.reached(robot) is None:
                 yield from _missed(trial, robot, robot.reach)
 
 
-def _place(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fact]:
+def _place_facts(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fact]:
     """Yield how far the place that a robot is to reach is from fixed things and from its start."""
     x, y = reach["at"]
-    radius, place = reach.get("radius", 200.0), _where(trial, robot)
+    radius, place = reach.get("radius", 200.0), _reach_span(trial, robot)
     if dist((x, y), robot.start[:2]) <= radius:
-        yield _fact(place, "starts_there", robot.name, _text_of(x, y))
-    gap = trial.bodies[0].world.fixed().distance((x, y), 0.0)
+        yield _fact(place, "starts_there", robot.name, _place_text(x, y))
+    gap = trial.bodies[0].world.without_moving().distance((x, y), 0.0)
     lengths = (_whole(length * 1000) for length in (gap, radius, robot.radius))
-    yield _fact(place, "place_gap", robot.name, _text_of(x, y), *lengths)
+    yield _fact(place, "place_gap", robot.name, _place_text(x, y), *lengths)
 
 
 def _missed(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fact]:
     """Yield by when a robot was to come to its place, and how near it came."""
     scenario = trial.scenario
     within = reach.get("within", scenario.duration)
-    yield _fact(_where(trial, robot), "deadline", robot.name, _whole(within * 1000))
+    yield _fact(_reach_span(trial, robot), "deadline", robot.name, _whole(within * 1000))
     ended = _whole(min(within, scenario.duration) * 1000)
     yield _seen("never_reached", robot.name, ended)
     x, y = reach["at"]
     distance, at = trial.nearest(robot)
     # Whole millimetres are as much as a reader wants.
     told = _whole(round(distance) * 1000), _whole(at * 1000)
-    yield _seen("came_nearest", robot.name, _text_of(x, y), *told)
+    yield _seen("came_nearest", robot.name, _place_text(x, y), *told)
 
 
-def _where(trial: Trial, robot: Robot) -> Span:
+def _reach_span(trial: Trial, robot: Robot) -> Span:
     return robot.places.get("reach") or trial.scenario.places["reach"]
 
 
-def _text_of(x: float, y: float) -> str:
+def _place_text(x: float, y: float) -> str:
     return f"({x:g}, {y:g})"
 
 
@@ -363,8 +363,8 @@ def _services(trial: Trial) -> Iterator[Fact]:
         yield _seen("delivered", each.number, _whole(each.delivered))
         if each.promised is not None:
             link, plan = each.link, trial.executor.plan
-            clients = " and ".join(plan.targets(link)) or link.client
-            ends = plan.origin(link), clients, _whole(each.promised)
+            clients = " and ".join(plan.targets_of(link)) or link.client
+            ends = plan.origin_of(link), clients, _whole(each.promised)
             yield _fact(link.span, "promised", each.number, *ends)
 
 

@@ -9,8 +9,16 @@ name and representation, feeds each of their parts.
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mars_asp.model.declarations import Configuration, Data, Module, Name, Relationship, ends_of
-from mars_asp.model.ports import DELIVERING, inputs, outputs
+from mars_asp.model.declarations import (
+    Configuration,
+    Data,
+    Module,
+    Name,
+    Relationship,
+    Service,
+    ends_of,
+)
+from mars_asp.model.ports import DELIVERING, inputs, outputs, parameter_names
 
 
 def in_parts(

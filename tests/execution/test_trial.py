@@ -25,9 +25,9 @@ def test_a_world_without_room_for_its_circles_is_reported() -> None:
 def test_scattered_circles_leave_starts_places_and_marks_free() -> None:
     world = "scatter = { count = 12, within = 1500, free = 400 }"
     marks = 'marks = [{ at = [0, 1200], colour = "red" }]'
-    asked = "[requirements]\nreach = { at = [1200, 0] }\n"
+    required = "[requirements]\nreach = { at = [1200, 0] }\n"
     for seed in range(20):
-        text = f"seed = {seed}\n{BASE}{HAND}[world]\n{world}\n{marks}\n{asked}"
+        text = f"seed = {seed}\n{BASE}{HAND}[world]\n{world}\n{marks}\n{required}"
         made = trial(text.replace("duration = 3", "duration = 0.1"))
         for x, y, radius in made.bodies[0].world.circles:
             for place in ((0, 0), (1200, 0), (0, 1200)):

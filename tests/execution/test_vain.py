@@ -15,7 +15,9 @@ from mars_asp.execution.judgement import judge
 from tests.support.trials import BASE, DRIVE, HAND, WALL, trial
 
 STILL = HAND.replace("200", "0")
-ASKED = '[requirements]\nno_collision = true\nclearance = 1\nexclusive = [["Trans_Z", "Rotn_Y"]]\n'
+REQUIRED = (
+    '[requirements]\nno_collision = true\nclearance = 1\nexclusive = [["Trans_Z", "Rotn_Y"]]\n'
+)
 CIRCLE = "[world]\ncircles = [[1500, 0, 300]]\n"
 MOVING = "[world]\nmoving = [{ from = [900, 900], to = [900, 1900], radius = 100, speed = 100 }]\n"
 
@@ -37,14 +39,14 @@ VAIN = "requirement_in_vain({})".format
     [
         pytest.param(BASE + HAND + WALL, set(), id="no requirement"),
         pytest.param(
-            BASE + STILL + WALL + ASKED,
+            BASE + STILL + WALL + REQUIRED,
             {VAIN("no_collision"), VAIN("clearance"), VAIN("exclusive")},
             id="a robot that never moved",
         ),
-        pytest.param(BASE + STILL + MOVING + ASKED, {VAIN("exclusive")}, id="obstacles move"),
-        pytest.param(BASE + HAND + WALL + ASKED, {VAIN("exclusive")}, id="it never turned"),
+        pytest.param(BASE + STILL + MOVING + REQUIRED, {VAIN("exclusive")}, id="obstacles move"),
+        pytest.param(BASE + HAND + WALL + REQUIRED, {VAIN("exclusive")}, id="it never turned"),
         pytest.param(
-            BASE + HAND + ASKED,
+            BASE + HAND + REQUIRED,
             {VAIN("no_collision"), VAIN("clearance"), VAIN("exclusive")},
             id="an empty world",
         ),
@@ -83,7 +85,7 @@ def test_a_robot_without_a_command_is_a_warning_and_no_violation(tmp_path: Path)
         "`P` got no command, so it never moved",
         "`C` never ran: it got nothing from `S`",
     ]
-    assert [trace.message for _, trace in judgement.traces()] == [
+    assert [getattr(trace, "message", None) for _, trace in judgement.traces()] == [
         each.message for each in judgement.warnings
     ]
 

@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain, zip_longest
 from math import ceil, inf, sqrt
 from typing import Any, NamedTuple
@@ -136,13 +136,12 @@ def spreads(results: Iterable[_Result]) -> dict[str, Spread]:
             seconds = inf if reached is None else reached
             values.setdefault(f"{before}reached_s", []).append(seconds)
             values.setdefault(f"{before}nearest_to_place_mm", []).append(nearest)
-    return {name: _spread(each) for name, each in values.items()}
-
-
-def _spread(values: list[float]) -> Spread:
-    values.sort()
-    ranks = (max(1, ceil(percent * len(values) / 100)) for percent in QUANTILES)
-    return Spread(len(values), tuple(values[rank - 1] for rank in ranks))
+    found = {}
+    for name, each in values.items():
+        each.sort()
+        ranks = (max(1, ceil(percent * len(each) / 100)) for percent in QUANTILES)
+        found[name] = Spread(len(each), tuple(each[rank - 1] for rank in ranks))
+    return found
 
 
 def warning_counts(results: Iterable[_Result]) -> dict[str, int]:
@@ -163,7 +162,8 @@ def worst(results: Iterable[_Result]) -> list[_Result]:
     for verdict, holds in ((FAIL, False), (NOT_DECIDED, None)):
         groups: dict[str, list[_Result]] = {}
         for result in (each for each in unpassed if each["verdict"] == verdict):
-            for name in _missed(result, holds=holds):
+            missed = [each["name"] for each in result["requirements"] if each["holds"] is holds]
+            for name in missed or [""]:
                 groups.setdefault(name, []).append(result)
         ranked = sorted(groups.items(), key=lambda group: (group[0] != "", -len(group[1])))
         columns = [sorted(group, key=lambda each: _badness(name, each)) for name, group in ranked]
@@ -171,12 +171,6 @@ def worst(results: Iterable[_Result]) -> list[_Result]:
             if result is not None:
                 found.setdefault(json.dumps([result["seed"], result["vary"]]), result)
     return list(found.values())[:MOST_WORST]
-
-
-def _missed(result: _Result, *, holds: bool | None) -> Iterator[str]:
-    """Yield the requirements that were violated or not decided; an empty name without any."""
-    names = [each["name"] for each in result["requirements"] if each["holds"] is holds]
-    yield from names or [""]
 
 
 def _badness(requirement: str, result: _Result) -> tuple[float, ...]:

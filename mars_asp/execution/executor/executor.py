@@ -77,16 +77,16 @@ class Executor:
     def failures(self) -> dict[str, Failures]:
         """Return the exceptions of modules, converters and links that no scenario injects."""
         found = {
-            self.plan.converter(name) or name: getattr(each, "failures", Failures())
+            self.plan.converter_of(name) or name: getattr(each, "failures", Failures())
             for name, each in self.elements.items()
         }
         found |= {
-            self.plan.called(link): link.failures for link in self.links if link.failures.count
+            self.plan.link_title(link): link.failures for link in self.links if link.failures.count
         }
         return {name: failures for name, failures in found.items() if failures.count}
 
     @property
-    def runs(self) -> dict[str, int]:
+    def run_counts(self) -> dict[str, int]:
         """Return how often each module sensed or computed, or how many commands it got."""
         counts = ((name, getattr(each, "runs", None)) for name, each in self.elements.items())
         return {name: runs for name, runs in counts if runs is not None}
@@ -300,8 +300,8 @@ class Executor:
 
 
 def _no_value(plan: Plan, link: Link) -> Diagnostic:
-    clients = " and ".join(f"`{name}`" for name in plan.targets(link)) or f"`{link.client}`"
-    message = f"{clients} gets `NotifyOnValue` from `{plan.origin(link)}` without a value"
+    clients = " and ".join(f"`{name}`" for name in plan.targets_of(link)) or f"`{link.client}`"
+    message = f"{clients} gets `NotifyOnValue` from `{plan.origin_of(link)}` without a value"
     help_text = "state the value: `NotifyOnValue(30)`"
     return Diagnostic("condition", "error", message, link.span, (), help_text)
 

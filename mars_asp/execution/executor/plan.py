@@ -137,7 +137,7 @@ class Plan:
         named = list(ports.inputs(client)) if client is not None and link.kind == "data" else []
         return link.client_port or (named[0] if len(named) == 1 else None)
 
-    def origin(self, link: Link) -> str:
+    def origin_of(self, link: Link) -> str:
         """Return the modules, or outputs of them, whose messages or commands come over a link."""
         if link.kind == "control":
             return " or ".join(dict.fromkeys(self._commanders(link.source)))
@@ -147,7 +147,7 @@ class Plan:
             source = self.data_in[source][0].source
         return source
 
-    def targets(self, link: Link, seen: frozenset[str] = frozenset()) -> list[str]:
+    def targets_of(self, link: Link, seen: frozenset[str] = frozenset()) -> list[str]:
         """Return the modules, or inputs of them, that messages or commands of a link are for."""
         name = link.client
         if not self.is_node(name):
@@ -156,10 +156,10 @@ class Plan:
         following = self.data_out[name] if link.kind == "data" else self.control_out[name]
         if name in seen:
             return []
-        found = (target for each in following for target in self.targets(each, seen | {name}))
+        found = (target for each in following for target in self.targets_of(each, seen | {name}))
         return list(dict.fromkeys(found))
 
-    def converter(self, transformer: str) -> str | None:
+    def converter_of(self, transformer: str) -> str | None:
         """Return the converter that a DataTransformer applies, or None if none is declared."""
         stated = self.configuration.conversions
         return next((c.converter for c in stated if c.transformer == transformer), None)
@@ -168,13 +168,13 @@ class Plan:
         """Whether a name is a node of the specification, not a module of the user."""
         return name not in self.modules and self.configuration.node_kind(name) is not None
 
-    def called(self, link: Link) -> str:
+    def link_title(self, link: Link) -> str:
         """Return the name of a link by the modules that it connects, through any nodes."""
-        return f"{self.origin(link)} -> {' and '.join(self.targets(link)) or link.client}"
+        return f"{self.origin_of(link)} -> {' and '.join(self.targets_of(link)) or link.client}"
 
-    def topic(self, link: Link) -> str | None:
+    def topic_of(self, link: Link) -> str | None:
         """Return the name of the messages of a link, or None between two nodes."""
-        origin, targets = self.origin(link), self.targets(link)
+        origin, targets = self.origin_of(link), self.targets_of(link)
         if self.is_node(link.source):
             if self.is_node(link.client):
                 return None

@@ -113,11 +113,15 @@ class Foxglove:
     """
 
     def __init__(self, file: IO[bytes], plan: Plan) -> None:
-        self._topics = {f"{each.source} -> {each.client}": plan.topic(each) for each in plan.links}
-        self._names = {f"{each.source} -> {each.client}": plan.called(each) for each in plan.links}
+        self._topics = {
+            f"{each.source} -> {each.client}": plan.topic_of(each) for each in plan.links
+        }
+        self._names = {
+            f"{each.source} -> {each.client}": plan.link_title(each) for each in plan.links
+        }
         for each in plan.links:
             if plan.kind(each.source) == "arbitration_node":
-                self._names[each.source] = " and ".join(plan.targets(each))
+                self._names[each.source] = " and ".join(plan.targets_of(each))
         self._writer = Writer(file)
         self._writer.start(library=f"mars-asp {__version__}")
         self._schemas = {
@@ -133,7 +137,7 @@ class Foxglove:
             if topic is not None:
                 self._add(Entry(at, topic, "mars_asp.Message", {"value": plain(value)}))
         else:
-            self._add(_log(Event(at, what, self._names.get(where, where), plain(value))))
+            self._add(_log_entry(Event(at, what, self._names.get(where, where), plain(value))))
 
     def end(self, trial: Trial) -> None:
         """Write the motion, and what makes the file whole."""
@@ -150,7 +154,7 @@ class Foxglove:
         self._writer.add_message(self._channels[topic], at, _json(message).encode(), at)
 
 
-def _log(event: Event) -> Entry:
+def _log_entry(event: Event) -> Entry:
     """Return a change of control or a dropped message as a log."""
     at, what, where, value = event
     if what == "holds":

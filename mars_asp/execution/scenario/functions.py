@@ -182,7 +182,7 @@ def entries(plan: Plan, name: str) -> tuple[Entry, ...] | None:
 
 
 def _sources(plan: Plan, slot: Slot) -> str:
-    return " or ".join(dict.fromkeys(plan.origin(link) for link in slot.links))
+    return " or ".join(dict.fromkeys(plan.origin_of(link) for link in slot.links))
 
 
 def _parameter(plan: Plan, name: str, slot: Slot) -> str | None:

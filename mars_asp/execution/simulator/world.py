@@ -134,7 +134,7 @@ class World:
         """Whether it has anything solid that does not move."""
         return bool(len(self.segments) or len(self.circles))
 
-    def fixed(self) -> "World":
+    def without_moving(self) -> "World":
         """Return the same world without the circles that move."""
         still = copy(self)
         still.moving, still._seen, still._beside = (), None, None

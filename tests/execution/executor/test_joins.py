@@ -114,8 +114,8 @@ def computed(graph: Graph, seed: int) -> Computations:
             return ("Trans_Z", value) if name == "C" else value
 
         period = graph.period.get(name)
-        stated = None if period is None else ms(period)
-        return Behaviour(call, stated, ms(graph.delay.get(name, 0)))
+        interval = None if period is None else ms(period)
+        return Behaviour(call, interval, ms(graph.delay.get(name, 0)))
 
     modules = {"P": effector("P", "Trans_Z"), "C": control_out("C")}
     for name, sources in graph.sources.items():
