@@ -64,7 +64,7 @@ class BoundedInput:
         self._lines.append(b"\r\n")
         return b"Content-Length: %d\r\n" % len(body)
 
-    def read(self, size: int) -> bytes:
+    def read_message(self, size: int) -> bytes:
         """Return a message, or a mark for one that is too large."""
         if self._body is not None:
             body, self._body = self._body, None
@@ -74,6 +74,9 @@ class BoundedInput:
         while size > 0 and (part := self._file.read(min(size, 1 << 20))):
             size -= len(part)
         return _TOO_LARGE
+
+    #: Called so by pygls.
+    read = read_message
 
 
 class CheckedProtocol(LanguageServerProtocol):
