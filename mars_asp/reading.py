@@ -39,15 +39,20 @@ _texts: ContextVar[Mapping[str, bytes]] = ContextVar("unsaved", default=_NONE)
 
 
 class WallError(OSError):
-    """A file that must not be read, and a way to read it all the same, if there is one."""
+    """A file that must not be read; `advice` is a way to read it all the same, if any."""
 
-    def __init__(self, path: str, reason: str, advice: str | None = None) -> None:
-        super().__init__(errno.EACCES, reason, path)
-        self.advice = advice
+    advice: str | None = None
+
+
+def wall_error(path: str, reason: str, advice: str | None = None) -> WallError:
+    """Return the error about a file."""
+    error = WallError(errno.EACCES, reason, path)
+    error.advice = advice
+    return error
 
 
 def read_file(path: str | Path, most: int, named_in: str | None = None) -> bytes:
-    """Return what a file holds, of one that is larger `most` bytes and one.
+    """Return the content of a file, of one that is larger `most` bytes and one.
 
     `named_in` is the file that names it; without one it is the user's own word, which may be a
     pipe.
@@ -65,7 +70,7 @@ def read_file(path: str | Path, most: int, named_in: str | None = None) -> bytes
         if stat.S_ISREG(status.st_mode):
             files_read.add((status.st_dev, status.st_ino))
         elif named_in is not None:
-            raise WallError(str(path), "it is not a regular file")
+            raise wall_error(str(path), "it is not a regular file")
         else:
             _await_writer(handle, str(path))
         return file.read(most + 1)
@@ -80,7 +85,7 @@ def _await_writer(handle: int, path: str) -> None:
     waiting = select.poll()
     waiting.register(handle, select.POLLIN)
     if not waiting.poll(_PIPE_SECONDS * 1000):
-        raise WallError(path, "it is a pipe that no process writes into")
+        raise wall_error(path, "it is a pipe that no process writes into")
     os.set_blocking(handle, True)
 
 
@@ -92,18 +97,18 @@ def check_walls(path: str | Path, named_in: str | None = None) -> None:
     """
     written = os.fspath(path)
     if len(written) > _MOST_PATH:
-        raise WallError(written, os.strerror(errno.ENAMETOOLONG))
+        raise wall_error(written, os.strerror(errno.ENAMETOOLONG))
     real = os.path.realpath(written)
     if named_in is None and (_STREAM.fullmatch(written) or _PIPE.fullmatch(real)):
         return
     if is_kernels(real):
-        raise WallError(written, "nothing in /proc, /dev and /sys is read")
+        raise wall_error(written, "nothing in /proc, /dev and /sys is read")
     if is_outside(real, written if named_in is None else named_in):
         if named_in is None:
             advice = f"name the file itself: `{real}`"
-            raise WallError(written, "it is a link out of its project", advice)
+            raise wall_error(written, "it is a link out of its project", advice)
         advice = "copy it, or run the command in a folder that holds both"
-        raise WallError(written, OUTSIDE, advice)
+        raise wall_error(written, OUTSIDE, advice)
 
 
 def is_kernels(path: str | Path) -> bool:
@@ -172,6 +177,6 @@ def unsaved(texts: Mapping[str, str]) -> Iterator[None]:
 
 
 def unsaved_bytes(path: Path) -> bytes | None:
-    """Return what an editor holds of a file, as UTF-8; nothing where the disk has it."""
+    """Return the text of a file in an editor as UTF-8, or None if the disk has it."""
     texts = _texts.get()
     return texts.get(os.path.realpath(path)) if texts else None

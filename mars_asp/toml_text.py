@@ -47,7 +47,7 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
         raise _wrong(point(path, line, column), str(error).split(" (at")[0], code) from None
     except RecursionError:
-        where = _place(text, _NESTED, path)
+        where = _match_span(text, _NESTED, path)
         raise _wrong(where, "its lists and tables are nested too deep", code) from None
     except ValueError:  # more digits than Python reads
         where = long_number(text, path)
@@ -75,10 +75,10 @@ def unusable_part(value: object) -> tuple[Path, str] | None:
 
 def long_number(text: str, path: str) -> Span:
     """Return the place of the first number with more digits than Python reads."""
-    return _place(text, _DIGITS, path)
+    return _match_span(text, _DIGITS, path)
 
 
-def _place(text: str, pattern: re.Pattern[str], path: str) -> Span:
+def _match_span(text: str, pattern: re.Pattern[str], path: str) -> Span:
     """Return the place of the first match; of none the begin of the text."""
     found = pattern.search(text)
     at = found.start() if found else 0

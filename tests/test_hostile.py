@@ -76,7 +76,7 @@ def test_an_odd_value_of_vary_is_refused(
 
 
 @pytest.mark.parametrize("body", hostile.DOUBLING)
-def test_what_doubles_in_a_launch_file_is_bounded(body: str) -> None:
+def test_doubling_lists_of_launch_files_are_bounded(body: str) -> None:
     text = hostile.LAUNCH.format("\n    ".join([body] * 50))
     try:
         read_python(text, "x.launch.py")
@@ -85,7 +85,7 @@ def test_what_doubles_in_a_launch_file_is_bounded(body: str) -> None:
 
 
 @pytest.mark.parametrize("verb", ["check", "analyse", "synthesise", "explain", "facts", "draw"])
-def test_a_path_of_any_bytes_is_no_part_of_a_program(
+def test_paths_of_any_bytes_are_read(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / 'd\udcff"\\n\n%*'

@@ -168,7 +168,7 @@ def test_options_name_files_anywhere(
     assert "@Sense hunter2" in capsys.readouterr().err
 
 
-def test_a_home_folder_is_no_project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_project_holds_a_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     lay_out(tmp_path, {".git/HEAD": "", "secret": SECRET, "stranger/a.mars": ""})
     monkeypatch.chdir(tmp_path / "stranger")
     assert not is_outside(tmp_path / "secret", str(tmp_path / "stranger" / "a.mars"))
@@ -201,7 +201,7 @@ def test_folders_are_listed_up_to_a_bound(
     monkeypatch.setattr(files, "MOST_ENTRIES", 20)
     lay_out(tmp_path, {f"s/{number}.txt": "" for number in range(15)})
     lay_out(tmp_path, {"a.mars": FLAT + "@sources s, s/*.cpp\n", "b.mars": FLAT + "@sources s\n"})
-    # A link to a folder around it is no way on without end.
+    # A link to a folder around it is not followed for ever.
     lay_out(tmp_path, {"s/loop": "-> .."})
     monkeypatch.chdir(tmp_path)
     assert run_here(["check", "b.mars"]) == 0

@@ -8,7 +8,7 @@ import os
 import re
 import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from operator import attrgetter
 from pathlib import Path
@@ -58,7 +58,7 @@ class Extraction:
 def find_paths(written: str, folder: Path = _HERE, entries: "Entries | None" = None) -> list[Path]:
     """Return the files and folders that a path or a glob of a folder names, sorted.
 
-    A glob means the sources among what it matches, if there are some. `entries` are shared by
+    A glob means the sources among its matches, if there are some. `entries` are shared by
     several calls.
 
     Raises:
@@ -97,7 +97,7 @@ def _match(
     if is_deep:
         entries.check_depth(folder)
         _match(folder, rest, found, seen, entries)
-    for entry in entries.of(folder):
+    for entry in entries.in_folder(folder):
         is_shown = entry.name[0] != "." or first[0] == "."
         if is_shown and is_deep and (entry.is_dir() or not rest):
             _match(folder / entry.name, parts if entry.is_dir() else (), found, seen, entries)
@@ -106,12 +106,15 @@ def _match(
                 _match(folder / entry.name, rest, found, seen, entries)
 
 
+@dataclass
 class Entries:
-    """Lists folders, up to a number of entries that no robot has."""
+    """Lists folders, up to a number of entries that no robot has.
 
-    def __init__(self, named_in: str | None = None) -> None:
-        """Begin with none; `named_in` is the file that names what is listed."""
-        self._left, self._named_in = MOST_ENTRIES, named_in
+    `named_in` is the file that names them, where that is not the user.
+    """
+
+    named_in: str | None = None
+    left: int = field(default_factory=lambda: MOST_ENTRIES)
 
     def check_depth(self, folder: str | Path) -> None:
         """Check that all below a folder may be listed.
@@ -119,23 +122,23 @@ class Entries:
         Raises:
             MarsError: a file names a folder with everything that a user has.
         """
-        if self._named_in is not None and holds_home(folder):
+        if self.named_in is not None and holds_home(folder):
             message = f"`{folder}` holds all files of a user, not those of a robot"
             raise refusal("MARS307", message, str(folder), _SMALLER)
 
-    def of(self, folder: str | Path) -> list[os.DirEntry[str]]:
-        """Return what is in a folder, in order; nothing where it cannot be read.
+    def in_folder(self, folder: str | Path) -> list[os.DirEntry[str]]:
+        """Return the entries of a folder, in order; none where it cannot be read.
 
         Raises:
             MarsError: it is too much, with all folders before it.
         """
         try:
             with os.scandir(folder) as listed:
-                entries = sorted(islice(listed, self._left + 1), key=attrgetter("name"))
+                entries = sorted(islice(listed, self.left + 1), key=attrgetter("name"))
         except OSError:
             return []
-        self._left -= len(entries)
-        if self._left < 0:
+        self.left -= len(entries)
+        if self.left < 0:
             message = f"more than {MOST_ENTRIES} files and folders are there to be searched"
             raise refusal("MARS307", message, str(folder), _SMALLER)
         return entries
@@ -161,18 +164,15 @@ def extract(
     for path, file, status in _files(paths, named_at, named_in):
         found, wrong = _read(file, status)
         place = named_at.get(path)
-        if is_outside(file, _namer(path) if place is None else named_in):
+        # Of a folder that the user names it is the project around all files in it.
+        around = str(path / "_" if path.is_dir() else path) if place is None else named_in
+        if is_outside(file, around):
             hide_lines(str(file))
             wrong = tuple(_hidden(file, wrong, place)) if found or wrong else ()
         modules += found
         problems += wrong
     problems += repeated(modules)
     return Extraction(tuple(modules), by_place(problems))
-
-
-def _namer(path: Path) -> str:
-    """Return a path in the folder that is the outermost one for files below a path."""
-    return str(path / "_") if path.is_dir() else str(path)
 
 
 def _hidden(file: Path, wrong: Sequence[Diagnostic], place: Span | None) -> Iterator[Diagnostic]:
@@ -233,7 +233,7 @@ def _below(folder: Path, entries: Entries) -> Iterator[tuple[Path, os.stat_resul
     folders = [] if is_kernels(folder) else [str(folder)]
     while folders:
         inner = []
-        for entry in entries.of(folders.pop()):
+        for entry in entries.in_folder(folders.pop()):
             if entry.is_dir(follow_symlinks=False):
                 if entry.name not in _SKIPPED and entry.path not in KERNEL:
                     inner.append(entry.path)

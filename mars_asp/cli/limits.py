@@ -65,6 +65,9 @@ def check_outputs(arguments: argparse.Namespace) -> None:
     begin_outputs()
     given = vars(arguments)
     named = {each: given[each] for each in _OUTPUTS if given.get(each) not in (None, "-")}
+    if given.get("fresh") is False:
+        # A campaign goes on with its file, and refuses any other.
+        named.pop("output", None)
     if not named:
         return
     words = [given[each] for each in _INPUTS if given.get(each) is not None]

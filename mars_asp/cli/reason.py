@@ -228,7 +228,7 @@ def packs_of(arguments: argparse.Namespace) -> list[Path]:
     folder = path if path.is_dir() else path.parent
     settings = settings_for(folder)
     for number, each in enumerate(settings.rules):
-        settings.check(each, "rules", number)
+        settings.check_named(each, "rules", number)
     return [Path(each) for each in (*settings.rules, *arguments.rules)]
 
 

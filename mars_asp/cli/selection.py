@@ -253,7 +253,7 @@ class Selection:
         # A baseline that is written lists what an older one knows, too.
         compared = path is not None and self._arguments.write_baseline is None
         if compared and path is not None and not self._arguments.baseline:
-            settings.check(path, "baseline")
+            settings.check_named(path, "baseline")
         return _Choice(
             None if select is None else frozenset(select),
             frozenset(ignore),

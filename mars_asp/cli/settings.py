@@ -49,7 +49,7 @@ class Settings(NamedTuple):
 
         return Places(self.text, self.path).of(*self.table, *key)
 
-    def check(self, named: str, *key: str | int) -> None:
+    def check_named(self, named: str, *key: str | int) -> None:
         """Check that a file or folder that a key names may be read.
 
         Raises:

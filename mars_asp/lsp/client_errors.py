@@ -1,6 +1,7 @@
-"""What is wrong with messages of a client, which is told so, and bounds on what it may send."""
+"""Errors in messages of a client, which it gets as answers, and bounds on these messages."""
 
 from collections import deque
+from dataclasses import dataclass
 from typing import Any, BinaryIO
 
 from lsprotocol import types
@@ -12,6 +13,10 @@ MOST_BYTES = 128 * 1024 * 1024
 _MOST_LINE = 4096
 _TOO_LARGE = b'"too large"'
 _NO_LENGTH = b'"no length"'
+_REASONS = {
+    "too large": f"a message has more than {MOST_BYTES} bytes, so it was dropped",
+    "no length": "a message begins with `Content-Length: N` and an empty line",
+}
 _HEADERS = (b"content-length:", b"content-type:")
 _ABOUT_OPEN = (
     types.TEXT_DOCUMENT_DID_CHANGE,
@@ -20,18 +25,17 @@ _ABOUT_OPEN = (
 )
 
 
+@dataclass(eq=False)
 class ClientError(Exception):
-    """A message that cannot be answered: the request that it is, if any, a code, and why."""
+    """A message that cannot be answered: the request that it is, if any, a code, and the reason."""
 
-    def __init__(self, request: object, code: int, message: str) -> None:
-        """Take them."""
-        super().__init__(message)
-        self.request = request if isinstance(request, int | str) else None
-        self.code, self.message = code, message
+    request: int | str | None
+    code: int
+    message: str
 
 
 class BoundedInput:
-    """What a client sends; messages that are too large, or without a length, are replaced."""
+    """The input from a client; messages that are too large, or without a length, are replaced."""
 
     def __init__(self, file: BinaryIO) -> None:
         """Take the file that messages are read from."""
@@ -47,21 +51,21 @@ class BoundedInput:
         name, _, value = line.lower().partition(b":")
         number = value.strip()
         if line.strip() and not line.lower().startswith(_HEADERS):
-            return self._replace(_NO_LENGTH)
+            return self._substitute(_NO_LENGTH)
         if name == b"content-length":
             if not (number.isdigit() and len(number) < 16 and int(number)):
-                return self._replace(_NO_LENGTH)
-            # Other spellings of the header are no less right.
+                return self._substitute(_NO_LENGTH)
+            # The header may have other capitals.
             return b"Content-Length: %d\r\n" % int(number)
         return line if line.strip() else b"\r\n" * bool(line)
 
-    def _replace(self, body: bytes) -> bytes:
+    def _substitute(self, body: bytes) -> bytes:
         self._body = body
         self._lines.append(b"\r\n")
         return b"Content-Length: %d\r\n" % len(body)
 
-    def read(self, size: int) -> bytes:
-        """Return a message, or what stands for one that is too large."""
+    def read_message(self, size: int) -> bytes:
+        """Return a message, or a mark for one that is too large."""
         if self._body is not None:
             body, self._body = self._body, None
             return body
@@ -70,6 +74,9 @@ class BoundedInput:
         while size > 0 and (part := self._file.read(min(size, 1 << 20))):
             size -= len(part)
         return _TOO_LARGE
+
+    #: Called so by pygls.
+    read = read_message
 
 
 class CheckedProtocol(LanguageServerProtocol):
@@ -100,7 +107,9 @@ class CheckedProtocol(LanguageServerProtocol):
         method, request = getattr(message, "method", None), getattr(message, "id", None)
         invalid = types.ErrorCodes.InvalidRequest
         if getattr(message, "jsonrpc", None) != self.VERSION:
-            raise ClientError(request, invalid, _reason(message))
+            known = _REASONS.get(message) if isinstance(message, str) else None
+            reason = known or 'a message is an object with `"jsonrpc": "2.0"`'
+            raise ClientError(request, invalid, reason)
         if method == types.INITIALIZE:
             if self._is_begun:
                 raise ClientError(request, invalid, "the server was initialized before")
@@ -110,16 +119,10 @@ class CheckedProtocol(LanguageServerProtocol):
             raise ClientError(request, code, f"`{method!s:.100}` came before `initialize`")
         elif self._shutdown and request is not None and method is not None:
             raise ClientError(request, invalid, f"`{method!s:.100}` came after `shutdown`")
+        if method == types.CANCEL_REQUEST and not isinstance(message.params.id, int | str):
+            raise ClientError(None, invalid, "the `id` of a request is a number or a text")
         if method in _ABOUT_OPEN:
             uri = message.params.text_document.uri
             if uri not in self.workspace.text_documents:
                 raise ClientError(None, invalid, f"`{method}`: `{uri:.300}` is not open")
         super().handle_message(message)
-
-
-def _reason(message: object) -> str:
-    if message == _TOO_LARGE.decode().strip('"'):
-        return f"a message has more than {MOST_BYTES} bytes, so it was dropped"
-    if message == _NO_LENGTH.decode().strip('"'):
-        return "a message begins with `Content-Length: N` and an empty line"
-    return 'a message is an object with `"jsonrpc": "2.0"`'

@@ -55,7 +55,7 @@ MESSAGES: tuple[tuple[bytes, tuple[object, int] | str], ...] = (
 )
 
 
-def test_a_client_is_told_its_errors() -> None:
+def test_errors_of_a_client_are_reported_to_it() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "mars_asp", "lsp"],
         input=b"".join(sent for sent, _ in MESSAGES),

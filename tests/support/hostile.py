@@ -124,7 +124,7 @@ def _value(rng: random.Random) -> str:
 
 
 def configurations(rng: random.Random) -> Case:
-    """Return a configuration that names what it should not."""
+    """Return a configuration that names forbidden files."""
     kind = _pick(rng, "@include", "@sources")
     lines = "".join(f"{kind} {_target(rng)}\n" for _ in range(rng.choice((1, 1, 3, 3000))))
     verb = _pick(rng, "check", "analyse", "synthesise", "explain", "facts")
@@ -152,10 +152,10 @@ def links(rng: random.Random) -> Case:
 
 
 def settings(rng: random.Random) -> Case:
-    """Return settings that name what they should not."""
+    """Return settings that name forbidden files."""
     key = _pick(rng, "baseline", "rules", "select", "ignore")
-    said = _target(rng).replace("\0", "\\u0000").replace("\udcff", "x")
-    value = f'"{said}"' if key == "baseline" else f'["{said}"]'
+    named = _target(rng).replace("\0", "\\u0000").replace("\udcff", "x")
+    value = f'"{named}"' if key == "baseline" else f'["{named}"]'
     text = f"{key} = {rng.choice((value, value, _value(rng)))}\n"
     name = _pick(rng, "mars.toml", "pyproject.toml")
     head = "" if name == "mars.toml" else "[tool.mars-asp]\n"
@@ -258,7 +258,7 @@ def nested(rng: random.Random) -> Case:
 
 
 def outputs(rng: random.Random) -> Case:
-    """Return a command that would write over what it reads, or two outputs into one."""
+    """Return a command that would write over its inputs, or two outputs into one."""
     out = _pick(rng, "a.mars", "b.mars", "./a.mars", "link", "hard", "x.svg", "../a/a.mars")
     words = rng.choice(
         (
@@ -335,7 +335,7 @@ SHAPES: Sequence[Callable[[random.Random], Case]] = (
 
 
 def hostile(seed: int) -> list[str]:
-    """Run one command, and return what is wrong with its end."""
+    """Run one command, and return its faults."""
     rng = random.Random(seed)
     case = SHAPES[seed % len(SHAPES)](rng)
     with tempfile.TemporaryDirectory() as made:
@@ -370,7 +370,7 @@ def hostile(seed: int) -> list[str]:
 
 
 def _users_files(home: Path) -> None:
-    """Lay out what belongs to the user, with names as of our temporary files."""
+    """Lay out files of the user, with names as of our temporary files."""
     for name in (".mars-asp.abc", ".mars-asp.0123456789abcdef.1", "keep"):
         _make(home, f"a/{name}", "of the user")
     _make(home, "secret", f"TOKEN={SECRET} (secret)\n@Sense {SECRET}\n")
@@ -395,7 +395,7 @@ def _make(folder: Path, name: str, content: str | bytes) -> None:
 
 
 def _state(home: Path) -> dict[str, object]:
-    """Return what the files below a folder hold, by their paths."""
+    """Return the content of files below a folder, by their paths."""
     found: dict[str, object] = {}
     for path in sorted(home.rglob("*")):
         mode = path.lstat().st_mode
@@ -447,7 +447,7 @@ def _become(words: Sequence[str], folder: Path, printed: int) -> None:
 
 
 def main() -> int:
-    """Run what the command line says."""
+    """Run as many commands as the command line requests."""
     number, first = [*map(int, sys.argv[1:]), *(1000, 0)[len(sys.argv) - 1 :]][:2]
     began = time.monotonic()
     wrong: list[str] = []

@@ -124,7 +124,7 @@ def _raw(rng: random.Random, value: Any) -> bytes:
 
 
 def converse(number: int, seed: int) -> tuple[list[str], float]:
-    """Send messages to one server; return what is wrong, and the megabytes that it had."""
+    """Send messages to one server; return its faults and its megabytes."""
     rng = random.Random(seed)
     with tempfile.TemporaryDirectory() as made, tempfile.TemporaryFile() as errors:
         folder = Path(made)
@@ -189,7 +189,7 @@ def _framed(value: Any) -> bytes:
 
 
 def _answers(stream: Any) -> Iterator[bytes]:
-    """Yield what a server sends, until it ends."""
+    """Yield the messages of a server, until it ends."""
     while line := stream.readline():
         if line.lower().startswith(b"content-length:"):
             size = int(line.partition(b":")[2])
@@ -209,7 +209,7 @@ def _memory(process: int) -> float:
 
 
 def main() -> int:
-    """Run what the command line says, 500 messages to each server."""
+    """Send the requested number of messages, 500 to each server."""
     number, first = [*map(int, sys.argv[1:]), *(10_000, 0)[len(sys.argv) - 1 :]][:2]
     wrong: list[str] = []
     most = 0.0
