@@ -77,7 +77,7 @@ def positional(number: int) -> str:
     return f"input{number}"
 
 
-def position(port: str) -> int | None:
+def input_position(port: str) -> int | None:
     """Return the position that a name of `positional` states, or None if it is none."""
     found = _POSITIONAL.fullmatch(port)
     return None if found is None else int(found[1])
