@@ -176,11 +176,14 @@ def entries(plan: Plan, name: str) -> tuple[Entry, ...] | None:
         return None  # it does not run
     if kind == "sensor":
         return ()
-    return tuple(Entry(_sources(slot), _parameter(plan, name, slot), slot.place) for slot in slots)
-
-
-def _sources(slot: Slot) -> str:
-    return " or ".join(link.source for link in slot.links)
+    return tuple(
+        Entry(
+            " or ".join(link.source for link in slot.links),
+            _parameter(plan, name, slot),
+            slot.place,
+        )
+        for slot in slots
+    )
 
 
 def _parameter(plan: Plan, name: str, slot: Slot) -> str | None:
