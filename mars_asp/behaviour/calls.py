@@ -133,7 +133,7 @@ def prepared(
     if signature is not None and inputs is not None:
         entries = [Entry(each) if isinstance(each, str) else each for each in inputs]
         _refuse_inputs(signature, given, entries, shown)
-        order = _order(signature, given, entries, shown)
+        order = _parameter_order(signature, given, entries, shown)
     if given is not None and signature is not None:
         target = _handing(target, signature, given, context)
     if order is not None:
@@ -148,7 +148,7 @@ def prepared(
     return call
 
 
-def _order(
+def _parameter_order(
     signature: Signature, given: Parameter | None, inputs: Sequence[Entry], shown: str
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]] | None:
     """Return a decorator that passes each input to its parameter, or None if they are in order.

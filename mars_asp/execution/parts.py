@@ -77,11 +77,11 @@ def _apart(
     if line.client not in split:
         yield line
         return
-    for part, port in _parts(line, every[line.client], split[line.client]):
+    for part, port in _fed_parts(line, every[line.client], split[line.client]):
         yield replace(line, client=part, client_port=port)
 
 
-def _parts(
+def _fed_parts(
     line: Data, client: Module, split: Mapping[str, int]
 ) -> Iterator[tuple[str, str | None]]:
     """Yield the parts of its client that a line feeds, and the name of the input of each."""

@@ -72,13 +72,8 @@ def parameter_names(service: Service) -> Iterator[str]:
         yield named or representation or f"input{index}"
 
 
-def positional(number: int) -> str:
-    """Return the name of the input (from 1) of a client that nothing describes, by its position."""
-    return f"input{number}"
-
-
-def position(port: str) -> int | None:
-    """Return the position that a name of `positional` states, or None if it is none."""
+def input_position(port: str) -> int | None:
+    """Return the position that a name such as `input2` states, or None if it is none."""
     found = _POSITIONAL.fullmatch(port)
     return None if found is None else int(found[1])
 

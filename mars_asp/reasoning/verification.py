@@ -19,7 +19,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.language.print import print_transformation
 from mars_asp.model.declarations import Configuration, Data, Module, Mount, Transformation
 from mars_asp.model.described import described_modules
-from mars_asp.model.ports import position
+from mars_asp.model.ports import input_position
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.facts.compile import (
     TellsAs,
@@ -267,7 +267,7 @@ def _positions(specification: Configuration, project: Project) -> Iterator[Fact]
     clients = set()
     for number, line in numbered(specification.relationships):
         if isinstance(line, Data) and line.client_port and line.client not in described:
-            if at := position(line.client_port):
+            if at := input_position(line.client_port):
                 clients.add(line.client)
                 yield Fact(Atom("spec_position", (number, at)), line.span)
     lines: dict[str, list[Data]] = {client: [] for client in clients}
@@ -276,7 +276,7 @@ def _positions(specification: Configuration, project: Project) -> Iterator[Fact]
         if isinstance(line, Data) and line.client in clients:
             lines[line.client].append(line)
     for each in lines.values():
-        taken = {position(line.client_port) for line in each if line.client_port is not None}
+        taken = {input_position(line.client_port) for line in each if line.client_port is not None}
         free = (number for number in count(1) if number not in taken)
         known: dict[Hashable, int] = {}
         for line in each:

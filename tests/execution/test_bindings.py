@@ -104,7 +104,7 @@ def assert_bound_as_written(seed: int) -> None:
 
 
 def assert_order_of_clients_is_free(seed: int) -> None:
-    """Move the lines of clients behind each other; the lines of each client keep their order."""
+    """Move the lines of clients after each other; the lines of each client keep their order."""
     robot = random_robot(seed)
     order = list(dict.fromkeys(client_of(line) for line in robot.lines))
     random.Random(seed).shuffle(order)

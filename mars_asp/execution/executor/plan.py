@@ -23,7 +23,7 @@ from mars_asp.model.declarations import (
     Mount,
     Service,
 )
-from mars_asp.model.ports import inputs, position
+from mars_asp.model.ports import input_position, inputs
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
 if TYPE_CHECKING:
@@ -94,14 +94,14 @@ class Plan:
         found: dict[tuple[bool, int, str], Slot] = {}
         declared = list(inputs(self.modules[name])) if name in self.modules else []
         data = self.data_in[name]
-        taken = {position(link.client_port) for link in data if link.client_port is not None}
+        taken = {input_position(link.client_port) for link in data if link.client_port is not None}
         free = (number for number in count(1) if number not in taken)
         for link in data:
             port = link.client_port or (declared[0] if len(declared) == 1 else None)
             if port in declared:
                 place: int | None = declared.index(port)
             else:
-                place = (next(free) if port is None else position(port) or 0) - 1
+                place = (next(free) if port is None else input_position(port) or 0) - 1
                 place = None if place < 0 else place
             # Inputs without a place are in the order of their names, not of the lines.
             key = place is None, place or 0, "" if place is not None else port or ""

@@ -177,12 +177,13 @@ def entries(plan: Plan, name: str) -> tuple[Entry, ...] | None:
     if kind == "sensor":
         return ()
     return tuple(
-        Entry(_sources(plan, slot), _parameter(plan, name, slot), slot.place) for slot in slots
+        Entry(
+            " or ".join(dict.fromkeys(plan.origin_of(link) for link in slot.links)),
+            _parameter(plan, name, slot),
+            slot.place,
+        )
+        for slot in slots
     )
-
-
-def _sources(plan: Plan, slot: Slot) -> str:
-    return " or ".join(dict.fromkeys(plan.origin_of(link) for link in slot.links))
 
 
 def _parameter(plan: Plan, name: str, slot: Slot) -> str | None:

@@ -13,7 +13,7 @@ from mars_asp.model.declarations import (
     node_names,
 )
 from mars_asp.model.described import described_modules
-from mars_asp.model.ports import position, positional
+from mars_asp.model.ports import input_position
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
 from mars_asp.reasoning.facts.rates import rates_in
@@ -99,10 +99,12 @@ class Draft:
             ordered = sorted(unnamed, key=lambda line: self.place_of[id(line)])
             if unnamed == ordered:
                 continue
-            taken = {position(line.client_port) for line in each if line.client_port is not None}
+            taken = {
+                input_position(line.client_port) for line in each if line.client_port is not None
+            }
             free = (number for number in count(1) if number not in taken)
             for line, number in zip(ordered, free, strict=False):
-                named[id(line)] = replace(line, client_port=positional(number))
+                named[id(line)] = replace(line, client_port=f"input{number}")
         self.lines = [named.get(id(line), line) for line in self.lines]
 
     def pass_over(self, counts: Mapping[str, int], name: str) -> bool:

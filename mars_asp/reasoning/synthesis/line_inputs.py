@@ -60,13 +60,14 @@ def state_inputs(
         entry = entries.get(end.string)
         ports[id(line_of[number.number])].add(None if entry is None else entry.port)
 
-    def named(line: Data) -> Data:
+    def with_port(line: Data) -> Data:
         port, *others = ports[id(line)] or {None}
         return line if others or port is None else replace(line, client_port=port)
 
     return replace(
         specification,
         relationships=tuple(
-            named(line) if isinstance(line, Data) else line for line in specification.relationships
+            with_port(line) if isinstance(line, Data) else line
+            for line in specification.relationships
         ),
     )
