@@ -79,7 +79,7 @@ def test_findings_are_results(
         "uri": "a%20b.mars",
         "uriBaseId": "%SRCROOT%",
     }
-    assert warning["message"]["text"].endswith("of its own. See [`B` has priority 1, too](1).")
+    assert warning["message"]["text"].endswith("that differ. See [`B` has priority 1, too](1).")
     (other,) = warning["relatedLocations"]
     assert other["physicalLocation"]["region"]["startLine"] == 4
     assert other["message"]["text"] == "`B` has priority 1, too."
