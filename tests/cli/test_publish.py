@@ -85,7 +85,7 @@ def test_findings_are_results(
     assert other["message"]["text"] == "`B` has priority 1, too."
     rule = run["tool"]["driver"]["rules"][warning["ruleIndex"]]
     assert rule["name"] == rule["properties"]["kind"] == "ambiguous_priority"
-    assert "give each controller" in rule["help"]["text"].lower()
+    assert "priorities decide which controller wins" in rule["help"]["text"].lower()
     page, _, heading = rule["properties"]["page"].partition("#")
     assert f"\n## {heading}\n" in (ROOT / page).read_text(encoding="utf-8")
 
