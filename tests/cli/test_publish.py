@@ -79,13 +79,13 @@ def test_findings_are_results(
         "uri": "a%20b.mars",
         "uriBaseId": "%SRCROOT%",
     }
-    assert warning["message"]["text"].endswith("of its own. See [`B` has priority 1, too](1).")
+    assert warning["message"]["text"].endswith("that differ. See [`B` has priority 1, too](1).")
     (other,) = warning["relatedLocations"]
     assert other["physicalLocation"]["region"]["startLine"] == 4
     assert other["message"]["text"] == "`B` has priority 1, too."
     rule = run["tool"]["driver"]["rules"][warning["ruleIndex"]]
     assert rule["name"] == rule["properties"]["kind"] == "ambiguous_priority"
-    assert "give each controller" in rule["help"]["text"].lower()
+    assert "priorities decide which controller wins" in rule["help"]["text"].lower()
     page, _, heading = rule["properties"]["page"].partition("#")
     assert f"\n## {heading}\n" in (ROOT / page).read_text(encoding="utf-8")
 

@@ -42,7 +42,7 @@ _COUNTED = {
     r"lines|relationships|commands|joints|motions|times": r"^.*$",
 }
 #: A value that is missing from a sentence.
-_HOLE = re.compile(r"\{\w*\}|``|\bNone\b")
+_HOLE = re.compile(r"\{\w*\}|``")
 #: Words of lines that are no names of modules.
 _KEYWORDS = re.compile(
     r"@\w+|\b(?:(?:Notify|Request)\w+|uses_data_from|is_\w+_(?:by|on)"
