@@ -15,10 +15,9 @@ from mars_asp.model.declarations import (
     Module,
     Name,
     Relationship,
-    Service,
     ends_of,
 )
-from mars_asp.model.ports import DELIVERING, inputs, outputs, parameter_names
+from mars_asp.model.ports import DELIVERING, inputs, outputs
 
 
 def in_parts(
