@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import textwrap
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import chdir, suppress
@@ -163,12 +164,15 @@ def _predicates() -> Iterator[str]:
     rulebook = load_rulebook(stages=STAGES)
     for stage, purpose in PURPOSES.items():
         listed = open_predicates(rulebook, stage)
-        if listed:
-            yield f"## {stage}: {purpose}\n"
+        if not listed:
+            continue
+        yield f"## {stage}: {purpose}\n\n```text"
         for each in listed:
-            derive = " Packs derive it." if each.extensible else ""
-            yield f"- `{each.written}`: {' '.join(each.words.split())}{derive}"
-        yield ""
+            yield f"{each.written}{'  (packs derive it)' if each.extensible else ''}"
+            yield textwrap.fill(
+                " ".join(each.words.split()), 112, initial_indent="    ", subsequent_indent="    "
+            )
+        yield "```\n"
 
 
 def _stage(stage: str) -> Iterator[str]:

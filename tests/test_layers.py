@@ -39,7 +39,7 @@ FILES = {
     "asp/slice": "magic reach shapes linked seen portions",
     "asp/trace": (
         "firings scope sentences tree absence_text counted counting_rules given heights "
-        "literal_order patterns premise_order dominators firing_rules text document failed_value "
+        "literal_order patterns premise_order dominators firing_rules text document "
         "near_misses conflicts proofs explainer absence"
     ),
     "model": (
@@ -66,14 +66,15 @@ FILES = {
     ),
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
-        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index parts motion"
+        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index parts motion "
+        "descriptions"
     ),
     "reasoning/synthesis": (
-        "carried_modes derived draft exclusion inheritance_nodes control_lines "
+        "carried_modes line_inputs derived draft exclusion inheritance_nodes control_lines "
         "data_lines specify synthesise"
     ),
     "reasoning/questions": (
-        "sharing account capability needs subject stated asked alternatives annotation_edits "
+        "unrealised sharing account capability needs subject stated asked alternatives annotation_edits "
         "changes behind evidence islands sayings counted preceding vicinity blame edits explain "
         "diff failed_value near_miss repair fix why_not absences without"
     ),
@@ -110,7 +111,7 @@ FILES = {
     "cli": (
         "deliver encode layout arguments again lines account live watch pace progress outputs "
         "report extract limits settings trace_document schemas worker reason perform ignores "
-        "baseline selection results github sarif_fixes sarif publish alternatives analyse can "
+        "baseline selection results folding github sarif_fixes sarif publish alternatives analyse can "
         "completion draw export facts fmt import winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "

@@ -137,7 +137,7 @@ class Program:
 
     @cached_property
     def externals(self) -> tuple[External, ...]:
-        """Return the statements that say which atoms are given from outside."""
+        """Return the `#external` statements."""
         return tuple(each for file in self.files for each in externals_of(file.written, file.shown))
 
     def solve(
@@ -161,7 +161,7 @@ class Program:
             Unsatisfiable: there is no answer.
         """
         program = self.with_parts(parts)
-        defined, given = _definitions(constants or {}), _externals(externals or {}, self._path)
+        defined, given = _definitions(constants or {}), _externals(externals or {}, self._file_path)
         grounding = Grounding((), options=defined)
         stated = program._stated
         marked = (e.fragment(_EXTERNAL, at) for at, e in enumerate(program.externals))
@@ -171,13 +171,13 @@ class Program:
         except UnsatisfiableError:
             resolution = None
         except TooCostlyError as error:
-            place = point(self._path, 1, 1)
+            place = point(self._file_path, 1, 1)
             advice = "clingo adds up costs in 32 bits: make the weights smaller"
             found = Diagnostic("costs", "error", str(error), place, help=advice)
             raise MarsError((found,)) from None
-        _check_externals(given, grounding.externals, self._path)
+        _check_externals(given, grounding.externals, self._file_path)
         if resolution is None or not resolution.answer.exists:
-            place = point(self._path, 1, 1)
+            place = point(self._file_path, 1, 1)
             message = "the program has no answer"
             advice = "`why_unsatisfiable` names rules that exclude every answer together"
             found = Diagnostic("unsatisfiable", "error", message, place, help=advice)
@@ -201,14 +201,14 @@ class Program:
         Raises:
             MarsError: clingo refuses the program, or there is no such part or external.
         """
-        given = _externals(externals or {}, self._path)
+        given = _externals(externals or {}, self._file_path)
         search = self.with_parts(parts).conflicts(_definitions(constants or {}), given)
         return search.minimal(limit)
 
     def conflicts(
         self, defined: Sequence[str], externals: Mapping[clingo.Symbol, bool | None]
     ) -> ConflictSearch:
-        """Return the search for conflicts, for options of clingo and the values of externals."""
+        """Return the search for conflicts with options of clingo and values of externals."""
         rest = "\n".join(without_rules(file.text) for file in self.files)
         return ConflictSearch(self.rulebook.rules, rest, self.externals, externals, defined)
 
@@ -234,7 +234,10 @@ class Program:
                 or (symbol.name, len(symbol.arguments)) not in signatures
             ):
                 names = " and ".join(f"`{each}`" for each in known)
-                message, place = f"`{part}` is not a part of the program", point(self._path, 1, 1)
+                message, place = (
+                    f"`{part}` is not a part of the program",
+                    point(self._file_path, 1, 1),
+                )
                 advice = f"it has {names}; give values for parameters"
                 raise MarsError((Diagnostic("part", "error", message, place, help=advice),))
         if known == [BASE_PART] and found:
@@ -248,7 +251,7 @@ class Program:
         return replace(self, files=files, source=self)
 
     @property
-    def _path(self) -> str:
+    def _file_path(self) -> str:
         return self.files[0].shown if self.files else "program"
 
     def line_at(self, span: Span) -> str:
@@ -350,7 +353,7 @@ class Reason:
             )
         )
         if self.extra is not None:
-            lines.append(f"  with it, an answer {_price(self.extra)}")
+            lines.append(f"  with it, an answer {_extra_cost_text(self.extra)}")
         if self.against is not None:
             lines += ["  no answer has it:", *conflict_lines(self.against, 1, width)]
         return "\n".join(lines)
@@ -435,7 +438,7 @@ class Answer:
         symbol = symbol_in(atom)
         if symbol not in self.atoms or symbol is None:
             message = f"`{atom}` does not hold" if symbol else f"`{atom}` is not an atom"
-            found = Diagnostic("atom", "error", message, point(self._path, 1, 1))
+            found = Diagnostic("atom", "error", message, point(self._file_path, 1, 1))
             raise NotDerived((found,))
         trace = self._explainer.why([symbol], every)[symbol]
         return Reason(str(symbol), trace, self._line_at, chosen=self._choice)
@@ -450,7 +453,7 @@ class Answer:
         matching = [] if pattern is None else [each for each in self.atoms if fits(pattern, each)]
         if pattern is None or matching:
             message = f"`{atom}` is not an atom" if pattern is None else f"`{matching[0]}` holds"
-            found = Diagnostic("atom", "error", message, point(self._path, 1, 1))
+            found = Diagnostic("atom", "error", message, point(self._file_path, 1, 1))
             raise NotDerived((found,))
         trace = why_not(self._explainer, pattern, depth)
         extra, against = self._forced(pattern)
@@ -511,8 +514,8 @@ class Answer:
         }
 
     @property
-    def _path(self) -> str:
-        return self.program._path
+    def _file_path(self) -> str:
+        return self.program._file_path
 
     def _line_at(self, span: Span) -> str:
         return self.program.line_at(span)
@@ -546,7 +549,7 @@ def _states(rule: Rule) -> bool:
     return all(s.forces and not s.literals[1:] and not s.written[1:] for s in rule.statements)
 
 
-def _price(extra: Mapping[int, int]) -> str:
+def _extra_cost_text(extra: Mapping[int, int]) -> str:
     """Return what an answer with an atom would cost beyond the cheapest, at every level."""
     if not extra:
         return "is as good: nothing is minimised"

@@ -58,7 +58,7 @@ def _written(unit: str, power: int) -> dict[str, int]:
     return {**known, "min": 60 * known["s"]} if "s" in known else known
 
 
-def _shown(unit: str, power: int) -> tuple[int, str]:
+def _scaled_unit(unit: str, power: int) -> tuple[int, str]:
     """Return the unit that is shown for a sort: without a prefix where it is not very small."""
     if power >= 0:
         return 1, f" {_SIGNS[power]}{unit}"
@@ -74,7 +74,7 @@ def usual(units: Mapping[str, int]) -> tuple[str, ...]:
 
 #: By the name of a sort, how many of it are one of the unit that is shown, and that unit.
 UNITS: Mapping[str, tuple[int, str]] = {
-    **{sort: _shown(unit, power) for sort, unit, power in _SORTS},
+    **{sort: _scaled_unit(unit, power) for sort, unit, power in _SORTS},
     "micrometres": (1_000, " mm"),
     "millionths": (10_000, " %"),
     "instant": (1_000, " s"),

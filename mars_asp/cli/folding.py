@@ -32,7 +32,7 @@ def fold(
         folds = name is not None and found not in suggested
         key = _texts(found, name) if folds and name is not None else number
         alike.setdefault(key, []).append((name or "", found))
-    return [_named(same) for same in alike.values()]
+    return [_name_instances(same) for same in alike.values()]
 
 
 def instances_of(configuration: Configuration) -> Mapping[str, str]:
@@ -71,16 +71,16 @@ def _texts(found: Diagnostic, name: str) -> object:
     return found.code, found.severity, found.span, tuple(at for at, _ in found.labels), plain
 
 
-def _named(same: Sequence[tuple[str, Diagnostic]]) -> Diagnostic:
+def _name_instances(same: Sequence[tuple[str, Diagnostic]]) -> Diagnostic:
     """Return one finding for several that differ in the name of an instance."""
     if len(same) == 1:
         return same[0][1]
     names = sorted({name for name, _ in same}, key=natural_order)
     first = next(found for name, found in same if name == names[0])
-    return replace(first, message=f"{first.message}, in {_listed(names)}")
+    return replace(first, message=f"{first.message}, in {_instance_list(names)}")
 
 
-def _listed(names: Iterable[str]) -> str:
+def _instance_list(names: Iterable[str]) -> str:
     shown = [f"`{name}`" for name in names]
     if len(shown) > _MOST_NAMED:
         shown = [*shown[:_NAMED], f"{len(shown) - _NAMED} more"]

@@ -18,7 +18,7 @@ _CONTINUED = re.compile(r"%\+(.*?)[ \t\r]*$")
 #: A value that is left open, or a string, in which nothing is.
 ANYTHING = re.compile(r'("(?:[^"\\]|\\.)*")|(?<![A-Za-z0-9_\'])_(?![A-Za-z0-9_\'])')
 _CODE = "case"
-#: Stands for any value.
+#: Represents any value.
 ANY = clingo.Function("_any")
 
 

@@ -262,7 +262,7 @@ def rewritten(
     """Return a text of cases in which what was found is what is expected.
 
     Facts stay as they are, and so does what a case has or has not whatever else there is: `%has:`
-    and `%not:`. A case without expectations is given what there is of the patterns that are a
+    and `%not:`. A case without expectations is given the atoms of the patterns that are a
     pack's `own`; an exact answer set if there are none.
     """
     lines = text.split("\n")
@@ -313,7 +313,7 @@ def _edits(
 
 
 def _closed(answer: Answer, own: Sequence[str], shows: bool) -> Iterator[str]:
-    """Yield lines for what is compared of a pack's own: all there is, or that there is none.
+    """Yield lines for the compared patterns of a pack: all their atoms, or that there are none.
 
     Whether there is none is known of findings, unless the case shows predicates itself.
     """
@@ -323,12 +323,8 @@ def _closed(answer: Answer, own: Sequence[str], shows: bool) -> Iterator[str]:
         found = [each for each in compared if _same_sort(wanted, each)]
         if found:
             yield from _written("%only:", _shown(found))
-        elif not shows and _is_kind(wanted):
+        elif not shows and wanted.arguments and wanted.arguments[0] != ANY:
             yield f"%not: {pattern}"
-
-
-def _is_kind(pattern: clingo.Symbol) -> bool:
-    return bool(pattern.arguments) and pattern.arguments[0] != ANY
 
 
 def _in_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:

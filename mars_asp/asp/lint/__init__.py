@@ -49,7 +49,7 @@ class Host:
     the sorts of which there are many values, `unbounded` the positions from 0 of numbers that users
     state. `kinds` says of a sort of which argument it has all values that rules give. `exists` is
     whether the example of a rule is there. In `demanding` stages constraints belong, in `choosing`
-    ones also such as are over what is chosen. `placing` are, by the predicate that introduces a
+    ones also those over chosen atoms. `placing` are, by the predicate that introduces a
     thing, those that give it a place.
     """
 

@@ -22,7 +22,7 @@ def out_of_place(
     demanding: Set[str],
     decided: Mapping[str, Set[Signature]],
 ) -> Iterator[Found]:
-    """Yield what is wrong with a rule by itself; without `demanding` stages no constraint is."""
+    """Yield the faults of a rule by itself; no constraint is one without `demanding` stages."""
     yield from words_as_numbers(clause, known)
     yield from silent(clause, reported)
     if demanding:
@@ -46,7 +46,7 @@ def words_as_numbers(clause: Clause, known: Known) -> Iterator[Found]:
             sides = {">": (each.left, each.right), "<": (each.right, each.left)}
             one, other = sides.get(each.sign[0], (None, None))
             name = name_of(one) if one is not None else None
-            words = _words(environment.get(name)) if name is not None else set()
+            words = _word_values(environment.get(name)) if name is not None else set()
             words = {word for word in words if (name, word) not in denied}
             if other is not None and words and _is_number(known.of(other, environment)):
                 word = min(words)
@@ -55,7 +55,7 @@ def words_as_numbers(clause: Clause, known: Known) -> Iterator[Found]:
                 yield found(NONE, message, clause.place(each.node), clause.rule, advice)
 
 
-def _words(values: Values) -> set[str]:
+def _word_values(values: Values) -> set[str]:
     is_measured = any(each.form == "number" for each in values or ())
     return {each.text for each in values or () if is_measured and each.text in _WORDS}
 
@@ -113,7 +113,7 @@ def unplaced(
     is the first argument of each.
     """
     placed = {
-        (head.signature.unsigned, _form(head.terms[0]))
+        (head.signature.unsigned, _node_form(head.terms[0]))
         for clause in clauses
         for head, _ in clause.heads
         if head.terms
@@ -122,14 +122,14 @@ def unplaced(
         clause = clauses[number]
         for head, _ in clause.heads:
             by = placing.get(head.signature.unsigned)
-            form = _form(head.terms[0]) if by else None
+            form = _node_form(head.terms[0]) if by else None
             if by and form and not any((each, at) in placed for each in by for at in (form, None)):
                 message = f"no rule places `{head.terms[0]!s}`"
                 advice = f"derive {' or '.join(f'`{each}`' for each in sorted(by))} for it"
                 yield found(UNPLACED, message, clause.place(head.node), clause.rule, advice)
 
 
-def _form(term: Node) -> tuple[str, int] | None:
+def _node_form(term: Node) -> tuple[str, int] | None:
     """Return the function or constant that a term is; None if it may be any."""
     if term.ast_type is Kind.Function:
         return term.name, len(term.arguments)

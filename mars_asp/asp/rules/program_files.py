@@ -14,7 +14,7 @@ import clingo
 from mars_asp.asp.fragments import blank
 from mars_asp.asp.rules.gate import Include, included, read_text
 from mars_asp.asp.rules.read import RuleFile, read_rules
-from mars_asp.asp.rules.statements import Part, Piece, Place, part_of, with_constants
+from mars_asp.asp.rules.statements import Piece, Place, ProgramPart, part_of, with_constants
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 _MOST_FILES, _MOST_DEPTH = 1_000, 100
@@ -22,7 +22,7 @@ _MOST_FILES, _MOST_DEPTH = 1_000, 100
 _GLOBAL = ("constant", "declaration", "shown")
 
 
-BASE_PART = Part("base")
+BASE_PART = ProgramPart("base")
 
 
 class ProgramReader:
@@ -38,15 +38,15 @@ class ProgramReader:
         """Read a file."""
         if Path(path).resolve() not in self._seen:
             try:
-                self._read(read_text(Path(path), str(path)), str(path), BASE_PART, ())
+                self._read_part(read_text(Path(path), str(path)), str(path), BASE_PART, ())
             except MarsError as error:
                 self._problems += error.diagnostics
 
     def read_text(self, text: str, path: str) -> None:
         """Read a text as if it were that of a file."""
-        self._read(text, path, BASE_PART, ())
+        self._read_part(text, path, BASE_PART, ())
 
-    def _read(self, text: str, shown: str, part: Part, above: tuple[Path, ...]) -> None:
+    def _read_part(self, text: str, shown: str, part: ProgramPart, above: tuple[Path, ...]) -> None:
         path = Path(shown).resolve()
         self._seen.add(path)
         text, includes, problems = included(text, shown)
@@ -58,18 +58,20 @@ class ProgramReader:
             return
         at = len(self.files)
         self.files.append(file)
-        begins: list[tuple[Place, Part]] = [((1, 0), part)]
+        begins: list[tuple[Place, ProgramPart]] = [((1, 0), part)]
         starts = [piece for piece in file.written if piece.sort == "begin" and piece.text]
         events: list[Piece | Include] = [*starts, *includes]
         for each in sorted(events, key=lambda each: each.begin):
             if isinstance(each, Piece):
-                part = Part(*part_of(each.text))
+                part = ProgramPart(*part_of(each.text))
             elif self._include(each, shown, part, (*above, path)):
                 part = BASE_PART
             begins.append((each.begin, part))
         self.files[at] = file._replace(begins=tuple(begins))
 
-    def _include(self, include: Include, shown: str, part: Part, above: tuple[Path, ...]) -> bool:
+    def _include(
+        self, include: Include, shown: str, part: ProgramPart, above: tuple[Path, ...]
+    ) -> bool:
         """Read an included file; return whether it is new."""
         written = str(Path(shown).parent / include.path)
         path = Path(written).resolve()
@@ -92,11 +94,11 @@ class ProgramReader:
             for each in error.diagnostics:
                 self._problems.append(replace(each, code="rules-include", span=place))
             return False
-        self._read(text, written, part, above)
+        self._read_part(text, written, part, above)
         return True
 
 
-def parts_of(files: Sequence[RuleFile]) -> list[Part]:
+def parts_of(files: Sequence[RuleFile]) -> list[ProgramPart]:
     """Return the parts that files begin, each once."""
     found = dict.fromkeys(part for file in files for _, part in file.begins)
     return list(dict.fromkeys((BASE_PART, *found)))

@@ -29,9 +29,9 @@ from mars_asp.asp.rules.gate import check_text, gate_text
 from mars_asp.asp.rules.metadata import file_name, repeated_ids, rules_of, wrong_holes
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
-    Part,
     Piece,
     Place,
+    ProgramPart,
     RuleSyntaxError,
     costs,
     defined,
@@ -55,7 +55,7 @@ class RuleFile(NamedTuple):
     rules: tuple[Rule, ...]
     docstrings: tuple[Docstring, ...] = ()
     #: The parts of a caller's own program, each with the place where it begins.
-    begins: tuple[tuple[Place, Part], ...] = ()
+    begins: tuple[tuple[Place, ProgramPart], ...] = ()
 
     @property
     def documented(self) -> Documented:

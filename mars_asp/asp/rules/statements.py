@@ -293,7 +293,7 @@ class Piece(NamedTuple):
     end: Place
 
 
-class Part(NamedTuple):
+class ProgramPart(NamedTuple):
     """A part of a program, by its name and parameters."""
 
     name: str

@@ -188,7 +188,7 @@ class ConflictSearch:
                     seen.add(below)
                     waiting.append(below)
         written = sorted(
-            (self._written(each) for each in found[:limit]),
+            (self._conflict_of(each) for each in found[:limit]),
             key=lambda each: (len(each), [(one.span, one.text) for one in each]),
         )
         return Conflicts(tuple(written), not waiting and len(found) <= limit)
@@ -226,7 +226,7 @@ class ConflictSearch:
         with self._control.solve(assumptions=list(assumptions), yield_=True) as handle:
             return None if handle.get().satisfiable else list(handle.core())
 
-    def _written(self, conflict: frozenset[int]) -> Conflict:
+    def _conflict_of(self, conflict: frozenset[int]) -> Conflict:
         found = {(each.span, each.text): each for each in map(self._instance, conflict)}
         return tuple(found[key] for key in sorted(found))
 

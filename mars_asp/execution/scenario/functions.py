@@ -179,14 +179,14 @@ def entries(plan: Plan, name: str) -> tuple[Entry, ...] | None:
     return tuple(
         Entry(
             " or ".join(dict.fromkeys(plan.origin_of(link) for link in slot.links)),
-            _parameter(plan, name, slot),
+            _parameter_name(plan, name, slot),
             slot.place,
         )
         for slot in slots
     )
 
 
-def _parameter(plan: Plan, name: str, slot: Slot) -> str | None:
+def _parameter_name(plan: Plan, name: str, slot: Slot) -> str | None:
     """Return how the parameter that an input feeds is called: not `NAME#2`."""
     if slot.name is None or name not in plan.modules:
         return slot.name

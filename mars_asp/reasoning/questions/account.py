@@ -282,7 +282,12 @@ def told(
         parts = found.setdefault(key, {})
         parts.setdefault(word(part), []).append(each)
     forced: dict[TermId, Said] = {}
-    for each in sorted(said(grounding.control, _DECIDING, deciding), key=_first):
+    by_rule = sorted(
+        said(grounding.control, _DECIDING, deciding),
+        # The messages of one pack's node are in the order of their words.
+        key=lambda each: (each.number, text(each.values) if _inserts(each) else ""),
+    )
+    for each in by_rule:
         forced.setdefault(arguments(each.head)[0] if _inserts(each) else each.head, each)
     accounts = {key: _account(parts, names) for key, parts in found.items()}
     return Told(
@@ -294,11 +299,6 @@ def told(
 
 def _inserts(each: Said) -> bool:
     return INSERTED in each.rule.heads
-
-
-def _first(each: Said) -> tuple[int, str]:
-    """Return the order of what decides; of one node of a pack also by the words."""
-    return each.number, text(each.values) if _inserts(each) else ""
 
 
 def _account(parts: Mapping[str, Sequence[Said]], names: Names) -> Account:
@@ -404,7 +404,9 @@ def _told(
     if isinstance(thing, Node):
         because = found.sentences.get(key[1])
         if because is not None:
-            notes = (_as_sentence(account.answer), *account.notes) if account.answer else ()
+            answer = account.answer or ""
+            sentence = f"{answer[:1].upper()}{answer[1:].rstrip('.')}."
+            notes = (sentence, *account.notes) if answer else ()
             account = replace(account, answer=because, notes=notes)
         return account, found.rules.get(key[1])
     if account.answer and account.cites:
@@ -415,10 +417,6 @@ def _told(
         spans = sorted(set(map(names.place, things))) or [names.configuration]
     cites = account.cites or tuple(Cited(span, names.where(span), "") for span in spans)
     return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
-
-
-def _as_sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:].rstrip('.')}."
 
 
 def _concerned(evidence: Evidence) -> Mapping[Key, Sequence[TermId]]:

@@ -28,7 +28,7 @@ _NEEDS = {
 _TURNED = {">": "<", "<": ">", ">=": "<=", "<=": ">=", "=": "=", "!=": "!="}
 
 
-class _Side(NamedTuple):
+class _ComparedValue(NamedTuple):
     """One side of a comparison: its value, its name in words, and the sort of the value."""
 
     value: clingo.Symbol
@@ -45,7 +45,7 @@ def failed_value(
     """
     sides = _Sides(attempt, declared, known)
     bound = _BOUND.match(attempt.fails or "")
-    first: _Side | None
+    first: _ComparedValue | None
     if bound is not None and attempt.value is not None:
         first, sign = sides.aggregate(attempt.value, bound), _TURNED[bound[2]]
         second = sides.side(bound[1])
@@ -60,7 +60,7 @@ def failed_value(
         first, sign, second = second, _TURNED[sign], first
     if first.name is None:
         return None
-    value, needed = _written(first, second)
+    value, needed = _value_texts(first, second)
     other = f", its {second.name}" if second.name is not None else ""
     return f"{first.name} is {value}; the rule needs {_NEEDS[sign].format(needed)}{other}"
 
@@ -73,29 +73,31 @@ class _Sides:
     ) -> None:
         self._attempt, self._declared, self._known = attempt, declared, known
 
-    def side(self, text: str) -> _Side | None:
+    def side(self, text: str) -> _ComparedValue | None:
         """Return a variable that a premise or an aggregate binds, or a value that is written."""
         value = self._attempt.bindings.get(text)
         if value is None:
             try:
-                return _Side(clingo.parse_term(text), None, None)
+                return _ComparedValue(clingo.parse_term(text), None, None)
             except RuntimeError:
                 return None
         for literal, place in self._reading(text):
             sort = self._sort(literal, place)
             name = f"`{plain(literal.signature.name)}`"
-            return _Side(value, f"{name}{self._of(literal, place)}", sort)
+            return _ComparedValue(value, f"{name}{self._owner_phrase(literal, place)}", sort)
         assigned = re.search(
             rf"(?<![\w']){re.escape(text)} = #(sum|count|min|max)\+? \{{ ([^,:; ]+)",
             self._attempt.rule.written[1],
         )
         if assigned is None:
             return None
-        return _Side(value, f"the {_AGGREGATES[assigned[1]]}", self._unit(assigned[1], assigned[2]))
+        return _ComparedValue(
+            value, f"the {_AGGREGATES[assigned[1]]}", self._unit(assigned[1], assigned[2])
+        )
 
-    def aggregate(self, value: clingo.Symbol, bound: re.Match[str]) -> _Side:
+    def aggregate(self, value: clingo.Symbol, bound: re.Match[str]) -> _ComparedValue:
         """Return an aggregate with its value."""
-        return _Side(value, f"the {_AGGREGATES[bound[3]]}", self._unit(bound[3], bound[4]))
+        return _ComparedValue(value, f"the {_AGGREGATES[bound[3]]}", self._unit(bound[3], bound[4]))
 
     def _unit(self, function: str, term: str) -> str | None:
         found = self._reading(term, everywhere=True) if function != "count" else iter(())
@@ -118,14 +120,14 @@ class _Sides:
         sorts = () if declared is None else declared.arguments[place].sorts
         return next((sort for sort in sorts if sort in UNITS), None)
 
-    def _of(self, literal: Literal, place: int) -> str:
+    def _owner_phrase(self, literal: Literal, place: int) -> str:
         thing = self._attempt.bindings.get(literal.terms[0].text) if place else None
         if thing is None or thing.type != clingo.SymbolType.String or thing.string in self._known:
             return ""
         return f" of `{thing.string}`"
 
 
-def _written(first: _Side, second: _Side) -> tuple[str, ...]:
+def _value_texts(first: _ComparedValue, second: _ComparedValue) -> tuple[str, ...]:
     sort, values = first.sort or second.sort, (first.value, second.value)
     if sort is not None and all(each.type == clingo.SymbolType.Number for each in values):
         return measured_alike([each.number for each in values], sort)
