@@ -66,16 +66,16 @@ FILES = {
     ),
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
-        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index parts motion "
-        "descriptions"
+        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index parts "
+        "motion descriptions"
     ),
     "reasoning/synthesis": (
         "carried_modes line_inputs derived draft exclusion inheritance_nodes control_lines "
         "data_lines specify synthesise"
     ),
     "reasoning/questions": (
-        "unrealised sharing account capability needs subject stated asked alternatives annotation_edits "
-        "changes behind evidence islands sayings counted preceding vicinity blame edits explain "
+        "unrealised sharing account capability needs subject stated asked alternatives "
+        "annotation_edits changes behind evidence islands sayings counted preceding vicinity blame edits explain "
         "diff failed_value near_miss repair fix why_not absences without"
     ),
     "exchange": (
@@ -111,8 +111,8 @@ FILES = {
     "cli": (
         "deliver encode layout arguments again lines account live watch pace progress outputs "
         "report extract limits settings trace_document schemas worker reason perform ignores "
-        "baseline selection results folding github sarif_fixes sarif publish alternatives analyse can "
-        "completion draw export facts fmt import winners run_report run_json run_text run "
+        "baseline selection results folding github sarif_fixes sarif publish alternatives "
+        "analyse can completion draw export facts fmt import winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
         "rules_document rules_new rules_diff rules repair check lsp_files lsp_rules "

@@ -83,12 +83,13 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
 
 
 def uncited(text: str, path: str = "config.mars") -> Iterator[str]:
-    """Yield the lines without which a sentence disappears, and that are not cited for it.
+    """Yield the lines without which a finding changes, and that are not cited for it.
 
-    Headings and blocks are left out, and so are vertices: where they are only a computation shows.
+    Headings, blocks and vertices are left out: only a computation shows the effect of a vertex. So
+    are nodes, whose mounts and motions are cited with the InheritanceNode.
     """
     lines = text.splitlines(keepends=True)
-    before = _said(text, path)
+    before = [each for each in _said(text, path) if not re.match(_NUMBERED, each[0])]
     for at, line in enumerate(lines):
         if not _STATES.match(line) or all(at in cited for _, cited in before):
             continue

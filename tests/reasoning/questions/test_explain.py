@@ -48,9 +48,9 @@ def test_where_nothing_realises_the_configuration(tmp_path: Path) -> None:
     (tmp_path / "c.mars").write_text(IMPOSSIBLE)
 
     assert "data_divergence(E)" in run("mars-asp explain c.mars A --only consequences", tmp_path)
-    assert run("mars-asp explain c.mars --only nodes", tmp_path).split() == (
-        "no specification realises this configuration, so there is no node to explain".split()
-    )
+    answer = run("mars-asp explain c.mars --only nodes", tmp_path)
+    assert answer.lstrip().startswith("no specification realises this configuration:")
+    assert "so there is no node to explain" in " ".join(answer.split())
     refused = run("mars-asp explain c.mars A --only nodes", tmp_path)
     assert "no node resolves what concerns `A`: no specification" in refused
     refused = run("mars-asp explain c.mars F --only consequences", tmp_path)
