@@ -75,7 +75,8 @@ FILES = {
     ),
     "reasoning/questions": (
         "unrealised sharing account capability needs subject stated asked alternatives "
-        "annotation_edits changes behind evidence islands sayings counted preceding vicinity blame edits explain "
+        "annotation_edits changes "
+        "behind evidence islands sayings counted preceding vicinity blame edits explain "
         "diff failed_value near_miss repair fix why_not absences without"
     ),
     "exchange": (
@@ -112,7 +113,8 @@ FILES = {
         "deliver encode layout arguments again lines account live watch pace progress outputs "
         "report extract limits settings trace_document schemas worker reason perform ignores "
         "baseline selection results folding github sarif_fixes sarif publish alternatives "
-        "analyse can completion draw export facts fmt import winners run_report run_json run_text run "
+        "analyse can "
+        "completion draw export facts fmt import winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
         "rules_document rules_new rules_diff rules repair check lsp_files lsp_rules "
