@@ -268,7 +268,8 @@ def grab() -> Image: ...
 def look() -> Pose: ...
 # @module_end
 """
-    (folder / "a.mars").write_text(ROBOT.replace("@modules", "@sources camera.py\n@modules"))
+    robot = ROBOT.replace("@modules", "@sources camera.py\n@modules")
+    (folder / "a.mars").write_text(robot.replace("_from Camera", "_from Camera.grab"))
     (folder / "camera.py").write_text(source.format(""))
     run_here(["analyse", "a.mars", "--format", "json"])
     listed = json.loads(capsys.readouterr().out)["consequences"]
