@@ -251,6 +251,7 @@ def test_a_clean_pack_is_taken_and_lint_tells_what_else_is_noteworthy(tmp_path: 
         "% größer\n#const most = 1.\n#defined team/2.\n#show odd/1.\n"
         'odd(M) :- module(M), not team(M, "größer"), 1 + 1 > most.\n'
         "-odd(M) :- team(M, _).\n"
+        "%! id: mine/odd\n%! because: `{M}` is odd\n"
         "consequence(K, note, M, 1..2) :- odd(M), K = (odd; even).\n"
     )
     assert lint([path]).diagnostics == ()
