@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 MOST = 3
 #: Equal names count 1; each part of a namespace that two modules do not share counts this less.
 _APART = 0.25
+#: A whole word counts as much as this many letters, so that a few letters of others weigh less.
+_OF_WORD = 4
 #: A feature of more than one in so many names is stored for all.
 _MANY = 16
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W_A-Za-z0-9]+")
@@ -193,7 +195,7 @@ def _namespace(module: str) -> tuple[str, ...]:
 def _features(name: str) -> Counter[str]:
     """Return the words, letters and pairs of letters of a name."""
     words = [word.lower() for word in _WORD.findall(name)]
-    found = Counter(f"{word} " for word in words)
+    found = Counter({f"{word} ": _OF_WORD * count for word, count in Counter(words).items()})
     for word in words:
         found.update(word)
         found.update(f"{one}{two}" for one, two in pairwise(f"^{word}$"))

@@ -30,7 +30,7 @@ def ports(random: Random, many: int, first: int) -> list[Port]:
 def features(name: str) -> Counter[str]:
     words = name.split("_")
     pairs = [f"^{word}$"[at : at + 2] for word in words for at in range(len(word) + 1)]
-    return Counter([*(f"{word} " for word in words), *"".join(words), *pairs])
+    return Counter([*(f"{word} " for word in words * 4), *"".join(words), *pairs])
 
 
 def one_by_one(entry: Port, outputs: list[Port], free: list[Port]) -> list[Port]:
@@ -76,3 +76,13 @@ def test_the_nearest_of_all_free_outputs_are_found(seed: int) -> None:
         assert rank == len(found[entry])
         found[entry].append(output)
     assert found == {entry: one_by_one(entry, outputs, free) for entry in inputs}
+
+
+def test_common_words_count_more_than_letters_of_others() -> None:
+    """`bias` and `compass` have `as` and `s` at the end in common, which brings them no nearer."""
+    entry = Port(0, 0, HERE, "M", "imu/data_compass", "A")
+    outputs = [
+        Port(n, 0, HERE, "N", name, "A") for n, name in ((1, "imu/data/bias"), (2, "imu/data"))
+    ]
+    found = [output.port for _, output, _ in nearest([entry], outputs, frozenset(outputs))]
+    assert found == ["imu/data", "imu/data/bias"]
