@@ -134,7 +134,7 @@ def specification_of(atoms: Sequence[clingo.Symbol], project: Project) -> Config
     for line, client, source in sorted(rows.get("spec_uses_data_from", ())):
         mode = mode_of(modes[line]) if line in modes else None
         hz = Fraction(rates[line].number, 1000) if line in rates else None
-        port = entries[line].string.partition(".")[2] if line in entries else None
+        port = entries[line].string.partition(".")[2].strip('"') if line in entries else None
         lines.append(Data(named[client.string], named[source.string], span, mode, hz, port))
     for line, controlled, controller in sorted(rows.get("spec_is_controlled_by", ())):
         lines.append(
