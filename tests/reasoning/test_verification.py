@@ -398,7 +398,8 @@ def test_a_client_that_its_source_reaches_is_not_fed_through_an_abstract_transfo
     assert verify(specification, project, RULEBOOK) == ()
     (violation,) = verify(parsed(BRIDGED.format(comment=comment)), project, RULEBOOK)
     assert violation.clause == 3
-    assert violation.rule.id == "verify/delivery/abstract"
+    # The line means the input for `RepA`, so `RepD` is none that it takes.
+    assert violation.rule.id == "verify/delivery/representation"
 
 
 FLAT = """
