@@ -61,6 +61,17 @@ def able_to_fire(rulebook: Rulebook, absent: Set[str]) -> Rulebook:
     return Rulebook(base, _texts(base), documented=rulebook.documented)
 
 
+def still_read(rulebook: Rulebook, read: Set[Signature]) -> Rulebook:
+    """Return the rules that derive what is read, however indirectly, and those without a head."""
+    needed: frozenset[Signature] = frozenset(read)
+    kept: Sequence[Rule] = ()
+    while True:
+        found = [r for r in rulebook.rules if not r.heads or not needed.isdisjoint(r.heads)]
+        if len(found) == len(kept):
+            return Rulebook(tuple(found), _texts(found), documented=rulebook.documented)
+        kept, needed = found, needed.union(*(rule.reads for rule in found))
+
+
 def portion_reads(portion: Portion) -> frozenset[Signature]:
     """Return what the rules of a portion read and do not derive."""
     return portion.of_all.union(portion.of_parts)

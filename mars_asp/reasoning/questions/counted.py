@@ -21,7 +21,7 @@ from mars_asp.asp.solve.optimum import Optimum
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, labelled
 from mars_asp.model.declarations import Control, Data, Mount, Relationship
 from mars_asp.reasoning.facts.parts import Parts
-from mars_asp.reasoning.questions.behind import able_to_fire, names_read, portion_reads
+from mars_asp.reasoning.questions.behind import able_to_fire, names_read, portion_reads, still_read
 from mars_asp.reasoning.questions.islands import Forms, Island, Map
 from mars_asp.reasoning.questions.sayings import Reading, differences, grounded
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, costs_of
@@ -84,7 +84,9 @@ class Counter:
         self._told, self._counting, self._counted = told, counting, counted
         self._deadline = deadline
         self._optima: dict[Component, Optimum] = {}
-        self._base = able_to_fire(base, told.parts.absent(names_read(base)))
+        able = able_to_fire(base, told.parts.absent(names_read(base)))
+        # What is read only by rules that cannot fire makes no difference.
+        self._base = still_read(able, portion_reads(counting))
         read = names_read(self._base) | {each.name for each in portion_reads(counting)}
         self.wanted = told.parts.given(read)
         self.relating = _kinds(self.wanted)

@@ -187,7 +187,7 @@ class Forms:
 
     def form(self, island: Island) -> Hashable:
         """Return what is told of an island but for names and identifiers; alike ones are equal."""
-        if self._parts.has_muxes:
+        if self._parts.has_muxes or self._takes_turns(island):
             return island
         leaves, inner = self._map.leaves(island)
         beside: dict[str, list[int]] = {}
@@ -203,6 +203,13 @@ class Forms:
             for module in self._ends[number]:
                 kinds.setdefault(module, self._kind[module])
         return self._arranged(*self._canonical(kinds, inner), kinds)
+
+    def _takes_turns(self, island: Island) -> bool:
+        """Whether the order of lines may say which input of their client they mean."""
+        if not self._parts.has_ports:
+            return False
+        clients = [self._ends[number][0] for number in island.lines]
+        return len(set(clients)) < len(clients)
 
     def _arranged(
         self, modules: Sequence[str], lines: Sequence[int], kinds: Mapping[str, int]
