@@ -1,8 +1,8 @@
 """How many nodes islands of a configuration need, counted once of those that are alike.
 
 The rules keep islands apart, so an island has as many nodes as one that is alike. Only where
-several answers are optimal names choose one of them: then islands are counted once whose names
-compare alike, too.
+several answers are optimal do names choose one of them: then islands are counted once if their
+names also compare alike.
 """
 
 from collections.abc import Iterable, Mapping, Sequence, Set

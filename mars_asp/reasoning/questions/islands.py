@@ -170,7 +170,7 @@ class Forms:
         self._leaf.clear()
 
     def sayings(self, island: Island) -> list[Saying]:
-        """Return what the leaves of an island say, in their order."""
+        """Return the sayings of the leaves of an island, in their order."""
         kind, said = self._kind, self._saying
         return [
             (kind[leaf], said[number], kind[other], is_left)
