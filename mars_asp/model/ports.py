@@ -9,6 +9,7 @@ name and representation that several functions take is one input. Any other name
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from itertools import count
 from typing import NamedTuple
 
 from mars_asp.model.declarations import Module, Service
@@ -76,6 +77,12 @@ def input_position(port: str) -> int | None:
     """Return the position that a name such as `input2` states, or None if it is none."""
     found = _POSITIONAL.fullmatch(port)
     return None if found is None else int(found[1])
+
+
+def free_positions(ports: Iterable[str | None]) -> Iterator[int]:
+    """Yield the positions, from 1, of lines without a port: those that no port of others states."""
+    taken = {input_position(port) for port in ports if port is not None}
+    return (number for number in count(1) if number not in taken)
 
 
 def _output(service: Service) -> str:

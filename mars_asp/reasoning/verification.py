@@ -2,7 +2,6 @@
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import count
 
 import clingo
 
@@ -19,7 +18,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.language.print import print_transformation
 from mars_asp.model.declarations import Configuration, Data, Module, Mount, Transformation
 from mars_asp.model.described import described_modules
-from mars_asp.model.ports import input_position
+from mars_asp.model.ports import free_positions, input_position
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.facts.compile import (
     TellsAs,
@@ -276,8 +275,7 @@ def _positions(specification: Configuration, project: Project) -> Iterator[Fact]
         if isinstance(line, Data) and line.client in clients:
             lines[line.client].append(line)
     for each in lines.values():
-        taken = {input_position(line.client_port) for line in each if line.client_port is not None}
-        free = (number for number in count(1) if number not in taken)
+        free = free_positions(line.client_port for line in each)
         known: dict[Hashable, int] = {}
         for line in each:
             if line.client_port is None:

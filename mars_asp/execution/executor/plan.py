@@ -3,7 +3,6 @@
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from itertools import count
 from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,7 +10,6 @@ from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
 from mars_asp.execution.executor.link import Link
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
-from mars_asp.model import ports
 from mars_asp.model.declarations import (
     FOREVER,
     MOTION_FUNCTIONS,
@@ -23,7 +21,7 @@ from mars_asp.model.declarations import (
     Mount,
     Service,
 )
-from mars_asp.model.ports import input_position, inputs
+from mars_asp.model.ports import free_positions, input_position, inputs
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
 if TYPE_CHECKING:
@@ -92,12 +90,11 @@ class Plan:
     def _slots(self, name: str) -> tuple[Slot, ...]:
         """Number the inputs of a module that links feed, and return them in this order."""
         found: dict[tuple[bool, int, str], Slot] = {}
-        declared = list(inputs(self.modules[name])) if name in self.modules else []
+        declared = self._declared_inputs(name)
         data = self.data_in[name]
-        taken = {input_position(link.client_port) for link in data if link.client_port is not None}
-        free = (number for number in count(1) if number not in taken)
+        free = free_positions(link.client_port for link in data)
         for link in data:
-            port = link.client_port or (declared[0] if len(declared) == 1 else None)
+            port = self.input_name(link)
             if port in declared:
                 place: int | None = declared.index(port)
             else:
@@ -115,8 +112,11 @@ class Plan:
 
     def left_open(self, link: Link) -> Sequence[str]:
         """Return the inputs that a link could feed if it names none of several."""
-        known = tuple(inputs(self.modules[link.client])) if link.client in self.modules else ()
+        known = self._declared_inputs(link.client)
         return known if link.client_port is None and len(known) > 1 else ()
+
+    def _declared_inputs(self, name: str) -> Sequence[str]:
+        return tuple(inputs(self.modules[name])) if name in self.modules else ()
 
     def _data_depths(self) -> dict[str, int]:
         """Return how many data links lie behind each module; on a cycle, those known to."""
@@ -133,9 +133,8 @@ class Plan:
 
     def input_name(self, link: Link) -> str | None:
         """Return the name of the input that a data link feeds, or None if that is not known."""
-        client = self.modules.get(link.client)
-        named = list(ports.inputs(client)) if client is not None and link.kind == "data" else []
-        return link.client_port or (named[0] if len(named) == 1 else None)
+        known = self._declared_inputs(link.client) if link.kind == "data" else ()
+        return link.client_port or (known[0] if len(known) == 1 else None)
 
     def origin_of(self, link: Link) -> str:
         """Return the modules, or outputs of them, whose messages or commands come over a link."""

@@ -161,10 +161,11 @@ class Compiler:
 
     @cached_property
     def _called(self) -> Mapping[tuple[str, int], str]:
-        """Return the names of outputs, by their modules and services."""
+        """Return the names of the outputs of modules with several, by modules and services."""
         return {
             (name, id(module.services[number])): self.ends.output(name, port)
             for name, module in self.described.items()
+            if len(module.services) > 1
             for port, number in outputs(module).items()
         }
 
@@ -363,7 +364,7 @@ class Compiler:
     def offer(self, number: int, name: str, service: Service) -> None:
         """Add what a module delivers, and how."""
         span = service.span
-        name = self._called[name, id(service)]
+        name = self._called.get((name, id(service)), name)
         self.add(span, "delivers", number, name)
         if service.output is not None and service.output not in self.names.ambiguous:
             self.add(span, "output", number, name, self.names.canonical[service.output])

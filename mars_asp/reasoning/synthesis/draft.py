@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import count
 
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, text
 from mars_asp.model.declarations import (
@@ -13,7 +12,7 @@ from mars_asp.model.declarations import (
     node_names,
 )
 from mars_asp.model.described import described_modules
-from mars_asp.model.ports import input_position
+from mars_asp.model.ports import free_positions
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
 from mars_asp.reasoning.facts.rates import rates_in
@@ -99,10 +98,7 @@ class Draft:
             ordered = sorted(unnamed, key=lambda line: self.place_of[id(line)])
             if unnamed == ordered:
                 continue
-            taken = {
-                input_position(line.client_port) for line in each if line.client_port is not None
-            }
-            free = (number for number in count(1) if number not in taken)
+            free = free_positions(line.client_port for line in each)
             for line, number in zip(ordered, free, strict=False):
                 named[id(line)] = replace(line, client_port=f"input{number}")
         self.lines = [named.get(id(line), line) for line in self.lines]
