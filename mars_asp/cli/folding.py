@@ -59,8 +59,12 @@ def instances_of(configuration: Configuration) -> Mapping[str, str]:
 
 def natural_order(text: str) -> tuple[object, ...]:
     """Return a key that sorts numbers within names by their value: robot2 before robot10."""
-    parts = re.split(r"(\d+)", text)
-    return tuple((int(part), part) if at % 2 else part for at, part in enumerate(parts))
+    parts = re.split(r"([0-9]+)", text)
+    # Of numbers without leading zeros the longer is greater; `int` refuses very long ones.
+    return tuple(
+        (len(part.lstrip("0")), part.lstrip("0"), part) if at % 2 else part
+        for at, part in enumerate(parts)
+    )
 
 
 def _texts(found: Diagnostic, name: str) -> object:

@@ -15,7 +15,8 @@ from typing import NamedTuple
 from mars_asp.model.declarations import Module, Service
 
 DELIVERING = ("Sense", "DataOut")
-_POSITIONAL = re.compile(r"input([1-9][0-9]*)")
+#: Positions fit clingo's integers; a longer number is a name like others.
+_POSITIONAL = re.compile(r"input([1-9][0-9]{0,8})")
 
 
 class Parameter(NamedTuple):
