@@ -7,6 +7,7 @@ go on with the part where it is included, and those after the `#include` are in 
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import accumulate
 from pathlib import Path
 
 import clingo
@@ -113,7 +114,7 @@ def of_part(file: RuleFile, part: clingo.Symbol, is_first: bool) -> RuleFile:
     kept: list[Piece] = []
     text = file.text
     changed: dict[Place, str] = {}
-    offsets = _offsets(text)
+    offsets = [0, *accumulate(len(line) + 1 for line in text.split("\n"))]
     edits: list[tuple[int, int, str]] = []
     for piece in file.written:
         own = [each for begin, each in file.begins if begin <= piece.begin][-1]
@@ -131,19 +132,14 @@ def of_part(file: RuleFile, part: clingo.Symbol, is_first: bool) -> RuleFile:
             kept.append(piece._replace(text=written))
         begin = offsets[piece.begin[0] - 1] + piece.begin[1] - 1
         edits.append((begin, begin + len(piece.text), written))
-    for begin, end, written in reversed(edits):
-        text = f"{text[:begin]}{written}{text[end:]}"
+    done, texts = 0, []
+    for begin, end, written in edits:
+        texts += (text[done:begin], written)
+        done = end
+    text = "".join((*texts, text[done:]))
     rules = tuple(
         replace(rule, text=changed[rule.span.line, rule.span.column])
         for rule in file.rules
         if (rule.span.line, rule.span.column) in changed
     )
     return file._replace(text=text, written=tuple(kept), rules=rules)
-
-
-def _offsets(text: str) -> list[int]:
-    """Return the offset of each line."""
-    found = [0]
-    for line in text.split("\n"):
-        found.append(found[-1] + len(line) + 1)
-    return found
