@@ -132,7 +132,8 @@ def of_part(file: RuleFile, part: clingo.Symbol, is_first: bool) -> RuleFile:
             kept.append(piece._replace(text=written))
         begin = offsets[piece.begin[0] - 1] + piece.begin[1] - 1
         edits.append((begin, begin + len(piece.text), written))
-    done, texts = 0, []
+    done = 0
+    texts: list[str] = []
     for begin, end, written in edits:
         texts += (text[done:begin], written)
         done = end
