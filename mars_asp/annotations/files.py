@@ -163,12 +163,14 @@ def extract(
     problems: list[Diagnostic] = []
     for path, file, status in _files(paths, named_at, named_in):
         found, wrong = _read(file, status)
+        if not (found or wrong):
+            continue  # most files have no annotations
         place = named_at.get(path)
         # Of a folder that the user names it is the project around all files in it.
         around = str(path / "_" if path.is_dir() else path) if place is None else named_in
         if is_outside(file, around):
             hide_lines(str(file))
-            wrong = tuple(_hidden(file, wrong, place)) if found or wrong else ()
+            wrong = tuple(_hidden(file, wrong, place))
         modules += found
         problems += wrong
     problems += repeated(modules)
