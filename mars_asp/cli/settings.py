@@ -6,13 +6,17 @@ The nearest of these files counts, from a folder upwards; in one folder `mars.to
 import os
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.reading import WallError, check_walls
 from mars_asp.spelling import nearest
+
+if TYPE_CHECKING:
+    from mars_asp.toml_text import Places
 
 _OWN, _SHARED = "mars.toml", "pyproject.toml"
 #: Where our keys are in the file that others share.
@@ -45,9 +49,7 @@ class Settings(NamedTuple):
 
     def place(self, *key: str | int) -> Span:
         """Return where a key stands, or an entry of its list."""
-        from mars_asp.toml_text import Places
-
-        return Places(self.text, self.path).of(*self.table, *key)
+        return _positions_in_toml(self.text, self.path).of(*self.table, *key)
 
     def check_named(self, named: str, *key: str | int) -> None:
         """Check that a file or folder that a key names may be read.
@@ -63,6 +65,13 @@ class Settings(NamedTuple):
 
 
 NO_SETTINGS = Settings()
+
+
+@lru_cache(maxsize=1)
+def _positions_in_toml(text: str, path: str) -> "Places":
+    from mars_asp.toml_text import Places
+
+    return Places(text, path)
 
 
 def settings_for(folder: Path) -> Settings:

@@ -2,10 +2,14 @@
 
 import json
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
+from mars_asp import toml_text
 from mars_asp.cli import run_here
+from mars_asp.cli.settings import settings_for
+from mars_asp.diagnostic import MarsError
 from tests.support.configurations import FINDINGS as ROBOT
 from tests.support.documents import ROOT
 from tests.support.processes import mars
@@ -492,3 +496,15 @@ def test_comments_at_the_first_place_hide_from_explanations_too(
         shown = capsys.readouterr().out
         assert "unused_module" in shown
         assert "Track.picture`, and nothing takes" not in shown
+
+
+def test_each_of_many_wrong_settings_has_its_place_and_the_file_is_read_once_for_all(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    places = Mock(wraps=toml_text.Places)
+    monkeypatch.setattr(toml_text, "Places", places)
+    (folder / "mars.toml").write_text("ignore = [\n" + "1,\n" * 3000 + "]\n")
+    with pytest.raises(MarsError) as found:
+        settings_for(folder)
+    assert [each.span.line for each in found.value.diagnostics] == [*range(2, 3002)]
+    assert places.call_count == 1
