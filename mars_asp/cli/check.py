@@ -95,7 +95,9 @@ class Checked:
         else:
             if instances is not None and arguments.format == "text":
                 shown = [each for each in results if each.hidden is None]
-                found = fold(shown, instances, suggestions)
+                folded = fold(shown, instances, suggestions)
+                found = [each for each, _ in folded]
+                suggestions = {each: of for each, of in folded if of is not None}
             report(found, arguments, suggestions)
 
 
@@ -210,7 +212,8 @@ def _check(
         fixed = _fix(project, sole, rules, raw, one, arguments)
         if fixed is not None:
             project, sole = fixed.project, ()
-            remember(project.configuration.path, project.text)
+            for path, text in fixed.texts.items():
+                remember(path, text)
             analysis = analyse_project(project, rules(_STAGES), arguments)
             selected = selection.of(project, analysis, notes=False)
     one.mendable = 0 if arguments.fix else len(sole)

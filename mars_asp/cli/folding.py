@@ -1,12 +1,15 @@
 """Equal findings of modules that one block describes, or of a file included twice, shown as one."""
 
 import re
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
+from mars_asp.cli.report import Suggestion
 from mars_asp.cli.results import Result
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration, Name
+from mars_asp.output import listing
 
 #: So many instances are named before the others are counted.
 _NAMED, _MOST_NAMED = 2, 4
@@ -17,22 +20,23 @@ _ANY = "\0"
 def fold(
     results: Iterable[Result],
     instances: Mapping[str, str],
-    suggested: Container[Diagnostic] = (),
-) -> list[Diagnostic]:
-    """Return the findings of results, those that differ in the name of an instance as one.
+    suggestions: Mapping[Diagnostic, Suggestion] = MappingProxyType({}),
+) -> list[tuple[Diagnostic, Suggestion | None]]:
+    """Return findings with their repairs, those that differ in the name of an instance as one.
 
-    `instances` has the name of each instance by its modules. Those that are `suggested` a repair
-    stay apart.
+    `instances` has the name of each instance by its modules. Findings whose repairs edit different
+    lines stay apart.
     """
     alike: dict[object, list[tuple[str, Diagnostic]]] = {}
     for number, result in enumerate(results):
         subject = "" if result.consequence is None else result.consequence.subject
         name = instances.get(subject) or instances.get(subject.rpartition(".")[0])
         found = result.diagnostic
-        folds = name is not None and found not in suggested
-        key = _texts(found, name) if folds and name is not None else number
+        suggestion = suggestions.get(found)
+        lines = suggestion and suggestion.edits
+        key = number if name is None else (_texts(found, name), lines)
         alike.setdefault(key, []).append((name or "", found))
-    return [_name_instances(same) for same in alike.values()]
+    return [_name_instances(same, suggestions) for same in alike.values()]
 
 
 def instances_of(configuration: Configuration) -> Mapping[str, str]:
@@ -75,17 +79,20 @@ def _texts(found: Diagnostic, name: str) -> object:
     return found.code, found.severity, found.span, tuple(at for at, _ in found.labels), plain
 
 
-def _name_instances(same: Sequence[tuple[str, Diagnostic]]) -> Diagnostic:
-    """Return one finding for several that differ in the name of an instance."""
+def _name_instances(
+    same: Sequence[tuple[str, Diagnostic]], suggestions: Mapping[Diagnostic, Suggestion]
+) -> tuple[Diagnostic, Suggestion | None]:
+    """Return one finding, with its repair, of several that differ in the name of an instance."""
     if len(same) == 1:
-        return same[0][1]
+        return same[0][1], suggestions.get(same[0][1])
     names = sorted({name for name, _ in same}, key=natural_order)
     first = next(found for name, found in same if name == names[0])
-    return replace(first, message=f"{first.message}, in {_instance_list(names)}")
+    whole = replace(first, message=f"{first.message}, in {_instance_list(names)}")
+    return whole, suggestions.get(first)
 
 
 def _instance_list(names: Iterable[str]) -> str:
     shown = [f"`{name}`" for name in names]
     if len(shown) > _MOST_NAMED:
         shown = [*shown[:_NAMED], f"{len(shown) - _NAMED} more"]
-    return f"{', '.join(shown[:-1])} and {shown[-1]}"
+    return listing(shown)

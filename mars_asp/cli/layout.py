@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 from mars_asp.asp.units import UNIT
+from mars_asp.output import listing
 
 #: Where nobody says how wide a line may be.
 _COLUMNS = 80
@@ -103,7 +104,7 @@ def compared(extra: Mapping[str, int]) -> str:
 def spent(costs: Mapping[str, int]) -> str:
     """Return costs by their names in words, as `2 nodes and 6 relationships`; nothing for none."""
     counts = [_counted_cost(number, _UNITS[name]) for name, number in costs.items() if number]
-    return f"{', '.join(counts[:-1])} and {counts[-1]}" if len(counts) > 1 else "".join(counts)
+    return listing(counts)
 
 
 def _counted_cost(number: int, unit: str) -> str:

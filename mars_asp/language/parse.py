@@ -1,11 +1,12 @@
 """`.mars` text to plain values, with every syntax error of a file in one run."""
 
 import re
-from collections.abc import Iterable, Iterator, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import replace
 from itertools import islice
 from operator import itemgetter
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from mars_asp.annotations.blocks import Blocks, read_blocks
@@ -75,12 +76,14 @@ _ABOUT_IMPORTED = re.compile(
 class Parsed(NamedTuple):
     """A file that could be read, with what is noteworthy about it.
 
-    `blocks` are the texts of its module blocks, as they are written.
+    `blocks` are the texts of its module blocks, as they are written; `included` the texts of the
+    files that it includes, by path.
     """
 
     configuration: Configuration
     warnings: tuple[Diagnostic, ...]
     blocks: tuple[str, ...] = ()
+    included: Mapping[str, str] = MappingProxyType({})
 
 
 def parse_file(path: Path) -> Parsed:

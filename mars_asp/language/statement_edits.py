@@ -37,7 +37,8 @@ class Member:
         if self.rank is None and priority is not None and not self.plain:
             stated = int(priority.text)
         words = [name or self.new or self.name.text, *([] if stated is None else [str(stated)])]
-        return " ".join([*words, *rest])
+        # `left: Camera`, an instance in `@modules`.
+        return " ".join([*words, *rest]) if rest[:1] != [":"] else f"{words[0]}: {rest[1]}"
 
 
 @dataclass
@@ -86,7 +87,8 @@ class ListEdit:
 
     def add(self, name: str, width: int) -> None:
         """Write a name behind the others, on a new line where the last one is too long for it."""
-        self._added.append(name)
+        if name not in self._added:
+            self._added.append(name)
         self._width = width
 
     def write(self, draft: Draft, keep_ranks: bool) -> None:

@@ -56,6 +56,7 @@ class Draft:
         self._stretches: dict[tuple[int, int], str] = {}
         self._deleted: set[int] = set()
         self._inserted: dict[tuple[int, Where], list[str]] = {}
+        self._insertions: set[tuple[int, Where, tuple[str, ...]]] = set()
 
     @property
     def last(self) -> int:
@@ -92,8 +93,14 @@ class Draft:
         self._deleted.add(line)
 
     def insert(self, line: int, where: Where, lines: Iterable[str]) -> None:
-        """Insert lines on one side of a line, behind those that are to stand there already."""
-        self._inserted.setdefault((line, where), []).extend(lines)
+        """Insert lines on one side of a line, behind those that are to stand there already.
+
+        Lines that were inserted there before are the same edit, of another instance of the file.
+        """
+        added = tuple(lines)
+        if (line, where, added) not in self._insertions:
+            self._insertions.add((line, where, added))
+            self._inserted.setdefault((line, where), []).extend(added)
 
     def lines(self) -> tuple[LineEdit, ...]:
         """Return the edits line by line, at most one for each line and each side of it.

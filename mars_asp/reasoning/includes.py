@@ -8,6 +8,7 @@ import os
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
@@ -32,8 +33,10 @@ MOST_DEEP = 100
 MOST_INCLUDES = 1000
 
 
-def with_includes(parsed: Parsed) -> Parsed:
+def with_includes(parsed: Parsed, texts: Mapping[str, str] = MappingProxyType({})) -> Parsed:
     """Return a configuration with what it includes, read from the files that it names.
+
+    Files of which `texts` has the text, by path, are not read.
 
     Raises:
         MarsError: all errors of included files, includes that are missing or go in a circle, and
@@ -43,9 +46,12 @@ def with_includes(parsed: Parsed) -> Parsed:
         return parsed
     real = _real(parsed.configuration.path)
     reading = _Reading(
-        iter(range(MOST_INCLUDES)), {real: parsed.configuration.path}, parsed.configuration.path
+        iter(range(MOST_INCLUDES)),
+        {real: parsed.configuration.path},
+        parsed.configuration.path,
+        dict(texts),
     )
-    return _expanded(parsed, (real,), reading)
+    return _expanded(parsed, (real,), reading)._replace(included=reading.texts)
 
 
 class _TooManyError(MarsError):
@@ -55,12 +61,14 @@ class _TooManyError(MarsError):
 class _Reading(NamedTuple):
     """One of `left` is used up by each include; `shown` is how each file was first named.
 
-    `top` is the file that the user names, around which the walls are.
+    `top` is the file that the user names, around which the walls are; `texts` are those of the
+    files by the name they are shown by.
     """
 
     left: Iterator[int]
     shown: dict[str, str]
     top: str
+    texts: dict[str, str]
 
 
 def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Parsed:
@@ -156,7 +164,10 @@ def _taken_in(
         help_text = "paths of `@include` are relative to the file that includes"
         raise _wrong(include.span, f"`{include.path}` is not a file", help_text)
     # One file has one name, that its lines count once, however paths lead to it.
-    parsed = parse_text(read_text(path), reading.shown.setdefault(real, _plain(path)))
+    shown = reading.shown.setdefault(real, _plain(path))
+    if shown not in reading.texts:
+        reading.texts[shown] = read_text(path)
+    parsed = parse_text(reading.texts[shown], shown)
     inner = parsed.configuration
     if inner.kind != "configuration":
         message = f"`{include.path}` is a specification, and only configurations are included"
@@ -230,6 +241,23 @@ def _described(prefix: str, name: Name, in_blocks: Iterable[str]) -> str | None:
 
 def _prefixed(prefix: str, name: str) -> str:
     return f"/{prefix}{name}" if name.startswith("/") else f"{prefix}/{name}"
+
+
+def prefix_of(name: str, inner: str) -> str:
+    """Return the prefix that makes `name` of the name `inner` in an included file."""
+    return name.removesuffix(inner).removesuffix("/").removeprefix("/" if inner[0] == "/" else "")
+
+
+def name_within(prefix: str, name: str) -> str | None:
+    """Return the name of a module in a file included as `prefix`, or None if it is outside.
+
+    >>> name_within("left", "left/Camera"), name_within("left", "Camera")
+    ('Camera', None)
+    """
+    if not prefix:
+        return name
+    candidates = (name.removeprefix(cut) for cut in (f"/{prefix}", f"{prefix}/"))
+    return next((each for each in candidates if each and _prefixed(prefix, each) == name), None)
 
 
 def _renamed(prefix: str, line: Relationship) -> Relationship:

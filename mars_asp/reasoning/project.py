@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -52,6 +52,7 @@ class Project:
     `text` is what the configuration was read from, `found` what was read from sources; `blocks`
     are the texts of the configuration's own module blocks. `brought` is what rule packs bring
     besides rules, `None` until they are known; `attributes` are facts that they have names for.
+    `included` are the texts of included files by path.
     """
 
     configuration: Configuration
@@ -62,6 +63,7 @@ class Project:
     blocks: tuple[str, ...] = ()
     brought: tuple[object, ...] | None = None
     attributes: tuple[Fact, ...] = ()
+    included: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def format(self) -> str | None:
@@ -145,8 +147,8 @@ def revised(project: Project, texts: Mapping[str, str]) -> Project:
     """
     path = project.configuration.path
     text = texts.get(path, project.text)
-    parsed = with_includes(parse_text(text, path))
-    changed = texts.keys() - {path}
+    parsed = with_includes(parse_text(text, path), {**project.included, **texts})
+    changed = texts.keys() - {path} - project.included.keys()
     found = project.found
     if found is not None and changed:
         from mars_asp.annotations.files import reread  # noqa: PLC0415 -- as above
@@ -245,7 +247,15 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
     errors = [d for d in diagnostics if d.severity == "error"] + clashes
     if errors:
         raise MarsError([*errors, *(d for d in diagnostics if d.severity != "error")])
-    return Project(configuration, modules, by_place(diagnostics), text, found, parsed.blocks)
+    return Project(
+        configuration,
+        modules,
+        by_place(diagnostics),
+        text,
+        found,
+        parsed.blocks,
+        included=parsed.included,
+    )
 
 
 def project_facts(

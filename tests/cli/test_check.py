@@ -148,6 +148,22 @@ def test_fix_applies_what_is_shown_and_keeps_line_ends(
     )
 
 
+def test_fix_writes_an_included_file_once_for_all_its_instances(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main = "@configuration hierarchical\n@include part.mars as a\n@include part.mars as b\n"
+    (robots / "main.mars").write_text(main)
+    part = TWICE.replace(" hierarchical", "").replace("\n", "\r\n").encode()
+    (robots / "part.mars").write_bytes(part)
+    assert run_here(["check", "main.mars", "--fix"]) == 0
+    told = capsys.readouterr().err
+    assert "fixed part.mars:4:1: duplicate_relationship(a/Base): drop the repeated line" in told
+    fixed = ONCE.replace(" hierarchical", "").replace("\n", "\r\n").encode()
+    assert (robots / "part.mars").read_bytes() == fixed
+    assert (robots / "main.mars").read_text() == main
+    assert run_here(["check", "main.mars"]) == 0
+
+
 def test_what_was_fixed_comes_as_json_too(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["check", "--fix", "--format", "json", "twice.mars", "choice.mars"]) == 1
     shown = capsys.readouterr()

@@ -1,11 +1,13 @@
 """Repairs applied to the text by a program that reads only the JSON that `explain` prints.
 
     python -m tests.support.applied_repairs --seeds 1-300
+    python -m tests.support.applied_repairs --seeds 1-300 --instances 2
 
 Each repair of each random faulty configuration is written into a copy of its files, which
 `analyse` then reads: the finding is gone, nothing new stops or warns that was not announced, and
 whoever ranked strictly above another controller still does. Nothing of the package is used but its
-command line.
+command line. With `--instances` a file includes the configuration so often, each time as another
+part of the robot: then a repair of one part edits all of them.
 """
 
 import argparse
@@ -94,9 +96,21 @@ def turned(before: dict[str, dict[str, int]], after: dict[str, dict[str, int]]) 
                     yield f"at {module} {high} was above {low}"
 
 
-def check_repairs(seed: int, folder: Path) -> tuple[int, int, list[str]]:
+def included(files: Mapping[str, bytes], instances: int) -> dict[str, bytes]:
+    """Return the files of a robot that includes a configuration several times."""
+    body = files["robot.mars"]
+    header = re.search(rb"(?m)^@configuration[^/\r\n]*", body)
+    assert header is not None
+    includes = [f"@include part.mars as part{number}" for number in range(instances)]
+    main = "\n".join([header[0].decode(), *includes, ""])
+    return {**files, "robot.mars": main.encode(), "part.mars": body}
+
+
+def check_repairs(seed: int, folder: Path, instances: int = 0) -> tuple[int, int, list[str]]:
     """Return how many findings and repairs a random configuration has, and what is wrong."""
     files = faulty_configuration(seed)
+    body = "part.mars" if instances else "robot.mars"
+    files = included(files, instances) if instances else files
     for name, text in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(text)
@@ -121,9 +135,7 @@ def check_repairs(seed: int, folder: Path) -> tuple[int, int, list[str]]:
             label = f"{seed}: {name_of(finding)} repair {number}"
             wrong += [f"{label}: {each}" for each in _wrong(main, finding, mend, before, remarks)]
             unranked = any("unrank" in part for e in mend["edits"] for part in e["parts"])
-            old, new = (
-                ranks(side["robot.mars"].decode()) for side in (files, {**files, **changed})
-            )
+            old, new = (ranks(side[body].decode()) for side in (files, {**files, **changed}))
             wrong += [f"{label}: {each}" for each in turned(old, new) if not unranked]
             for name in changed:
                 (folder / name).write_bytes(files[name])
@@ -168,13 +180,15 @@ def main() -> int:
     """Check the repairs of many configurations; print what is wrong and how many there were."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", default="1-300")
-    first, _, last = parser.parse_args().seeds.partition("-")
+    parser.add_argument("--instances", type=int, default=0)
+    options = parser.parse_args()
+    first, _, last = options.seeds.partition("-")
     began = time.monotonic()
     findings = tried = failed = 0
     kinds = 0
     for seed in range(int(first), int(last or first) + 1):
         with tempfile.TemporaryDirectory() as folder:
-            some, repairs, wrong = check_repairs(seed, Path(folder))
+            some, repairs, wrong = check_repairs(seed, Path(folder), options.instances)
         kinds += 1
         findings, tried, failed = findings + some, tried + repairs, failed + len(wrong)
         for line in wrong:

@@ -363,7 +363,10 @@ class Launch:
                     pass
                 case _:
                     shown.append("...")
-        return "".join(shown).lstrip("/") or "..."
+        whole = "".join(shown)
+        # Without the folder of the launch file, what is left begins with the separator after it.
+        whole = whole.lstrip("/") if text and isinstance(text[0], Here) else whole
+        return whole or "..."
 
 
 def _set(words: Sequence[str], span: Span) -> Iterator[tuple[str, Given]]:

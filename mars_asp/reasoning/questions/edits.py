@@ -5,8 +5,8 @@ An edit is a term such as `drop(3)` or `rename("Sonr","Sonar")`; `docs/what-if.m
 
 import re
 from bisect import bisect_right
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Set
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +16,7 @@ from clingo import Symbol, SymbolType
 from mars_asp.annotations.blocks import block_source, read_blocks
 from mars_asp.annotations.files import read_source
 from mars_asp.diagnostic import Span
-from mars_asp.language.layout import Layout, lay_out
+from mars_asp.language.layout import lay_out
 from mars_asp.language.print import WIDTH
 from mars_asp.language.statement_edits import ListEdit, Member
 from mars_asp.language.text_edits import ConflictError, Draft, LineEdit, apply_lines
@@ -27,14 +27,17 @@ from mars_asp.model.declarations import (
     Function,
     Module,
     Mount,
+    Name,
     Relationship,
     Service,
+    ends_of,
 )
 from mars_asp.model.described import described_modules
 from mars_asp.model.names import end, read_end, written
 from mars_asp.model.rates import as_written
 from mars_asp.reasoning.facts.identifiers import mode_of, numbered, numbered_annotations
 from mars_asp.reasoning.facts.rates import Rates, rates_in
+from mars_asp.reasoning.includes import name_within, prefix_of
 from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.annotation_edits import Annotations, NoPlaceError, Read, read
 
@@ -50,6 +53,40 @@ class ImpossibleEditError(Exception):
     """An edit has no place in the text, or two edits exclude each other."""
 
 
+@dataclass
+class MarsFile:
+    """The configuration or a file that it includes, before any edit."""
+
+    path: str
+    text: str
+
+    @cached_property
+    def blocks(self) -> tuple[tuple[int, int], ...]:
+        """Return the first and last lines of the module blocks."""
+        return read_blocks(self.path, self.text).lines
+
+    @cached_property
+    def token_rows(self) -> list[tuple[Token, ...]]:
+        """Return the tokens of each statement."""
+        return list(statements(lay_out(self.path, self.text, self.blocks)))
+
+    def statement_at(self, span: Span) -> tuple[Token, ...]:
+        """Return the tokens of the statement at a span."""
+        return self.token_rows[bisect_right(self._begins, self._draft.begin(span)) - 1]
+
+    def headed(self, *words: str) -> tuple[Token, ...]:
+        """Return the statement that begins with one of some words."""
+        return next(each for each in self.token_rows if each[0].text in words)
+
+    @cached_property
+    def _begins(self) -> list[int]:
+        return [tokens[0].begin for tokens in self.token_rows]
+
+    @cached_property
+    def _draft(self) -> Draft:
+        return Draft(self.path, self.text)
+
+
 class Texts:
     """The texts of a project before any edit, read once for however many edits are tried."""
 
@@ -60,19 +97,10 @@ class Texts:
         self._read: dict[str, Read] = {}
 
     @cached_property
-    def blocks(self) -> tuple[tuple[int, int], ...]:
-        """Return the first and last lines of the module blocks."""
-        return read_blocks(self.path, self.project.text).lines
-
-    @cached_property
-    def layout(self) -> Layout:
-        """Return the layout of the configuration."""
-        return lay_out(self.path, self.project.text, self.blocks)
-
-    @cached_property
-    def statements(self) -> list[tuple[Token, ...]]:
-        """Return the tokens of each statement of the configuration."""
-        return list(statements(self.layout))
+    def mars_files(self) -> Mapping[str, MarsFile]:
+        """Return the configuration and the files that it includes, by path."""
+        texts = {**self.project.included, self.path: self.project.text}
+        return {path: MarsFile(path, text) for path, text in texts.items()}
 
     def hertz(self, rate: Symbol) -> Fraction | None:
         """Return the rate of a term; `None` where it stands for none."""
@@ -88,23 +116,28 @@ class Texts:
     def _ports(self) -> Mapping[str, tuple[str, str]]:
         return port_names(self.project)
 
-    def end(self, name: Symbol) -> str:
-        """Return a module or a port as a line writes it."""
+    def end(self, name: Symbol, prefix: str) -> str:
+        """Return a module or a port as a line of a file writes it included as `prefix`.
+
+        Raises:
+            NoPlaceError: the module has no name in that file.
+        """
         module, port = self._ports.get(name.string, (name.string, None))
-        return end(module, port)
+        return end(_within(prefix, module), port)
 
     def module_of(self, name: Symbol) -> str:
         """Return a module, or that of a port."""
         return self._ports.get(name.string, (name.string, None))[0]
 
     @cached_property
-    def controlled(self) -> Counter[str]:
-        """Return how many statements control each module."""
-        return Counter(
-            tokens[0].name
-            for tokens in self.statements
-            if any(token.text == "is_controlled_by" for token in tokens)
-        )
+    def ranked(self) -> Set[tuple[str, Token]]:
+        """Return the path and head of statements whose module another statement controls, too."""
+        found: dict[str, set[tuple[str, Token]]] = {}
+        for each in self.project.configuration.relationships:
+            if isinstance(each, Control):
+                head = self.mars_files[each.span.path].statement_at(each.span)[0]
+                found.setdefault(each.controlled, set()).add((each.span.path, head))
+        return {head for heads in found.values() if len(heads) > 1 for head in heads}
 
     @cached_property
     def relationships(self) -> Mapping[int, Relationship]:
@@ -128,8 +161,9 @@ class Texts:
     def annotated(self, path: str) -> Read:
         """Return the annotations of a file."""
         if path not in self._read:
-            if path == self.path:
-                source = block_source(path, self.project.text, self.blocks)
+            file = self.mars_files.get(path)
+            if file is not None:
+                source = block_source(path, file.text, file.blocks)
             else:
                 source = read_source(Path(path))
             self._read[path] = read(source)
@@ -137,7 +171,11 @@ class Texts:
 
     def text(self, path: str) -> str:
         """Return the text of a file."""
-        return self.project.text if path == self.path else self.annotated(path).source.text
+        return (
+            self.mars_files[path].text
+            if path in self.mars_files
+            else self.annotated(path).source.text
+        )
 
 
 def apply_edits(
@@ -163,23 +201,86 @@ def apply_edits(
         raise ImpossibleEditError from error
 
 
+@dataclass(frozen=True, slots=True)
+class _Statement:
+    """A statement of a file included as `prefix`, and the draft of that file."""
+
+    draft: Draft
+    tokens: tuple[Token, ...]
+    prefix: str
+
+    @property
+    def end_tokens(self) -> tuple[Token, Token]:
+        """Return the tokens of a data or mount relationship that name modules."""
+        verb = next(n for n, token in enumerate(self.tokens) if token.text in _VERBS)
+        return self.tokens[0], self.tokens[verb + 1]
+
+    @property
+    def indent(self) -> str:
+        """Return the blanks before the statement on its line."""
+        return self.draft.blanks(self.draft.line_at(self.tokens[0].begin))
+
+    def local_name(self, name: str) -> str:
+        """Return a module's name as the file writes it.
+
+        Raises:
+            NoPlaceError: it has none there.
+        """
+        return written(_within(self.prefix, name))
+
+    def add_after(self, text: str) -> None:
+        """Write a statement on a line of its own after this one."""
+        last = self.draft.line_at(self.tokens[-1].begin)
+        self.draft.insert(last, "behind", [self.indent + text])
+
+    def rewrite(self, token: Token, text: str) -> None:
+        self.draft.put(token.begin, token.end, text)
+
+    def add_word(self, token: Token, text: str) -> None:
+        """Write a word after a token."""
+        self.draft.put(token.end, token.end, f" {text}")
+
+    def delete(self) -> None:
+        """Delete the statement, with all lines that it is on."""
+        for token in self.tokens:
+            self.draft.delete(self.draft.line_at(token.begin))
+
+    def cut(self, first: Token, last: Token) -> None:
+        """Delete tokens, and the blanks before them."""
+        begin = len(self.draft.text[: first.begin].rstrip(" \t"))
+        self.draft.put(begin, last.end, "")
+
+
+def _within(prefix: str, name: str) -> str:
+    """Return the name of a module in a file included as `prefix`.
+
+    Raises:
+        NoPlaceError: the module is outside of that file.
+    """
+    inner = name_within(prefix, name)
+    if inner is None:
+        raise NoPlaceError
+    return inner
+
+
 class _Drafts:
-    """The texts of a project while they are edited."""
+    """The texts of a project while they are edited.
+
+    A statement of a file that is included several times is written once, and so changes all
+    relationships of its line.
+    """
 
     def __init__(self, texts: Texts) -> None:
         self.texts = texts
         self._drafts: dict[str, Draft] = {}
-        self._lists: dict[int, ListEdit] = {}
+        self._lists: dict[tuple[str, Token], ListEdit] = {}
         #: The names of converters that edits declare.
         self.converters: list[str] = []
 
     def finished(self) -> tuple[tuple[LineEdit, ...], dict[str, str]]:
         ranked = self.texts.project.configuration.architecture == "hierarchical"
-        for edit in self._lists.values():
-            edit.write(
-                self.file(self.texts.path),
-                ranked and self.texts.controlled[edit.tokens[0].name] > 1,
-            )
+        for place, edit in self._lists.items():
+            edit.write(self.file(place[0]), ranked and place in self.texts.ranked)
         lines: list[LineEdit] = []
         changed = {}
         for path, draft in sorted(self._drafts.items()):
@@ -202,72 +303,59 @@ class _Drafts:
     def annotations(self, span: Span) -> Annotations:
         return Annotations(self.texts.annotated(span.path), self.file(span.path))
 
-    def statement(self, span: Span) -> int:
-        """Return which statement stands at a span.
+    def statement_with(self, number: Symbol) -> _Statement:
+        """Return the statement of the relationship with an identifier."""
+        return self.statement_of(self.texts.relationships[number.number])
 
-        Raises:
-            NoPlaceError: it stands in a file that the configuration includes.
-        """
-        if span.path != self.texts.path:
-            raise NoPlaceError
-        offset = self.main.begin(span)
-        begins = self._begins
-        return bisect_right(begins, offset) - 1
+    def statement_of(self, stated: Relationship) -> _Statement:
+        """Return the statement of a relationship."""
+        tokens = self.texts.mars_files[stated.span.path].statement_at(stated.span)
+        prefix = prefix_of(ends_of(stated)[0], tokens[0].name)
+        return _Statement(self.file(stated.span.path), tokens, prefix)
 
-    @cached_property
-    def _begins(self) -> list[int]:
-        return [tokens[0].begin for tokens in self.texts.statements]
+    def naming(self, name: Name) -> tuple[_Statement, Member]:
+        """Return the `@modules` that names a module, and the member of it that does."""
+        draft = self.file(name.span.path)
+        tokens = self.texts.mars_files[name.span.path].statement_at(name.span)
+        members = self.members(_Statement(draft, tokens, "")).members
+        member = next(each for each in members if each.name.begin == draft.begin(name.span))
+        return _Statement(draft, tokens, prefix_of(name.text, member.name.name)), member
 
-    def headed(self, *words: str) -> int:
-        """Return the statement that begins with one of some words."""
-        found = (n for n, each in enumerate(self.texts.statements) if each[0].text in words)
-        return next(found)
+    def headed(self, path: str, prefix: str, *words: str) -> _Statement:
+        """Return the statement of a file that begins with one of some words."""
+        return _Statement(self.file(path), self.texts.mars_files[path].headed(*words), prefix)
 
-    def members(self, at: int) -> ListEdit:
+    def members(self, statement: _Statement) -> ListEdit:
         """Return the edit of a statement that lists names."""
-        if at not in self._lists:
-            self._lists[at] = ListEdit(self.texts.statements[at], self.indent(at))
-        return self._lists[at]
+        place = statement.draft.path, statement.tokens[0]
+        if place not in self._lists:
+            self._lists[place] = ListEdit(statement.tokens, statement.indent)
+        return self._lists[place]
 
-    def member(self, control: Control) -> tuple[ListEdit, Member]:
+    def member(self, control: Control) -> tuple[_Statement, ListEdit, Member]:
         """Return the statement of a control relationship and its member that names it."""
-        listed = self.members(self.statement(control.span))
-        offset = self.main.begin(control.span)
+        statement = self.statement_of(control)
+        listed = self.members(statement)
+        offset = statement.draft.begin(control.span)
         named = (each for each in listed.members if each.name.begin == offset)
-        return listed, next(named, listed.members[0])
+        return statement, listed, next(named, listed.members[0])
 
-    def indent(self, at: int) -> str:
-        """Return what stands before a statement on its line."""
-        return self.main.blanks(self.main.line_at(self._begins[at]))
-
-    def add(self, at: int, text: str) -> None:
-        """Write a statement on a line of its own behind another."""
-        last = self.main.line_at(self.texts.statements[at][-1].begin)
-        self.main.insert(last, "behind", [self.indent(at) + text])
-
-    def replace(self, token: Token, text: str) -> None:
-        self.main.put(token.begin, token.end, text)
-
-    def behind(self, token: Token, text: str) -> None:
-        """Write a word behind a token."""
-        self.main.put(token.end, token.end, f" {text}")
-
-    def drop(self, at: int) -> None:
-        """Leave a statement out, with all lines that it stands on."""
-        for token in self.texts.statements[at]:
-            self.main.delete(self.main.line_at(token.begin))
-
-    def remove(self, first: Token, last: Token) -> None:
-        """Leave out tokens, and the blanks before them."""
-        text = self.main.text
-        begin = len(text[: first.begin].rstrip(" \t"))
-        self.main.put(begin, last.end, "")
-
-    def names_of(self, at: int) -> tuple[Token, Token]:
-        """Return the tokens of a data or mount relationship that name modules."""
-        tokens = self.texts.statements[at]
-        verbs = (n for n, token in enumerate(tokens) if token.text in _VERBS)
-        return tokens[0], tokens[next(verbs) + 1]
+    def common(self, *modules: str) -> tuple[str, str]:
+        """Return the path and the prefix of the innermost file in which modules have names."""
+        names = {name.text: name for name in self.texts.project.configuration.modules}
+        found = [self.naming(names[each])[0] for each in modules if each in names]
+        scopes = {(each.draft.path, each.prefix) for each in found}
+        if len(scopes) == 1 and len(found) == len(modules):
+            return scopes.pop()
+        main = self.texts.path
+        return max(
+            (
+                scope
+                for scope in {*scopes, (main, "")}
+                if all(name_within(scope[1], each) is not None for each in modules)
+            ),
+            key=lambda scope: (len(scope[1]), scope[0] == main, scope),
+        )
 
     def free_name(self) -> str:
         """Return a name for a converter that no module has."""
@@ -281,24 +369,21 @@ class _Drafts:
 
 
 def _require(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
-    stated = drafts.texts.relationships[number.number]
     wanted = mode_of(mode)
     hz = drafts.texts.hertz(rate)
-    words = [wanted.text, *([] if hz is None else [as_written(hz)])]
-    at = drafts.statement(stated.span)
-    tokens = drafts.texts.statements[at]
+    words = " ".join([wanted.text, *([] if hz is None else [as_written(hz)])])
+    statement = drafts.statement_with(number)
+    tokens = statement.tokens
     if len(tokens) > 3:
-        drafts.main.put(tokens[3].begin, tokens[-1].end, " ".join(words))
+        statement.draft.put(tokens[3].begin, tokens[-1].end, words)
     else:
-        drafts.behind(tokens[2], " ".join(words))
+        statement.add_word(tokens[2], words)
 
 
 def _free(drafts: _Drafts, number: Symbol) -> None:
-    tokens = drafts.texts.statements[
-        drafts.statement(drafts.texts.relationships[number.number].span)
-    ]
-    if len(tokens) > 3:
-        drafts.remove(tokens[3], tokens[-1])
+    statement = drafts.statement_with(number)
+    if len(statement.tokens) > 3:
+        statement.cut(statement.tokens[3], statement.tokens[-1])
 
 
 def _offer(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
@@ -310,64 +395,72 @@ def _offer(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
 def _redirect(drafts: _Drafts, number: Symbol, side: Symbol, module: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     if isinstance(stated, Control):
-        listed, member = drafts.member(stated)
+        statement, listed, member = drafts.member(stated)
+        name = statement.local_name(module.string)
         if side.name != "first":
-            listed.rename(member, written(module.string))
+            listed.rename(member, name)
         elif len(listed.members) == 1:
-            listed.head = written(module.string)
+            listed.head = name
         else:
             listed.drop(member)
-            line = f"{written(module.string)} is_controlled_by {member.written()}"
-            drafts.add(drafts.statement(stated.span), line)
+            statement.add_after(f"{name} is_controlled_by {member.written()}")
         return
-    first, second = drafts.names_of(drafts.statement(stated.span))
-    drafts.replace(first if side.name == "first" else second, drafts.texts.end(module))
+    statement = drafts.statement_of(stated)
+    first, second = statement.end_tokens
+    name = drafts.texts.end(module, statement.prefix)
+    statement.rewrite(first if side.name == "first" else second, name)
 
 
 def _swap(drafts: _Drafts, number: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     if isinstance(stated, Control):
-        listed, member = drafts.member(stated)
+        statement, listed, member = drafts.member(stated)
+        controlled, controller = map(statement.local_name, ends_of(stated))
         if len(listed.members) == 1:
-            listed.head = written(stated.controller)
-            listed.rename(member, written(stated.controlled))
+            listed.head = controller
+            listed.rename(member, controlled)
         else:
             listed.drop(member)
-            rest = member.written(name=written(stated.controlled))
-            line = f"{written(stated.controller)} is_controlled_by {rest}"
-            drafts.add(drafts.statement(stated.span), line)
+            statement.add_after(f"{controller} is_controlled_by {member.written(name=controlled)}")
         return
-    first, second = drafts.names_of(drafts.statement(stated.span))
-    drafts.replace(first, second.text)
-    drafts.replace(second, first.text)
+    statement = drafts.statement_of(stated)
+    first, second = statement.end_tokens
+    statement.rewrite(first, second.text)
+    statement.rewrite(second, first.text)
 
 
 def _drop(drafts: _Drafts, number: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     if isinstance(stated, Control):
-        listed, member = drafts.member(stated)
+        _, listed, member = drafts.member(stated)
         listed.drop(member)
     else:
-        drafts.drop(drafts.statement(stated.span))
+        drafts.statement_of(stated).delete()
 
 
 def _relate(drafts: _Drafts, client: Symbol, source: Symbol) -> None:
-    line = f"{drafts.texts.end(client)} uses_data_from {drafts.texts.end(source)}"
-    drafts.add(_neighbour(drafts, drafts.texts.module_of(client)), line)
+    texts = drafts.texts
+    module = texts.module_of(client)
+    path, prefix = drafts.common(module, texts.module_of(source))
+    line = f"{texts.end(client, prefix)} uses_data_from {texts.end(source, prefix)}"
+    _neighbour(drafts, path, module).add_after(line)
 
 
-def _neighbour(drafts: _Drafts, client: str) -> int:
-    """Return the statement behind which a data relationship of a client stands best."""
-    stated = drafts.texts.project.configuration.relationships
+def _neighbour(drafts: _Drafts, path: str, client: str) -> _Statement:
+    """Return the statement of a file after which a data relationship of a client is best put."""
+    every = drafts.texts.project.configuration.relationships
+    stated = [each for each in every if each.span.path == path]
     data = [each for each in stated if isinstance(each, Data)]
     near = [each for each in data if each.client == client] or data or stated
-    return max((drafts.statement(each.span) for each in near), default=drafts.headed("@modules"))
+    if not near:
+        return drafts.headed(path, "", "@modules")
+    return drafts.statement_of(max(near, key=lambda each: each.span))
 
 
 def _rank(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     assert isinstance(stated, Control)
-    listed, member = drafts.member(stated)
+    _, listed, member = drafts.member(stated)
     # What a place in a list says already needs no number.
     if stated.priority != priority.number:
         listed.rank(member, priority.number)
@@ -376,60 +469,76 @@ def _rank(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
 def _unrank(drafts: _Drafts, number: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     assert isinstance(stated, Control)
-    listed, member = drafts.member(stated)
+    _, listed, member = drafts.member(stated)
     listed.unrank(member)
 
 
 def _vertex(drafts: _Drafts, number: Symbol, vertex: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     assert isinstance(stated, Mount)
-    tokens = drafts.texts.statements[drafts.statement(stated.span)]
-    words = [token.text for token in tokens]
+    statement = drafts.statement_of(stated)
+    words = [token.text for token in statement.tokens]
     mounted = words.index("is_mounted_on") + 1
     if stated.mounted_vertex is None:
-        drafts.behind(tokens[mounted], str(vertex.number))
+        statement.add_word(statement.tokens[mounted], str(vertex.number))
     else:
-        drafts.replace(tokens[mounted + 1], str(vertex.number))
+        statement.rewrite(statement.tokens[mounted + 1], str(vertex.number))
 
 
 def _architecture(drafts: _Drafts, kind: Symbol) -> None:
-    tokens = drafts.texts.statements[drafts.headed("@configuration", "@specification")]
-    if len(tokens) > 1 and tokens[1].text in ("flat", "hierarchical"):
-        drafts.replace(tokens[1], kind.name)
-        rest = tokens[2:]
-    else:
-        drafts.behind(tokens[0], kind.name)
-        rest = tokens[1:]
-    if rest:
-        drafts.remove(rest[0], rest[-1])
+    """Write the architecture into the configuration, and into included files that state one."""
+    for path in drafts.texts.mars_files:
+        statement = drafts.headed(path, "", "@configuration", "@specification")
+        head, *rest = statement.tokens
+        if rest and rest[0].text in ("flat", "hierarchical"):
+            statement.rewrite(rest.pop(0), kind.name)
+        elif path == drafts.texts.path:
+            statement.add_word(head, kind.name)
+        if rest:
+            statement.cut(rest[0], rest[-1])
 
 
 def _name(drafts: _Drafts, module: Symbol) -> None:
-    drafts.members(drafts.headed("@modules")).add(written(module.string), WIDTH)
+    """Write a name into the `@modules` of the innermost file that uses it."""
+    main = drafts.texts.path
+    stated = drafts.texts.relationships.values()
+    mentions = (drafts.statement_of(each) for each in stated if module.string in ends_of(each))
+    scopes = {(main, ""), *((each.draft.path, each.prefix) for each in mentions)}
+    path, prefix = max(scopes, key=lambda scope: (len(scope[1]), scope[0] == main))
+    statement = drafts.headed(path, prefix, "@modules")
+    drafts.members(statement).add(statement.local_name(module.string), WIDTH)
 
 
 def _unname(drafts: _Drafts, module: Symbol) -> None:
-    listed = drafts.members(drafts.headed("@modules"))
-    listed.drop(next(each for each in listed.members if each.name.name == module.string))
-    for each in drafts.texts.project.configuration.attributed:
-        if each.module == module.string and each.attribute.span.path == drafts.texts.path:
-            drafts.drop(drafts.statement(each.attribute.span))
+    configuration = drafts.texts.project.configuration
+    name = next(each for each in configuration.modules if each.text == module.string)
+    statement, member = drafts.naming(name)
+    drafts.members(statement).drop(member)
+    for each in configuration.attributed:
+        path = each.attribute.span.path
+        if each.module == module.string and path in drafts.texts.mars_files:
+            tokens = drafts.texts.mars_files[path].statement_at(each.attribute.span)
+            _Statement(drafts.file(path), tokens, "").delete()
 
 
 def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
     for stated in drafts.texts.relationships.values():
+        ends = ends_of(stated)
+        if old.string not in ends:
+            continue
         if isinstance(stated, Control):
+            statement, listed, member = drafts.member(stated)
+            name = statement.local_name(new.string)
             if stated.controlled == old.string:
-                listed, _ = drafts.member(stated)
-                listed.head = written(new.string)
+                listed.head = name
             if stated.controller == old.string:
-                listed, member = drafts.member(stated)
-                listed.rename(member, written(new.string))
-        else:
-            for token in drafts.names_of(drafts.statement(stated.span)):
-                if token.name == old.string:
-                    _, port = read_end(token.text) or (old.string, None)
-                    drafts.replace(token, end(new.string, port))
+                listed.rename(member, name)
+            continue
+        statement = drafts.statement_of(stated)
+        for module, token in zip(ends, statement.end_tokens, strict=True):
+            if module == old.string:
+                _, port = read_end(token.text) or (module, None)
+                statement.rewrite(token, end(_within(statement.prefix, new.string), port))
 
 
 def _annotate(drafts: _Drafts, module: Symbol, word: Symbol) -> None:
@@ -456,7 +565,10 @@ def _declare(drafts: _Drafts, source: Symbol, target: Symbol) -> None:
         block.append(f"{target.string} convert({source.string} input);")
     else:
         block += [f"@Output {target.string}", f"@Input {source.string}", "void convert();"]
-    behind = max((last for _, last in drafts.texts.blocks), default=drafts.main.last)
+    behind = max(
+        (last for _, last in drafts.texts.mars_files[drafts.texts.path].blocks),
+        default=drafts.main.last,
+    )
     gap = [""] if drafts.converters or drafts.main.line(behind).strip() else []
     drafts.converters.append(name)
     drafts.main.insert(behind, "behind", [*gap, *block, "@module_end"])

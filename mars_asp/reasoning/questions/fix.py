@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.diagnostic import MarsError
+from mars_asp.diagnostic import MarsError, Span
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.project import Project, project_facts, revised
@@ -46,7 +46,8 @@ def sole_repairs(
 ) -> tuple[Repair, ...]:
     """Return the repairs of those findings that have exactly one: nobody has to choose.
 
-    Where the search ended before all was tried, there may be another. Other arguments are those of
+    Where the search ended before all was tried, there may be another. A line of a file that is
+    included several times has one repair only if each instance has. Other arguments are those of
     `repairs`.
 
     Raises:
@@ -60,7 +61,13 @@ def sole_repairs(
         with_warnings=True,
         most_facts=most_facts,
     )
-    return tuple(repair for repair in found if len(repair.mends) == 1 and repair.complete)
+    several = {_line_of(each) for each in found if len(each.mends) != 1 or not each.complete}
+    return tuple(repair for repair in found if _line_of(repair) not in several)
+
+
+def _line_of(repair: Repair) -> tuple[str, tuple[Span, ...]]:
+    """Return the kind and the locations of a finding, which its instances share."""
+    return repair.consequence.kind, repair.consequence.spans
 
 
 def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Fix | None:

@@ -473,15 +473,17 @@ def order_kept(before: Texts, after: Configuration, edits: Iterable[clingo.Symbo
     controllers of its module may change.
     """
     terms = list(edits)
+    stated = before.project.configuration
     renamed = {}
     unranked = set()
     for term in terms:
         if term.match("rename", 2):
             renamed[term.arguments[0].string] = term.arguments[1].string
         elif term.match("unrank", 1):
-            unranked.add(ends_of(before.relationships[term.arguments[0].number])[0])
+            span = before.relationships[term.arguments[0].number].span
+            # One line of a file that is included twice is two relationships.
+            unranked |= {ends_of(each)[0] for each in stated.relationships if each.span == span}
     now = _ranks(after, {})
-    stated = before.project.configuration
     return all(_is_kept(_ranks(stated, names), now, unranked) for names in ({}, renamed))
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from mars_asp.output import listing
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 
 #: So many errors are named; of more, the first, and how many others there are.
@@ -31,5 +32,4 @@ def unrealised(analysis: Analysis, configuration: str = "this configuration") ->
     message = f"no specification realises {configuration}"
     if not named:
         return message
-    listed = " and ".join(filter(None, (", ".join(named[:-1]), named[-1])))
-    return f"{message}: {listed} prevent{'s' * (len(named) == 1)} it"
+    return f"{message}: {listing(named)} prevent{'s' * (len(named) == 1)} it"

@@ -20,6 +20,7 @@ from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import node_names
+from mars_asp.output import listing
 from mars_asp.reasoning.analysis import Analysis, read_consequences
 from mars_asp.reasoning.findings import CONSEQUENCE, kinds_of
 from mars_asp.reasoning.project import Project, port_names
@@ -283,7 +284,7 @@ def _present(
 def is_there(shown: str, resolves: Sequence[str], number: int = 1) -> str:
     """Return the answer that a node is there, or several of its kind are."""
     there = "is there" if number < 2 else f"is there {_times(number)}"
-    return f"{shown} {there}{f', and resolves {_listed(_named(resolves))}' if resolves else ''}."
+    return f"{shown} {there}{f', and resolves {listing(_named(resolves))}' if resolves else ''}."
 
 
 def holds(shown: str, message: str = "") -> str:
@@ -446,9 +447,9 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
     found = blame(reasoner.project, reasoner.rulebook, kind, None, _never)
     because = "the minimal specification has none" if found is None else found.because
     if same:
-        named = _named([f"{n} ({_listed(_named(specification.resolves[n]))})" for n in same])
+        named = _named([f"{n} ({listing(_named(specification.resolves[n]))})" for n in same])
         words = f"{len(same)} {word}s" if len(same) > 1 else f"one {word}"
-        because = f"the minimal specification has {words}: {_listed(named)}"
+        because = f"the minimal specification has {words}: {listing(named)}"
     pattern = at_module(kind, hole())[0]
     return WhyNot(
         name,
@@ -468,11 +469,6 @@ def _named(words: Sequence[str]) -> Sequence[str]:
     """Return the first of some words, and how many more there are."""
     rest = len(words) - _MOST_NAMED
     return [*words[:_MOST_NAMED], f"{rest} more"] if rest > 0 else words
-
-
-def _listed(words: Sequence[str]) -> str:
-    *others, last = words
-    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:

@@ -112,6 +112,14 @@ def test_repairs_of_random_robots_hold_when_a_program_applies_them(
     assert check_repairs(seed, tmp_path)[2] == []
 
 
+@pytest.mark.parametrize("seed", (1, 5, 8))
+def test_repairs_of_random_included_files_hold_for_all_instances(seed: int, tmp_path: Path) -> None:
+    """More by hand: `python -m tests.support.applied_repairs --seeds 1-300 --instances 2`."""
+    _, tried, wrong = check_repairs(seed, tmp_path, instances=2)
+    assert tried
+    assert wrong == []
+
+
 @settings(few, max_examples=6)
 @given(configurations)
 def test_every_mend_holds_and_none_is_larger_than_it_must_be(configuration: Configuration) -> None:
