@@ -13,18 +13,21 @@ explained.
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
+from pathlib import Path
 
 from mars_asp.cli.lines import remember, whole_line
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.account import Account
-from mars_asp.reasoning.questions.explain import Topic, explain
+from mars_asp.reasoning.questions.explain import Explanation, Topic, explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.synthesis import Node
 from tests.support.random_configurations import (
     random_configuration,
     random_control,
@@ -51,53 +54,61 @@ _KEYWORDS = re.compile(
 STAGES = ("resolve", "account")
 #: Lines that state a relationship or annotate a function.
 _STATES = re.compile(
-    r"\s*(?:@(?!module_|modules|configuration|specification|Vertex)\w|\w.* (?:uses|is)_\w+ )"
+    r"\s*(?:@(?!module_|modules|configuration|specification|sources|include)\w"
+    r"|\w.* (?:uses|is)_\w+ )"
 )
+#: The modules and vertices that a mount joins.
+_MOUNT = re.compile(r"(\w+)(?: (\d+))? +is_mounted_on (\w+)(?: (\d+))?")
 
 
 def topics(text: str, path: str = "config.mars") -> tuple[Topic, ...]:
     """Return what is told of a configuration."""
+    return _explanation(text, path).topics
+
+
+def _explanation(text: str, path: str) -> Explanation:
     reasoner = Reasoner(load_project(path, (), text), load_rulebook(stages=STAGES))
-    return explain(reasoner, traced=False).topics
+    return explain(reasoner, traced=False)
 
 
 def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
     """Yield the lines of a text that are cited and no causes, with what they are cited for."""
     lines = text.splitlines(keepends=True)
     without: dict[int, list[tuple[str, frozenset[int]]]] = {}
-    for sentence, cited in _said(text, path):
-        for at in cited:
+    for answer in _answers(text, path)[0]:
+        for at in answer.cited:
             # A line that is stated twice is still stated.
             if _is_stated_again(lines, at):
                 continue
             if at not in without:
-                rest = [*lines[:at], *lines[at + 1 :]]
                 numbers = [*range(at), *range(at + 1, len(lines))]
                 without[at] = [
-                    (said, frozenset(numbers[n] for n in others))
-                    for said, others in _said("".join(rest), path)
+                    (each.sentence, frozenset(numbers[n] for n in each.cited))
+                    for each in _answers(_without(lines, at), path)[0]
                 ]
             # Elsewhere the same may be said.
-            if any(said == sentence and cited & others for said, others in without[at]):
-                yield f"{lines[at].strip()} for {sentence}"
+            if any(answer.sentence == one and answer.cited & of for one, of in without[at]):
+                yield f"{lines[at].strip()} for {answer.sentence}"
 
 
 def uncited(text: str, path: str = "config.mars") -> Iterator[str]:
-    """Yield the lines without which a finding changes, and that are not cited for it.
+    """Yield the causes to which an answer does not lead, with the answer.
 
-    Headings, blocks and vertices are left out: only a computation shows the effect of a vertex. So
-    are nodes, whose mounts and motions are cited with the InheritanceNode.
+    `docs/explanation/traces.md` defines causes, and when an answer leads to a line.
     """
     lines = text.splitlines(keepends=True)
-    before = [each for each in _said(text, path) if not re.match(_NUMBERED, each[0])]
+    before, _ = _answers(text, path)
     for at, line in enumerate(lines):
-        if not _STATES.match(line) or all(at in cited for _, cited in before):
+        if not _STATES.match(line) or all(at in each.reached for each in before):
             continue
-        rest = "".join([*lines[:at], *lines[at + 1 :]])
-        after = {sentence for sentence, _ in _said(rest, path)}
-        for sentence, cited in before:
-            if after and sentence not in after and at not in cited:
-                yield f"{line.strip()} is missing for {sentence}"
+        after, judged = _answers(_without(lines, at), path)
+        left: dict[tuple[str, ...], set[str]] = {}
+        for each in after:
+            left.setdefault(each.key, set()).update(each.members)
+        for each in before:
+            gone = each.key not in left or not each.members <= left[each.key]
+            if gone and each.sort in judged and at not in each.reached:
+                yield f"{line.strip()} is missing for {each.sentence}"
 
 
 def uncounted(account: Account) -> Iterator[str]:
@@ -134,23 +145,145 @@ def _is_stated_again(lines: Sequence[str], at: int) -> bool:
     return any(line.split()[:3] == related for line in (*lines[:at], *lines[at + 1 :]) if related)
 
 
-@lru_cache(maxsize=200)
-def _said(text: str, path: str) -> list[tuple[str, frozenset[int]]]:
-    """Return what is told of a configuration, without the numbers of nodes, and the lines cited.
+def _without(lines: Sequence[str], at: int) -> str:
+    return "".join([*lines[:at], *lines[at + 1 :]])
 
-    Nothing is told where it cannot be read.
+
+@dataclass(frozen=True)
+class Answer:
+    """An answer: its first sentence without the numbers of nodes, its lines, and those it leads to.
+
+    It is about the consequence or node of a `key`, in which `members` take part or which resolves
+    them.
+    """
+
+    sort: str
+    sentence: str
+    cited: frozenset[int]
+    reached: frozenset[int]
+    key: tuple[str, ...]
+    members: frozenset[str]
+
+
+@lru_cache(maxsize=200)
+def _answers(text: str, path: str) -> tuple[Sequence[Answer], Set[str]]:
+    """Return the answers about a configuration, and the sorts of which none is missing.
+
+    Both are empty where it cannot be read. Nodes are missing where it has no specification.
     """
     try:
-        told = topics(text, path)
+        explanation = _explanation(text, path)
     except MarsError:
-        return []
-    found = []
-    for topic in told:
+        return (), set()
+    found = explanation.topics
+    cited = {topic.name: frozenset[int]() for topic in found}
+    for topic in found:
+        cited[topic.name] |= _lines_of(topic, path) | _noted(topic, path)
+    names = {topic.name: _named(topic, cited) for topic in found}
+    about = [
+        *((f"{c.atom}".split(",", 2), c.participants) for c in explanation.analysis.consequences),
+        *((_key(node, resolves), resolves) for node, resolves in _nodes(explanation)),
+    ]
+    result = []
+    for topic, (key, members) in zip(found, about, strict=True):
         assert topic.account is not None
-        sentence = re.sub(_NUMBERED, r"\1", f"{topic.name}: {topic.account.answer}")
-        cited = {each.span.line - 1 for each in topic.account.cites if each.span.path == path}
-        found.append((sentence, frozenset(cited)))
+        own = _lines_of(topic, path)
+        others = _followed(topic.name, names) - {topic.name}
+        reached = own.union(_noted(topic, path), *(cited[name] for name in others))
+        if topic.name.startswith("emergent_functionality"):
+            reached |= _mounts_below(topic, text)
+        result.append(
+            Answer(
+                topic.sort,
+                re.sub(_NUMBERED, r"\1", f"{topic.name}: {topic.account.answer}"),
+                own,
+                reached | _vertices(text, reached),
+                tuple(key),
+                frozenset(members),
+            )
+        )
+    return result, {"consequence"} if explanation.synthesis is None else {"consequence", "node"}
+
+
+def _nodes(explanation: Explanation) -> Iterator[tuple[Node, Sequence[str]]]:
+    """Yield the nodes of a specification, with the consequences that each resolves."""
+    if explanation.synthesis is not None:
+        introduced = explanation.synthesis.specification
+        yield from ((node, introduced.resolves[node.name]) for node in introduced.nodes)
+
+
+def _key(node: Node, resolves: Sequence[str]) -> tuple[str, ...]:
+    """Return the kind of a node, and its term if it resolves nothing.
+
+    A node that resolves the same as another of its kind does is there in its stead.
+    """
+    return (node.kind, "" if resolves else node.term)
+
+
+def _lines_of(topic: Topic, path: str) -> frozenset[int]:
+    assert topic.account is not None
+    return frozenset(each.span.line - 1 for each in topic.account.cites if each.span.path == path)
+
+
+def _noted(topic: Topic, path: str) -> frozenset[int]:
+    """Return the lines of which the sentences below an answer name the place."""
+    assert topic.account is not None
+    place = rf"{re.escape(Path(path).name)}:(\d+)"
+    return frozenset(int(n) - 1 for note in topic.account.notes for n in re.findall(place, note))
+
+
+def _named(topic: Topic, names: Iterable[str]) -> set[str]:
+    """Return the consequences that a node resolves, and the nodes that its sentences name."""
+    assert topic.account is not None
+    words = set(re.findall(r"\w+", " ".join([topic.account.answer or "", *topic.account.notes])))
+    return {name for name in names if name in words or name in topic.resolves}
+
+
+def _followed(name: str, named: Mapping[str, set[str]]) -> set[str]:
+    """Return a name and all that it leads to."""
+    found, ahead = {name}, [name]
+    while ahead:
+        more = named[ahead.pop()] - found
+        found |= more
+        ahead += more
     return found
+
+
+def _mounts_below(topic: Topic, text: str) -> frozenset[int]:
+    """Return the mounts from the subject of a finding to the modules that its lines name."""
+    assert topic.account is not None
+    named = {each for line in topic.account.cites for each in re.findall(r"`(\w+)`", line.label)}
+    mounts = {
+        mount[1]: (at, mount[3])
+        for at, line in enumerate(text.splitlines())
+        if (mount := re.match(_MOUNT, line))
+    }
+    module, found, ahead = topic.name.partition("(")[2].rstrip(")"), set[int](), set[int]()
+    while module in mounts and mounts[module][0] not in ahead:
+        at, module = mounts[module]
+        ahead.add(at)
+        if module in named:
+            found |= ahead
+    return frozenset(found)
+
+
+def _vertices(text: str, reached: Set[int]) -> frozenset[int]:
+    """Return the vertices that the mounts among some lines join; an unwritten one is 0."""
+    lines = text.splitlines()
+    joined = {
+        (module, number or "0")
+        for at in reached
+        for mount in re.finditer(_MOUNT, lines[at])
+        for module, number in (mount.group(1, 2), mount.group(3, 4))
+    }
+    found, module = set(), ""
+    for at, line in enumerate(lines):
+        word, _, rest = line.strip().partition(" ")
+        if word == "@module_name":
+            module = rest.strip()
+        elif word == "@Vertex" and (module, rest.split()[0]) in joined:
+            found.add(at)
+    return frozenset(found)
 
 
 def main(words: Sequence[str]) -> int:

@@ -25,6 +25,7 @@ from mars_asp.reasoning.questions.capability import capability
 from mars_asp.reasoning.questions.explain import Topic, explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
+from tests.support import counterfactual
 from tests.support.counterfactual import (
     KINDS,
     STAGES,
@@ -35,7 +36,6 @@ from tests.support.counterfactual import (
     uncounted,
 )
 from tests.support.documents import ROOT
-from tests.support.random_configurations import random_configuration, random_control, random_twins
 
 CASES = sorted((ROOT / "tests" / "accounts").glob("*.mars"))
 #: Robots in files of others, and what is told of each, beside them.
@@ -192,9 +192,27 @@ def test_whatever_is_cited_of_random_configurations_is_a_cause(kind: type) -> No
     assert list(uncaused(kind(0))) == []
 
 
-@pytest.mark.parametrize("kind", [random_configuration, random_control, random_twins])
-def test_each_cause_of_a_random_finding_is_cited(kind: Callable[[int], str]) -> None:
-    assert list(uncited(kind(0))) == []
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_answer_leads_to_each_cause(kind: Callable[[int], str]) -> None:
+    assert list(uncited(kind(2))) == []
+
+
+@pytest.mark.parametrize(
+    "path", [*CASES[1::8], *EXAMPLES[1::9]], ids=lambda path: str(path.relative_to(ROOT))
+)
+def test_an_answer_leads_to_each_cause_in_a_case(path: Path) -> None:
+    assert list(uncited(path.read_text(encoding="utf-8"), str(path))) == []
+
+
+def test_a_cause_that_no_answer_cites_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "@configuration\n@modules A, B, C\nB uses_data_from A\nC uses_data_from A\n"
+    assert list(uncited(text)) == []
+    monkeypatch.setattr(counterfactual, "_lines_of", lambda topic, path: frozenset())
+    missing = [f"{line} uses_data_from A is missing for" for line in "BC"]
+    found = list(uncited(text, "other.mars"))
+    for node_or_finding in ("data_divergence(A)", "DataSplitter"):
+        lines = [each for each in found if node_or_finding in each]
+        assert [each.partition(f" {node_or_finding}")[0] for each in lines] == missing
 
 
 @pytest.mark.parametrize("kind", KINDS)
