@@ -3,7 +3,6 @@
 Rules compute with whole numbers, so they count in small units; nobody wants to read these.
 """
 
-import re
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from functools import cache
@@ -48,16 +47,6 @@ _SORTS = [
 ]
 
 
-def _written(unit: str, power: int) -> dict[str, int]:
-    """Return the units in which a sort can be written, those that are as large or larger."""
-    known = {
-        f"{sign}{unit}": 10 ** (other - power)
-        for other, sign in _SIGNS.items()
-        if other >= power and (other >= 0 or unit[0] != "B")
-    }
-    return {**known, "min": 60 * known["s"]} if "s" in known else known
-
-
 def _scaled_unit(unit: str, power: int) -> tuple[int, str]:
     """Return the unit that is shown for a sort: without a prefix where it is not very small."""
     if power >= 0:
@@ -84,19 +73,9 @@ UNITS: Mapping[str, tuple[int, str]] = {
 #: By the name of a sort, from how many on it is shown in another unit.
 _LARGER: Mapping[str, tuple[int, str]] = {"micrometres": (1_000_000, " m")}
 
-#: By the name of a sort, how many of it are one of each unit that it can be written in.
-WRITTEN: Mapping[str, Mapping[str, int]] = {
-    **{sort: _written(unit, power) for sort, unit, power in _SORTS},
-    "instant": _written("s", -3),
-    "millionths": {"%": 10_000},
-    "thousandths": {"%": 10},
-}
-_OF_EXACT = {
-    unit: sort
-    for sort, units in WRITTEN.items()
-    for unit, count in units.items()
-    if count == 1 and sort != "instant"
-}
+#: By the name of a sort its unit and power of ten, of those that can be written in several units.
+_MEASURED = {sort: (unit, power) for sort, unit, power in _SORTS} | {"instant": ("s", -3)}
+_OF_EXACT = {f"{_SIGNS[power]}{unit}": sort for sort, unit, power in _SORTS}
 #: The sorts by how their units are written, also in small letters; of two the smaller one is meant.
 OF_UNITS: Mapping[str, str] = {
     **{unit.lower(): sort for unit, sort in reversed(_OF_EXACT.items())},
@@ -104,20 +83,31 @@ OF_UNITS: Mapping[str, str] = {
 }
 #: A unit behind its number, from which no line break may part it; `as` is a word first.
 UNIT = (
-    "(?:"
-    + "|".join(
-        sorted({re.escape(u.strip()) for _, u in UNITS.values()} - {"as", r"a\ second"}, key=len)
-    )
-    + r"|um)(?![\w/])"
+    rf"(?!as\b)(?:(?:{'|'.join(filter(None, _SIGNS.values()))})?"
+    rf"(?:{'|'.join(_BASES.values())})(?:/s)?|%)(?![\w/])"
 )
 #: The sorts of whole numbers.
 NUMBERS = frozenset({*UNITS, "number", "count", "index", "vertex", "priority", "cost"})
 
 
 @cache
+def units_of(sort: str) -> Mapping[str, int]:
+    """Return how many of a sort are one of each unit that it can be written in."""
+    if sort not in _MEASURED:
+        return {"millionths": {"%": 10_000}, "thousandths": {"%": 10}}.get(sort, {})
+    unit, power = _MEASURED[sort]
+    known = {
+        f"{sign}{unit}": 10 ** (other - power)
+        for other, sign in _SIGNS.items()
+        if other >= power and (other >= 0 or unit[0] != "B")
+    }
+    return {**known, "min": 60 * known["s"]} if "s" in known else known
+
+
+@cache
 def times_as_many(sort: str, other: str) -> Fraction | None:
     """Return how many of another sort there are for one of a sort of the same measure."""
-    one, two = WRITTEN.get(sort, {}), WRITTEN.get(other, {})
+    one, two = units_of(sort), units_of(other)
     common = next(iter(one.keys() & two.keys()), None)
     return None if common is None else Fraction(two[common], one[common])
 
@@ -138,7 +128,7 @@ def measured_alike(numbers: Iterable[int], sort: str) -> tuple[str, ...]:
     40 and 50 milliseconds are `40 ms` and `50 ms`, 1500 and 2000 are `1.5 s` and `2 s`.
     """
     numbers = tuple(numbers)
-    own = next((unit for unit, count in WRITTEN.get(sort, {}).items() if count == 1), None)
+    own = next((unit for unit, count in units_of(sort).items() if count == 1), None)
     if own is not None and any(0 < abs(number) < UNITS[sort][0] for number in numbers):
         return tuple(f"{number} {own}" for number in numbers)
     return tuple(measured(number, sort) for number in numbers)

@@ -13,7 +13,7 @@ from mars_asp.asp.rules.declarations import Argument, Declaration
 from mars_asp.asp.rules.namespaces import spaced
 from mars_asp.asp.rules.read import NameSpace
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
-from mars_asp.asp.units import NUMBERS, WRITTEN, usual
+from mars_asp.asp.units import NUMBERS, units_of, usual
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.model.attributes import TAG, Attribute, read_measure
 from mars_asp.model.declarations import Configuration, Module, ends_of
@@ -287,7 +287,7 @@ class _Wrong(NamedTuple):
 
 def _number(written: str, sort: str) -> "int | _Wrong":
     """Return a whole number of a sort that a value writes, with or without a unit."""
-    units = WRITTEN.get(sort, {})
+    units = units_of(sort)
     shown = f" of {', '.join(usual(units))}" if units else ""
     read = read_measure(written)
     if read is None:

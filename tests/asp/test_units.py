@@ -4,7 +4,7 @@ from collections import Counter
 import pytest
 
 from mars_asp.asp.messages import fill
-from mars_asp.asp.units import OF_UNITS, UNIT, UNITS, WRITTEN, measured, times_as_many
+from mars_asp.asp.units import OF_UNITS, UNIT, UNITS, measured, times_as_many, units_of
 
 
 @pytest.mark.parametrize(
@@ -59,12 +59,12 @@ def test_each_sort_is_written_in_its_own_unit_and_in_larger_ones() -> None:
         "bytes": {"B": 1, "QB": 10**30},
     }
     for sort, units in known.items():
-        assert WRITTEN[sort].items() >= units.items()
-    assert "nW" not in WRITTEN["milliwatts"] and "mB" not in WRITTEN["bytes"]
+        assert units_of(sort).items() >= units.items()
+    assert "nW" not in units_of("milliwatts") and "mB" not in units_of("bytes")
 
 
 def test_each_measure_has_all_prefixes_and_no_two_sorts_one_unit() -> None:
-    own = [(u, s) for s, units in WRITTEN.items() for u, n in units.items() if n == 1]
+    own = [(u, s) for s in UNITS for u, n in units_of(s).items() if n == 1]
     units = Counter(unit for unit, sort in own if sort != "instant")
     assert [unit for unit, count in units.items() if count > 1] == []
     signs = [*"qryzafpnumcd", "", "da", *"hkMGTPEZYRQ"]
