@@ -4,7 +4,6 @@ import contextlib
 import errno
 import os
 import re
-import secrets
 import shutil
 import stat
 import sys
@@ -20,10 +19,10 @@ if sys.platform != "win32":
 #: How the names of files begin that are being written.
 _TEMPORARY = ".mars-asp."
 #: The whole name of one: 16 random digits, and its inode.
-_OF_INODE = re.compile(re.escape(_TEMPORARY) + "[0-9a-f]{16}[.]([0-9a-f]{1,16})")
+_OF_INODE = re.escape(_TEMPORARY) + "[0-9a-f]{16}[.]([0-9a-f]{1,16})"
 #: What opens a link, a picture, HTML, a character or code in Markdown, and a block in a line.
-_SIGN = re.compile(r"[\\<>\[\]&`]")
-_FIRST = re.compile(r"(?m)^( {0,3}[0-9]{0,9})([#+=|~*.)-])")
+_SIGN = r"[\\<>\[\]&`]"
+_FIRST = r"(?m)^( {0,3}[0-9]{0,9})([#+=|~*.)-])"
 _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
 
 
@@ -48,8 +47,8 @@ def markdown(text: str) -> str:
     It begins no list or heading, and holds no link, picture or HTML.
     """
     parts = re.split(r"(`[^`\n]+`)", text)
-    parts[::2] = [_SIGN.sub(r"\\\g<0>", part) for part in parts[::2]]
-    return _FIRST.sub(r"\1\\\2", "".join(parts))
+    parts[::2] = [re.sub(_SIGN, r"\\\g<0>", part) for part in parts[::2]]
+    return re.sub(_FIRST, r"\1\\\2", "".join(parts))
 
 
 def fenced(text: str, language: str = "text") -> str:
@@ -266,7 +265,7 @@ def _named_by_inode(folder: Path) -> tuple[int, Path]:
     try:
         # Where files cannot be locked, nothing can be removed either.
         _lock(handle)
-        name = folder / f"{_TEMPORARY}{secrets.token_hex(8)}.{os.fstat(handle).st_ino:x}"
+        name = folder / f"{_TEMPORARY}{os.urandom(8).hex()}.{os.fstat(handle).st_ino:x}"
         # A folder has to be given for the link to be followed; an absolute path ignores it.
         os.link(f"/proc/self/fd/{handle}", name, src_dir_fd=handle, follow_symlinks=True)
     except OSError:
@@ -281,7 +280,7 @@ def _remove_unlocked(path: Path) -> None:
     Raises:
         OSError: it is locked, or cannot be removed.
     """
-    named = _OF_INODE.fullmatch(path.name)
+    named = re.fullmatch(_OF_INODE, path.name)
     if named is None:
         return
     handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)

@@ -18,7 +18,7 @@ _TABLES = ("table", "table_array_element")
 #: No key of ours has more parts.
 _DEEPEST = 4
 #: One escape of a key in double quotes.
-_ESCAPE = re.compile(r"\\(?:u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|(.))")
+_ESCAPE = r"\\(?:u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|(.))"
 _CONTROL = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r"}
 #: As many bits as a whole number of TOML has, and a depth that no file of ours reaches.
 _MOST_BITS, _MOST_NESTING = 64, 100
@@ -175,7 +175,7 @@ def _meant(part: "Node") -> str:
     text = (part.text or b"").decode()
     if part.type != "quoted_key":
         return text
-    return text[1:-1] if text[0] == "'" else _ESCAPE.sub(_unescaped, text[1:-1])
+    return text[1:-1] if text[0] == "'" else re.sub(_ESCAPE, _unescaped, text[1:-1])
 
 
 def _unescaped(match: re.Match[str]) -> str:

@@ -12,8 +12,8 @@ _UNDEFINED = "operation undefined: "
 _TEXT = re.compile(r'"(?:\\.|[^"\\])*"?|[^"]+')
 #: What may name a predicate.
 _NAME = re.compile(r"[a-z][\w']*")
-_NOTE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: (?:error|info): (.*)", re.DOTALL)
-_UNSAFE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: note: '(\w+'*)' is unsafe")
+_NOTE = r"(?s)<block>:(\d+):(\d+)(?:-[\d:]+)?: (?:error|info): (.*)"
+_UNSAFE = r"<block>:(\d+):(\d+)(?:-[\d:]+)?: note: '(\w+'*)' is unsafe"
 
 
 class Premises(NamedTuple):
@@ -122,13 +122,14 @@ def blank(text: str) -> str:
 
 def notes(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Note]:
     """Yield what clingo says of the text of some fragments, in the order in which it was said."""
-    for match in filter(None, map(_NOTE.match, said)):
+    for match in filter(None, (re.match(_NOTE, each) for each in said)):
         found = _located(fragments, int(match[1]), int(match[2]))
         if found is not None:
             place, is_copy = found
             variables: dict[str, Span] = {}
             for line, column, name in sorted(
-                (int(line), int(column), name) for line, column, name in _UNSAFE.findall(match[3])
+                (int(line), int(column), name)
+                for line, column, name in re.findall(_UNSAFE, match[3])
             ):
                 location = _located(fragments, line, column)
                 variables.setdefault(name, place if location is None else location[0])

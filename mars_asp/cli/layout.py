@@ -15,9 +15,9 @@ _COLUMNS = 80
 _FEWEST = 20
 #: A word, what is written between backticks unless that is long, and a number with its unit. A
 #: backtick behind a letter or a full stop closes what is quoted, also where that holds backticks.
-_WORD = re.compile(rf"(?:(?<![\w.`])`[^`]{{0,40}}`|\d (?={UNIT})|\S)+")
+_WORD = rf"(?:(?<![\w.`])`[^`]{{0,40}}`|\d (?={UNIT})|\S)+"
 #: The rule or code that a text ends with.
-_REFERENCE = re.compile("(?:\x1b\\[[0-9;]*m)*\\[[^\\s\\[]*\\](?:\x1b\\[[0-9;]*m)*")
+_REFERENCE = "(?:\x1b\\[[0-9;]*m)*\\[[^\\s\\[]*\\](?:\x1b\\[[0-9;]*m)*"
 _STYLE = re.compile("\x1b\\[[0-9;]*m")
 
 
@@ -62,14 +62,14 @@ def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[s
         return [first + text]
     lines: list[list[str]] = [[]]
     taken = cells(first)
-    for word in _WORD.findall(text):
+    for word in re.findall(_WORD, text):
         size = cells(word)
         if lines[-1] and taken + 1 + size > width:
             lines.append([])
             taken = cells(further)
         taken += size + bool(lines[-1])
         lines[-1].append(word)
-    if len(lines) > 1 and len(lines[-2]) > 1 and _REFERENCE.fullmatch(" ".join(lines[-1])):
+    if len(lines) > 1 and len(lines[-2]) > 1 and re.fullmatch(_REFERENCE, " ".join(lines[-1])):
         if taken + 1 + cells(lines[-2][-1]) <= width:
             lines[-1].insert(0, lines[-2].pop())
     heads = [first, *(further for _ in lines[1:])]

@@ -9,21 +9,18 @@ from mars_asp.model.declarations import FOREIGN
 FORMATS = ("mars", *FOREIGN)
 #: Others' files show what they are in so many characters, and none takes long to be looked at.
 _HEAD = 256 * 1024
-_OURS = re.compile(r"^[ \t]*@(?:configuration|specification|modules|module_start)\b", re.MULTILINE)
+_OURS = r"(?m)^[ \t]*@(?:configuration|specification|modules|module_start)\b"
 #: A key that begins the parameters of a mux, dotted or not.
-_MUX = re.compile(
-    r"(?:^|[{,])[ \t{\"']{0,40}(?:- {1,8})?(?:topics|locks|subscribers|ros__parameters)"
-    r"(?:\.[^\s:]{1,200})?[\"']?[ \t]{0,8}:",
-    re.MULTILINE,
+_MUX = (
+    r"(?m)(?:^|[{,])[ \t{\"']{0,40}(?:- {1,8})?(?:topics|locks|subscribers|ros__parameters)"
+    r"(?:\.[^\s:]{1,200})?[\"']?[ \t]{0,8}:"
 )
 
 
-def _key(names: str) -> re.Pattern[str]:
+def _key(names: str) -> str:
     """Return what finds a key of YAML or JSON, at whichever depth."""
-    return re.compile(
-        rf"(?:^|[{{,])[ \t]{{0,200}}(?:-[ \t]{{1,8}}){{0,8}}[\"']?(?:{names})[\"']?[ \t]{{0,8}}:",
-        re.MULTILINE,
-    )
+    begin = r"(?m)(?:^|[{,])[ \t]{0,200}(?:-[ \t]{1,8}){0,8}"
+    return rf"{begin}[\"']?(?:{names})[\"']?[ \t]{{0,8}}:"
 
 
 #: What may stand before the root of a document in XML.
@@ -40,26 +37,19 @@ def _root(name: str) -> str:
 
 
 #: What a launch file says: in Python a function, in XML its root, in YAML its first key.
-_LAUNCH = re.compile(
-    rf"^def generate_launch_description\b|^launch:|{_root('launch')}", re.MULTILINE
-)
+_LAUNCH = rf"(?m)^def generate_launch_description\b|^launch:|{_root('launch')}"
 #: What begins a document of URDF, expanded or not.
-_URDF = re.compile(_root("robot"))
-_NODES = re.compile(r"(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:", re.MULTILINE)
+_URDF = _root("robot")
+_NODES = r"(?m)(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:"
 _ID = _key("id")
 #: The kinds of dumps of a graph, each by what it alone says.
-_DUMPS: Mapping[str, tuple[re.Pattern[str], ...]] = {
+_DUMPS: Mapping[str, tuple[str, ...]] = {
     "dot": (
-        re.compile(
-            r"\A(?:\s++|//[^\n]*+|/\*(?:[^*]|\*(?!/))*+\*/|\#[^\n]*+)*+"
-            r"(?:strict\s{1,40})?(?:di)?graph\b[^{;=:\n]{0,200}\s{0,40}\{",
-            re.IGNORECASE,
-        ),
+        r"(?i)\A(?:\s++|//[^\n]*+|/\*(?:[^*]|\*(?!/))*+\*/|\#[^\n]*+)*+"
+        r"(?:strict\s{1,40})?(?:di)?graph\b[^{;=:\n]{0,200}\s{0,40}\{",
     ),
-    "topic_info": (
-        re.compile(r"^[ \t]{0,40}(?:Publisher|Subscri(?:ber|ption)) count:", re.MULTILINE),
-    ),
-    "node_info": (re.compile(r"^[ \t]{1,40}(?:Publishers|Subscribers):[ \t]*$", re.MULTILINE),),
+    "topic_info": (r"(?m)^[ \t]{0,40}(?:Publisher|Subscri(?:ber|ption)) count:",),
+    "node_info": (r"(?m)^[ \t]{1,40}(?:Publishers|Subscribers):[ \t]*$",),
     "rosdiscover": (_key("fullname"), _key("pubs|subs")),
     "caret": (_NODES, _key("node_name")),
 }
@@ -69,26 +59,27 @@ def dump_of(text: str) -> str | None:
     """Return which kind of dump of a graph a text is; `None` where it is none."""
     head = text[:_HEAD]
     return next(
-        (kind for kind, signs in _DUMPS.items() if all(sign.search(head) for sign in signs)), None
+        (kind for kind, signs in _DUMPS.items() if all(re.search(sign, head) for sign in signs)),
+        None,
     )
 
 
 def is_launch(text: str) -> bool:
     """Whether a text is a launch file."""
-    return _LAUNCH.search(text[:_HEAD]) is not None
+    return re.search(_LAUNCH, text[:_HEAD]) is not None
 
 
 def recognised(text: str) -> str:
     """Return the format that a text is in, `mars` where it is no other that is known."""
-    if _OURS.search(text):
+    if re.search(_OURS, text):
         return "mars"
     if is_launch(text):
         return "ros2"
-    if _URDF.match(text[:_HEAD]):
+    if re.match(_URDF, text[:_HEAD]):
         return "urdf"
     if dump_of(text) is not None:
         return "rosgraph"
     head = text[:_HEAD]
-    if _NODES.search(head) and _ID.search(head):
+    if re.search(_NODES, head) and re.search(_ID, head):
         return "dora"
-    return "twist_mux" if _MUX.search(head) else "mars"
+    return "twist_mux" if re.search(_MUX, head) else "mars"

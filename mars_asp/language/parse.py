@@ -38,21 +38,19 @@ MOST_ERRORS = 500
 ABSTRACT = "no converter declared"
 #: Those of Unicode that are no white space.
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1b\x7f-\x84\x86-\x9f]")
-_CONVERSION = re.compile(
+_CONVERSION = (
     r"(?://|#)[ \t]*(?P<node>DataTransformer[0-9]+):[ \t]*"
     rf"(?P<converter>{BARE}|{QUOTED}|{ABSTRACT})[ \t]*\((?P<source>[^\n]*?) -> (?P<target>[^\n]*)\)"
 )
-_STAND_IN = re.compile(
-    rf"(?://|#)[ \t]*(?P<node>InheritanceNode[0-9]+):"
-    rf"[ \t]*(?P<module>{BARE}|{QUOTED})[ \t]*(?= -- |$)",
-    re.MULTILINE,
+_STAND_IN = (
+    rf"(?m)(?://|#)[ \t]*(?P<node>InheritanceNode[0-9]+):"
+    rf"[ \t]*(?P<module>{BARE}|{QUOTED})[ \t]*(?= -- |$)"
 )
 #: Behind the name of a node in a comment, before that of its rule pack.
 OF_PACK = "node of the pack"
-_PACK_NODE = re.compile(
-    rf"(?://|#)[ \t]*(?P<node>{BARE}|{QUOTED}):[ \t]*{OF_PACK}[ \t]+(?P<pack>[a-z][a-z0-9_-]*)"
-    r"[ \t]*(?= -- |$)",
-    re.MULTILINE,
+_PACK_NODE = (
+    rf"(?m)(?://|#)[ \t]*(?P<node>{BARE}|{QUOTED}):[ \t]*{OF_PACK}[ \t]+(?P<pack>[a-z][a-z0-9_-]*)"
+    r"[ \t]*(?= -- |$)"
 )
 
 
@@ -63,13 +61,10 @@ NOT_ALL_READ = "not all topics read"
 #: Behind the name of a module in a comment, before which mux its commands pass.
 OF_MUX = "commands pass a"
 _END = r"[ \t]*(?= -- |$)"
-_IMPORTED = re.compile(
-    rf"^[ \t]*(?://|#)[ \t]*{IMPORTED}[ \t]+(?P<format>{'|'.join(FOREIGN)}){_END}", re.MULTILINE
-)
-_ABOUT_IMPORTED = re.compile(
-    rf"^[ \t]*(?://|#)[ \t]*(?P<module>{BARE}|{QUOTED}):[ \t]*"
-    rf"(?:{NOT_ALL_READ}|{OF_MUX}[ \t]+(?P<engine>{'|'.join(ENGINES)})){_END}",
-    re.MULTILINE,
+_IMPORTED = rf"(?m)^[ \t]*(?://|#)[ \t]*{IMPORTED}[ \t]+(?P<format>{'|'.join(FOREIGN)}){_END}"
+_ABOUT_IMPORTED = (
+    rf"(?m)^[ \t]*(?://|#)[ \t]*(?P<module>{BARE}|{QUOTED}):[ \t]*"
+    rf"(?:{NOT_ALL_READ}|{OF_MUX}[ \t]+(?P<engine>{'|'.join(ENGINES)})){_END}"
 )
 
 
@@ -276,32 +271,32 @@ def _conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
             match["target"],
             layout.span(match.start("node"), match.end("target")),
         )
-        for match in _outside(_CONVERSION, layout, blocks)
+        for match in _outside("DataTransformer", _CONVERSION, layout, blocks)
     )
 
 
 def _stand_ins(layout: Layout, blocks: Blocks) -> Iterator[StandIn]:
     """Yield what comments of InheritanceNodes say, outside of module blocks."""
-    for match in _outside(_STAND_IN, layout, blocks):
+    for match in _outside("InheritanceNode", _STAND_IN, layout, blocks):
         span = layout.span(match.start("node"), match.end("module"))
         yield StandIn(match["node"], plain(match["module"]), span)
 
 
 def _pack_nodes(layout: Layout, blocks: Blocks) -> Iterator[PackNode]:
     """Yield the nodes of rule packs that comments name."""
-    for match in _outside(_PACK_NODE, layout, blocks):
+    for match in _outside(OF_PACK, _PACK_NODE, layout, blocks):
         span = layout.span(match.start("node"), match.end("pack"))
         yield PackNode(plain(match["node"]), match["pack"], span)
 
 
 def _with_origin(configuration: Configuration, layout: Layout, blocks: Blocks) -> Configuration:
     """Return a configuration with what comments tell of the files that it was imported from."""
-    imported = next(_outside(_IMPORTED, layout, blocks), None)
+    imported = next(_outside(IMPORTED, _IMPORTED, layout, blocks), None)
     if imported is None:
         return configuration
     opaque: list[Name] = []
     muxes: list[Muxed] = []
-    for match in _outside(_ABOUT_IMPORTED, layout, blocks):
+    for match in _outside("", _ABOUT_IMPORTED, layout, blocks):
         module, span = plain(match["module"]), layout.span(match.start("module"), match.end())
         engine = next((each for each in ENGINES if each == match["engine"]), None)
         if engine is None:
@@ -313,10 +308,12 @@ def _with_origin(configuration: Configuration, layout: Layout, blocks: Blocks) -
     )
 
 
-def _outside(pattern: re.Pattern[str], layout: Layout, blocks: Blocks) -> Iterator[re.Match[str]]:
-    """Yield the matches of a comment that are not in module blocks."""
+def _outside(words: str, pattern: str, layout: Layout, blocks: Blocks) -> Iterator[re.Match[str]]:
+    """Yield the matches of a comment, in which are some words, that are not in module blocks."""
+    if words not in layout.text:
+        return  # as in most files: the pattern need not be compiled
     inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
-    for match in pattern.finditer(layout.text):
+    for match in re.finditer(pattern, layout.text):
         if layout.position(match.start())[0] not in inside:
             yield match
 

@@ -51,8 +51,8 @@ PERIODIC = "NotifyAtFrequency"
 #: A path, and the name that what it holds stands behind: after the last `as` before a name, else
 #: what stands there instead of one.
 _AS = (
-    re.compile(rf"(?P<path>.*\S)\s+as\s+(?P<name>{BARE}|{QUOTED})"),
-    re.compile(r"(?P<path>.*?\S)\s+as\s+(?P<name>.*)"),
+    rf"(?P<path>.*\S)\s+as\s+(?P<name>{BARE}|{QUOTED})",
+    r"(?P<path>.*?\S)\s+as\s+(?P<name>.*)",
 )
 
 
@@ -183,7 +183,7 @@ class Builder:
     def _add_include(self, children: list[Word]) -> None:
         (word,) = children
         path, name = word.strip(), None
-        match = next(filter(None, (form.fullmatch(path) for form in _AS)), None)
+        match = next(filter(None, (re.fullmatch(form, path) for form in _AS)), None)
         if match is not None:
             name = read_name(match["name"])
             path = match["path"]

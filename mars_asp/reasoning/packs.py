@@ -41,12 +41,12 @@ FOLDERS: Mapping[str, str] = {
 _OTHERS = ("cases", "docs", "examples", "tests")
 _CODE = "pack"
 _KEYS = ("name", "version", "summary", "needs", "node")
-_NAME = re.compile(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*")
-_VERSION = re.compile(r"[0-9]{1,9}(\.[0-9]{1,9})*")
-_NEED = re.compile(r"([a-z][a-z0-9_-]*?)\s*(?:(>=|==|<)\s*([0-9]{1,9}(?:\.[0-9]{1,9})*))?")
-_KIND = re.compile(r"[a-z][a-z0-9_]*")
-_NODE_NAME = re.compile(r"[A-Z][A-Za-z]*")
-_COLOUR = re.compile(r"#[0-9a-fA-F]{6}")
+_NAME = r"[a-z][a-z0-9]*([-_][a-z0-9]+)*"
+_VERSION = r"[0-9]{1,9}(\.[0-9]{1,9})*"
+_NEED = r"([a-z][a-z0-9_-]*?)\s*(?:(>=|==|<)\s*([0-9]{1,9}(?:\.[0-9]{1,9})*))?"
+_KIND = r"[a-z][a-z0-9_]*"
+_NODE_NAME = r"[A-Z][A-Za-z]*"
+_COLOUR = r"#[0-9a-fA-F]{6}"
 #: The keys of a kind of node, and what each can say; nothing where any text can stand.
 _NODE_KEYS: Mapping[str, tuple[str, ...]] = {
     "kind": (),
@@ -290,7 +290,7 @@ class _Reader:
                 written = "is missing" if value is None else f"is {value!r}"
                 self._wrong(f"`{key}` {written}", f"one of {', '.join(choices)}", *at, key)
         colour = table.get("colour")
-        if colour is not None and not (isinstance(colour, str) and _COLOUR.fullmatch(colour)):
+        if colour is not None and not (isinstance(colour, str) and re.fullmatch(_COLOUR, colour)):
             self._wrong(f"`colour` is {colour!r}", "write it as `#1f77b4`", *at, "colour")
         return PackKind(
             kind,
@@ -312,7 +312,7 @@ class _Reader:
             self._wrong("`needs` must be a list", 'write `needs = ["mars-asp >= 0.1"]`', "needs")
             return
         for number, each in enumerate(needs):
-            match = _NEED.fullmatch(each.strip()) if isinstance(each, str) else None
+            match = re.fullmatch(_NEED, each.strip()) if isinstance(each, str) else None
             if match is None:
                 advice = 'write a name, or a name and a version: "redundancy >= 1.0"'
                 self._wrong(f"{each!r} is not what a pack needs", advice, "needs", number)
@@ -324,14 +324,14 @@ class _Reader:
         self,
         table: Mapping[str, Any],
         key: str,
-        form: re.Pattern[str],
+        form: str,
         made_of: str,
         at: tuple[str | int, ...],
     ) -> str:
         value = table.get(key)
         if value is None:
             self._wrong(f"`{key}` is missing", f'write `{key} = "..."`', *at)
-        elif not isinstance(value, str) or not form.fullmatch(value):
+        elif not isinstance(value, str) or not re.fullmatch(form, value):
             self._wrong(f"`{key}` is {value!r}", f"write it in {made_of}", *at, key)
         return str(value)
 
