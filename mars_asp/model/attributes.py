@@ -12,12 +12,11 @@ from mars_asp.model.names import BARE, QUOTED
 
 TAG, PROPERTY = "Tag", "Property"
 WORDS = (TAG, PROPERTY)
-_NAME = re.compile(r"[A-Za-z_]\w*")
+_NAME = r"[A-Za-z_]\w*"
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
 #: A number, with or without its unit.
-_MEASURE = re.compile(rf"({_NUMBER})\s*([^\W\d_]+(?:/[^\W\d_]+)?|%)?")
-_VALUE = re.compile(rf"{_MEASURE.pattern}|{BARE}|{QUOTED}")
-_GAP = re.compile(r"\s+")
+_MEASURE = rf"({_NUMBER})\s*([^\W\d_]+(?:/[^\W\d_]+)?|%)?"
+_VALUE = rf"{_MEASURE}|{BARE}|{QUOTED}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +52,9 @@ class AttributeProblem(NamedTuple):
 
 def read_attribute(word: str, text: str) -> tuple[str, str | None] | AttributeProblem:
     """Return the name and the value that stand behind `@Tag` or `@Property`."""
-    name, value = (*_GAP.split(text.strip(), maxsplit=1), "")[:2]
+    name, value = (*re.split(r"\s+", text.strip(), maxsplit=1), "")[:2]
     begin = len(text.rstrip()) - len(value)
-    if not _NAME.fullmatch(name):
+    if not re.fullmatch(_NAME, name):
         found = f"found `{name}`" if name else "found nothing"
         help_text = f"write `{_form(word)}`, the name in letters, digits and `_`"
         return AttributeProblem(
@@ -71,7 +70,7 @@ def read_attribute(word: str, text: str) -> tuple[str, str | None] | AttributePr
         message = f"`@Property {name}` without a value"
         help_text = f"write `{_form(word)}`, or `@Tag {name}` for what has no value"
         return AttributeProblem(message, help_text, 0, len(text))
-    if not _VALUE.fullmatch(value):
+    if not re.fullmatch(_VALUE, value):
         message = f"expected a value, found `{value}`"
         help_text = "write a number, a word, or text in double quotes"
         return AttributeProblem(message, help_text, begin, len(text))
@@ -80,7 +79,7 @@ def read_attribute(word: str, text: str) -> tuple[str, str | None] | AttributePr
 
 def read_measure(value: str) -> tuple[str, str] | None:
     """Return the number and the unit, empty without one, that a value writes, if it writes any."""
-    match = _MEASURE.fullmatch(value)
+    match = re.fullmatch(_MEASURE, value)
     return None if match is None else (match[1], match[2] or "")
 
 
