@@ -22,6 +22,7 @@ from mars_asp.cli.reason import (
     STANDARD_INPUT,
     analyse_project,
     check_inputs,
+    judged_trees,
     load,
     robots,
     rulebook_for,
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
 RESULT_FORMATS = FINDING_FORMATS
 _Rules: TypeAlias = Callable[[tuple[str, ...]], Rulebook]
 #: What a check alone needs.
-_STAGES = ("resolve",)
+_STAGES = ("resolve", "launch")
 #: Of a larger robot a repair takes longer to find than people wait for a check.
 _MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
 
@@ -198,7 +199,8 @@ def _check(
     path = SHOWN_INPUT if raw is not None else one.path
     project = load(arguments, path, text, one.further)
     one.text = text if arguments.fix else None
-    analysis = analyse_project(project, rules(_STAGES), arguments)
+    judge = judged_trees if project.trees else analyse_project
+    analysis = judge(project, rules(_STAGES), arguments)
     seen(project, analysis)
     selected = selection.of(project, analysis, notes=False)
     sole: tuple[Repair, ...] = ()

@@ -18,6 +18,7 @@ from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
 from mars_asp.model.declarations import PackKind
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.facts.launched import launch_facts
 from mars_asp.reasoning.packs import find_packs, kinds_of
 from mars_asp.reasoning.project import (
     Project,
@@ -27,7 +28,7 @@ from mars_asp.reasoning.project import (
     with_brought,
     with_kinds,
 )
-from mars_asp.reasoning.rules import brought_by, load_rulebook
+from mars_asp.reasoning.rules import alone, brought_by, load_rulebook
 
 STANDARD_INPUT = "-"
 #: Where verbs keep what they read first.
@@ -243,6 +244,19 @@ def analyse_project(
     with stage(arguments, "analysing"):
         facts = project_facts(project)
         return analyse(facts, rulebook, project.configuration.span, with_labels=True)
+
+
+def judged_trees(project: Project, rulebook: Rulebook, arguments: argparse.Namespace) -> Analysis:
+    """Return what is wrong with the launch trees of a project.
+
+    Raises:
+        MarsError: rules that clingo refuses.
+    """
+    with stage(arguments, "analysing"):
+        rules = alone(rulebook, "launch")
+        return analyse(
+            launch_facts(project.trees), rules, project.configuration.span, with_labels=True
+        )
 
 
 def add_file(parser: argparse.ArgumentParser) -> None:

@@ -7,8 +7,8 @@ their order. Where the outer numbers leave no room for them, those above are lif
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from mars_asp.exchange.graph import Mux, MuxInput
 from mars_asp.model.declarations import FOREVER, Inner
+from mars_asp.model.graph import Mux, MuxInput
 from mars_asp.model.ranges import MOST
 
 

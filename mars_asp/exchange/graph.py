@@ -1,13 +1,11 @@
 """Nodes, muxes and relays that exchange topics: what launch files and graph dumps have alike."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import replace
 from itertools import chain
 
 from mars_asp.annotations.types import representation
-from mars_asp.diagnostic import Span
-from mars_asp.model.declarations import Engine, Hold, Inner
+from mars_asp.model.graph import Endpoint, Graph, Node
 
 #: Messages that tell somebody to move; a joystick's are none, as no base obeys them.
 COMMANDS = frozenset(
@@ -17,100 +15,12 @@ COMMANDS = frozenset(
 _NO_TYPES = frozenset({"", "*", "any", "unknown", "unknown type"})
 
 
-@dataclass(frozen=True, slots=True)
-class Endpoint:
-    """An end of a topic at a node.
-
-    `topic` is its full name, all renaming done; `type` is the message's as it is written, if it is
-    known; `span` is what an owner would change; `hz` is how often it is published, if that is
-    known; `optional` is whether a node that hears it works as well without, `measured` whether it
-    is no command, whatever its type.
-    """
-
-    topic: str
-    type: str | None
-    span: Span
-    hz: Fraction | None = None
-    optional: bool = False
-    measured: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Node:
-    """A node by its full name; `guard` is the place that makes it a guard, if it is one.
-
-    `relays` is whether it publishes what it hears, whatever the type of that; `unread` whether it
-    may have topics besides.
-    """
-
-    name: str
-    span: Span
-    published: tuple[Endpoint, ...] = ()
-    subscribed: tuple[Endpoint, ...] = ()
-    guard: Span | None = None
-    relays: bool = False
-    unread: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class MuxInput:
-    """A topic that a mux listens to, with the name that the mux has for it."""
-
-    name: str
-    topic: str
-    span: Span
-    priority: int
-    hold_ms: Hold | None
-
-
-@dataclass(frozen=True, slots=True)
-class Mux:
-    """A node that hands on, of several topics, the one with the highest priority to `output`.
-
-    `numbers` and `inner` are those of a cascade that became one mux, as `Muxed` has them.
-    """
-
-    name: str
-    engine: Engine
-    span: Span
-    output: str
-    inputs: tuple[MuxInput, ...]
-    numbers: tuple[tuple[int, int], ...] = ()
-    inner: tuple[Inner, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Relay:
-    """A node that hands on all of one topic to another, or with `hz` at most so many a second."""
-
-    name: str
-    span: Span
-    source: str
-    target: str
-    hz: Fraction | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Graph:
-    """Nodes, muxes, relays and how they are wired; neither muxes nor relays are among the nodes.
-
-    `observed` is whether it is all of a robot that ran, so that what nobody hears is loose;
-    elsewhere the base may hear it that is no node.
-    """
-
-    path: str
-    nodes: tuple[Node, ...]
-    muxes: tuple[Mux, ...] = ()
-    observed: bool = False
-    relays: tuple[Relay, ...] = ()
-
-
 def joined(graphs: Sequence[Graph]) -> Graph:
     """Return several graphs, at least one, as that of one robot: nodes of one name are one."""
     nodes: dict[str, Node] = {}
     for node in chain.from_iterable(graph.nodes for graph in graphs):
         known = nodes.get(node.name)
-        nodes[node.name] = node if known is None else _united(known, node)
+        nodes[node.name] = node if known is None else united(known, node)
     muxes = {mux.name: mux for mux in chain.from_iterable(graph.muxes for graph in graphs)}
     relays = {each.name: each for each in chain.from_iterable(graph.relays for graph in graphs)}
     glue = muxes.keys() | relays.keys()
@@ -121,7 +31,7 @@ def joined(graphs: Sequence[Graph]) -> Graph:
     )
 
 
-def _united(first: Node, second: Node) -> Node:
+def united(first: Node, second: Node) -> Node:
     """Return what two sources of knowledge say of one node; the first one's places stay."""
     return replace(
         first,

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange import ports
-from mars_asp.exchange.graph import Endpoint, Graph, Node, Relay, is_command
+from mars_asp.exchange.graph import is_command
+from mars_asp.model.graph import Endpoint, Graph, Node, Relay
 
 
 class Passage(NamedTuple):

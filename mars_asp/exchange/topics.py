@@ -15,17 +15,7 @@ from typing import NamedTuple
 from mars_asp.diagnostic import Span, point
 from mars_asp.exchange import ports
 from mars_asp.exchange.cascades import merged
-from mars_asp.exchange.graph import (
-    Endpoint,
-    Graph,
-    Mux,
-    MuxInput,
-    Node,
-    each_once,
-    is_command,
-    represented,
-    typed,
-)
+from mars_asp.exchange.graph import each_once, is_command, represented, typed
 from mars_asp.exchange.relays import Passage, contracted, reached
 from mars_asp.exchange.unread import Unread
 from mars_asp.model.declarations import (
@@ -38,6 +28,7 @@ from mars_asp.model.declarations import (
     Name,
     Service,
 )
+from mars_asp.model.graph import Endpoint, Graph, Mux, MuxInput, Node
 
 #: The last words of topics that belong to the middleware, not to the robot.
 _MIDDLEWARE = frozenset(

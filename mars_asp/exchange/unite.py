@@ -24,7 +24,12 @@ def united(parts: Sequence[Parsed]) -> Parsed:
         opaque=_each_once(name for each in every for name in each.opaque),
     )
     warnings = tuple(warning for part in parts for warning in part.warnings)
-    return Parsed(configuration, warnings, tuple(map(print_module, configuration.declared)))
+    return Parsed(
+        configuration,
+        warnings,
+        tuple(map(print_module, configuration.declared)),
+        trees=tuple(tree for part in parts for tree in part.trees),
+    )
 
 
 def _each_once(names: Iterable[Name]) -> tuple[Name, ...]:

@@ -53,7 +53,7 @@ class Consequence:
     """One consequence; `spans` are the places it concerns, in the order of the file.
 
     `labels` say something of some of these places, where they were asked for; `effect` is what will
-    happen.
+    happen; `trees` are the launch files of which it is so.
     """
 
     kind: str
@@ -67,6 +67,7 @@ class Consequence:
     atom: clingo.Symbol
     labels: tuple[tuple[Span, str], ...] = ()
     effect: str | None = None
+    trees: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -185,6 +186,7 @@ def read_consequences(
     part_of = _collect(control, ("participant", 5), wanted) if participants else {}
     concerned = _collect(control, ("concerns", 4), wanted)
     identifiers = {row[0] for rows in concerned.values() for row in rows}
+    trees = _collect(control, ("holds_in", 4), wanted)
     span_of = _places(analysis.facts, identifiers)
     labels_of: dict[TermId, dict[Span, str]] = {}
     for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
@@ -213,6 +215,7 @@ def read_consequences(
                 as_symbol(head),
                 tuple(said_of.items()),
                 told.effect,
+                tuple(sorted(written(row[0]) for row in trees.get(key, ()))),
             )
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))

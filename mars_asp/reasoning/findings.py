@@ -57,13 +57,14 @@ def wrong_constants(rule: Sequence[Statement], text: str, span: Span) -> Iterato
 
 #: Why there is no consequence or node of a kind for a subject.
 ABSENT = Signature("absent", 3)
-#: What metadata of a rule lists that finds a consequence: `who` takes part, and `at` which places.
-#: Both are told of its kind, subject and case. `lines` are the places that the reason of an absence
-#: speaks of.
+#: What metadata of a rule lists that finds a consequence: `who` takes part, `at` which places, and
+#: `in` which launch trees it is so, all told of its kind, subject and case. `lines` are the places
+#: that the reason of an absence speaks of.
 EXPANSIONS = {
     "lines": Expansion(ABSENT, "cites", (0, 1, 2), False),
     "who": Expansion(CONSEQUENCE, "participant", (0, 2, 3), True),
     "at": Expansion(CONSEQUENCE, "concerns", (0, 2, 3), False, is_labelled=True),
+    "in": Expansion(CONSEQUENCE, "holds_in", (0, 2, 3), False),
 }
 #: What a rule pack from elsewhere may do.
 CONTRACT = Contract(

@@ -43,6 +43,7 @@ STAGES: Mapping[str, str] = {
     "can": "what a robot is able to do at one time",
     "repair": "which edits of a configuration remove what is wrong with it",
     "absence": "why there is no consequence or node of a kind, and what would give one",
+    "launch": "what is wrong with what launch files start",
 }
 #: Of a stage, the one that reads what it decides, and without which nobody asks for it.
 FOLLOWING: Mapping[str, str] = {"resolve": "specify"}
@@ -166,6 +167,14 @@ def load_rulebook(
         (*own.documented, *map(_undocumented, stated), *(file.documented for file in files)),
         (*kinds, *attributes),
         ((next(iter(NODE_NAMES)), tuple(kind.kind for kind in kinds)),) if kinds else (),
+    )
+
+
+def alone(rulebook: Rulebook, stage: str) -> Rulebook:
+    """Return the built-in rules of a stage that reads no other, as those of a base."""
+    return Rulebook(
+        tuple(replace(rule, stage="base") for rule in rulebook.rules if rule.stage == stage),
+        tuple(("base", text) for at, text in rulebook.texts if at == stage),
     )
 
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from mars_asp.exchange.graph import Graph, Mux, Relay
 from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import FOREVER
+from mars_asp.model.graph import Graph, Mux, Relay
 from tests.exchange.test_topics import at, mux, node
 
 BASE = node("base", "", "cb")

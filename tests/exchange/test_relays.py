@@ -5,7 +5,6 @@ from fractions import Fraction
 
 import pytest
 
-from mars_asp.exchange.graph import Endpoint, Graph, Mux, Node, Relay
 from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.ros2.glue import Handed, handed_on
 from mars_asp.exchange.ros2.launch_markup import read_markup
@@ -14,6 +13,7 @@ from mars_asp.exchange.ros2.programs import Program
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.yaml_document import read_yaml
 from mars_asp.language.print import print_relationship
+from mars_asp.model.graph import Endpoint, Graph, Mux, Node, Relay
 from mars_asp.model.rates import Rate
 from tests.exchange.test_topics import TWIST, at, mux, node
 

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.foreign import File, read_foreign
-from mars_asp.exchange.graph import Endpoint, Graph, Mux, MuxInput, Node
 from mars_asp.exchange.lift import has_glue, lifted, with_origins
 from mars_asp.exchange.recognise import recognised
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.format import format_text
 from mars_asp.model.declarations import ENGINES, FOREVER, Configuration
+from mars_asp.model.graph import Endpoint, Graph, Mux, MuxInput, Node
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import described, load_project, project_facts
 from mars_asp.reasoning.rules import load_rulebook

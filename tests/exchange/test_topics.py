@@ -5,18 +5,10 @@ from dataclasses import replace
 import pytest
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.graph import (
-    Endpoint,
-    Graph,
-    Mux,
-    MuxInput,
-    Node,
-    is_command,
-    joined,
-    represented,
-)
+from mars_asp.exchange.graph import is_command, joined, represented
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.language.print import print_relationship
+from mars_asp.model.graph import Endpoint, Graph, Mux, MuxInput, Node
 
 TWIST, SCAN = "geometry_msgs/msg/Twist", "sensor_msgs/msg/LaserScan"
 

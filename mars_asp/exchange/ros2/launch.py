@@ -93,14 +93,14 @@ class _Scope:
 class Launch:
     """Follows launch files of a workspace from one to those that it includes."""
 
-    def __init__(self, workspace: Workspace) -> None:
-        """Begin with nothing started."""
+    def __init__(self, workspace: Workspace, before: "Launch | None" = None) -> None:
+        """Begin with nothing started; files that were read `before` are not read again."""
         self.workspace = workspace
+        self.path: Path | None = None
         self.started: list[Started] = []
         self.unread: list[Unread] = []
-        self.read: set[Path] = set()
         self.reached: set[Path] = set()
-        self._actions: dict[Path, tuple[Action, ...]] = {}
+        self._actions: dict[Path, tuple[Action, ...]] = {} if before is None else before._actions
 
     def launch(self, file: Path) -> None:
         """Take up what a launch file starts.
@@ -113,7 +113,6 @@ class Launch:
     def _read(self, file: Path) -> tuple[Action, ...]:
         self.reached.add(file)
         if file not in self._actions:
-            self.read.add(file)
             text = self.workspace.text(file)
             shown = self.workspace.shown(file)
             is_python = file.suffix == ".py" or (

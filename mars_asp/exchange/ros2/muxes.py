@@ -8,12 +8,12 @@ https://github.com/kobuki-base/cmd_vel_mux, https://github.com/mit-racecar/racec
 
 from collections.abc import Sequence
 
-from mars_asp.exchange.graph import Mux, MuxInput
 from mars_asp.exchange.ros2.launch import Started
 from mars_asp.exchange.ros2.names import joined, renamed
 from mars_asp.exchange.ros2.programs import Program
 from mars_asp.exchange.twist_mux.document import OUTPUT
 from mars_asp.exchange.twist_mux.document import Mux as Parameters
+from mars_asp.model.graph import Mux, MuxInput
 
 #: Nodes that hand on one of several commands, by their packages.
 _PACKAGES = frozenset(

@@ -4,11 +4,11 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from itertools import takewhile
+from itertools import chain, takewhile
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
-from mars_asp.exchange.graph import Endpoint, Graph, Mux, Node, Relay, joined
+from mars_asp.exchange.graph import joined, united
 from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
@@ -32,10 +32,11 @@ from mars_asp.exchange.twist_mux.document import (
 )
 from mars_asp.exchange.twist_mux.document import Mux as MuxParameters
 from mars_asp.exchange.unread import Unread, notes
+from mars_asp.exchange.yaml_document import Items, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
-from mars_asp.exchange.yaml_document import read_yaml
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
+from mars_asp.model.graph import Endpoint, Graph, Mux, Node, Relay, Renamed, Tree
 
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
@@ -53,6 +54,17 @@ _HELPERS = {
 #: Packages of which each program publishes what it hears.
 _RELAYS = frozenset({"topic_tools"})
 _MOST_NAMED = 20
+#: What was not read that can neither be a node nor give one another topic.
+_HARMLESS = frozenset(
+    {"containers of components", "services and actions", "nodes that are made but not launched"}
+)
+_BROKEN = frozenset(
+    {
+        "launch files with errors",
+        "included launch files with errors",
+        "parameter files with errors",
+    }
+)
 _NUMBERED = re.compile(r"\d+")
 
 
@@ -67,6 +79,7 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
         MarsError: what is wrong with a launch file, or that there is none.
     """
     graphs = []
+    trees: list[Tree] = []
     problems: list[Diagnostic] = []
     unread: list[Unread] = []
     launched = [(text, path) for text, path in files if recognised(text) != "twist_mux"]
@@ -77,6 +90,7 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
         workspace = Workspace(root, members[0][1], deep=deep)
         robot = _Robot(workspace, muxes)
         graphs.append(robot.graph([workspace.given(path, text) for text, path in members]))
+        trees += robot.trees
         problems += robot.problems
         unread += robot.unread
     for _, document in muxes:
@@ -87,7 +101,10 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
     mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
     told = (*problems, *notes(_once((*unread, *mapped.unread))))
     return Parsed(
-        mapped.configuration, told, tuple(map(print_module, mapped.configuration.declared))
+        mapped.configuration,
+        told,
+        tuple(map(print_module, mapped.configuration.declared)),
+        trees=tuple(trees),
     )
 
 
@@ -148,44 +165,87 @@ class _Robot:
         self.problems: list[Diagnostic] = []
         self.catalogued: dict[str, Span] = {}
         self.conditional: dict[str, Span] = {}
+        self.trees: list[Tree] = []
         self.document = cache(self._document)
 
     def graph(self, paths: Sequence[Path]) -> Graph:
         """Return the nodes that files, or those of folders, start."""
         self.catalogue = self._catalogue()
-        launch = Launch(self.workspace)
+        launches = list(self._launches(paths))
+        launched = [launch for launch in launches if launch.started]
+        if not launched:
+            alone = Launch(self.workspace)
+            alone.started = list(self._alone(paths))
+            launched = [alone] if alone.started else []
+            if launched:
+                message = (
+                    "no launch file was found, so every program of the packages counts as started"
+                )
+                place = point(self.workspace.shown(paths[0]), 1, 1)
+                self.problems.append(Diagnostic("launch", "note", message, place))
+        for launch in launched:
+            self.trees.append(self._tree(launch, paths))
+        nodes: dict[str, Node] = {}
+        for node in chain.from_iterable(tree.nodes for tree in self.trees):
+            known = nodes.get(node.name)
+            nodes[node.name] = node if known is None else united(known, node)
+        muxes = {mux.name: mux for tree in reversed(self.trees) for mux in reversed(tree.muxes)}
+        relays = {each.name: each for tree in self.trees for each in tree.relays}
+        self._note()
+        for launch in launches:
+            self.unread += launch.unread
+        self.unread += self.workspace.unread
+        if not (nodes or muxes or relays):
+            raise self._nothing(launches, paths)
+        first = self.workspace.shown(paths[0])
+        return Graph(
+            first, tuple(nodes.values()), tuple(muxes.values()), relays=tuple(relays.values())
+        )
+
+    def _launches(self, paths: Sequence[Path]) -> Iterator[Launch]:
+        """Yield what each launch tree of folders starts, and what the named files do together."""
+        together = Launch(self.workspace)
         for path in paths:
             if path.is_dir():
-                self._launch_all(launch)
+                yield from self._launched_in_folder()
             else:
-                launch.launch(path)
-        started = launch.started or list(self._alone(paths))
-        if started and not launch.started:
-            message = "no launch file was found, so every program of the packages counts as started"
-            place = point(self.workspace.shown(paths[0]), 1, 1)
-            self.problems.append(Diagnostic("launch", "note", message, place))
-        nodes: dict[str, tuple[Started, Node]] = {}
-        muxes: dict[str, Mux] = {}
-        relays: dict[str, Relay] = {}
+                together.launch(path)
+                together.path = together.path or path
+        if together.path is not None:
+            yield together
+
+    def _tree(self, launch: Launch, paths: Sequence[Path]) -> Tree:
+        """Return what a launch starts, nodes of one name apart."""
+        before = len(self.unread)
+        nodes: list[Node] = []
+        muxes: list[Mux] = []
+        relays: list[Relay] = []
         find = partial(self.workspace.find, folder=self.workspace.root)
-        for each in with_controllers(started, self._values, find):
+        for each in with_controllers(launch.started, self._values, find):
             if isinstance(each, Unread):
                 self.unread.append(each)
                 continue
             match self._node(each):
                 case Mux() as mux:
-                    muxes.setdefault(mux.name, mux)
+                    muxes.append(mux)
                 case Relay() as relay:
-                    relays.setdefault(relay.name, relay)
+                    relays.append(relay)
                 case Node() as node:
-                    self._add(nodes, each, node)
-        self._note()
-        self.unread += (*launch.unread, *self.workspace.unread)
-        if not (nodes or muxes or relays):
-            raise self._nothing(launch, paths)
-        first = self.workspace.shown(paths[0])
-        found = tuple(node for _, node in nodes.values())
-        return Graph(first, found, tuple(muxes.values()), relays=tuple(relays.values()))
+                    nodes.append(node)
+        unread = (*launch.unread, *self.unread[before:])
+        return Tree(
+            self.workspace.shown(launch.path or paths[0]),
+            tuple(nodes),
+            tuple(muxes),
+            tuple(relays),
+            tuple(each.span for each in unread if each.sort not in _HARMLESS),
+            tuple(
+                (each.name, each.span)
+                for each in unread
+                # Who has no parameters to give may leave the file empty.
+                if each.sort in _BROKEN and not each.name.endswith("the file is empty")
+            ),
+        )
 
     def _catalogue(self) -> Catalogue:
         packages = (package.folder for package in self.workspace.packages)
@@ -195,39 +255,29 @@ class _Robot:
             tuple((self.workspace.text(f), self.workspace.shown(f)) for f in own if f is not None)
         )
 
-    def _launch_all(self, launch: Launch) -> None:
-        """Launch the files of a folder that no other one includes."""
+    def _launched_in_folder(self) -> Iterator[Launch]:
+        """Yield what each file of a folder launches that no other one includes."""
         files = [file for file in self.workspace.files if self._is_launch(file)]
         first = Launch(self.workspace)
         included: set[Path] = set()
         broken: set[Path] = set()
         for file in files:
-            first.read.clear()
+            first.reached.clear()
             try:
                 first.launch(file)
             except MarsError as error:
                 broken.add(file)
                 wrong = error.diagnostics[0]
                 name = f"{self.workspace.shown(file)}: {wrong.message}"
-                launch.unread.append(Unread("launch files with errors", name, wrong.span))
+                self.unread.append(Unread("launch files with errors", name, wrong.span))
             included |= first.reached - {file}
-            first.reached.clear()
         tops = [file for file in files if file not in included and file not in broken]
         # Files that include each other have no top.
         for file in tops or [file for file in files if file not in broken][:1]:
+            launch = Launch(self.workspace, first)
+            launch.path = file
             launch.launch(file)
-        if len(tops) > 1:
-            shown = ", ".join(f"`{self.workspace.shown(file)}`" for file in tops[:5])
-            more = ", ..." if len(tops) > 5 else ""
-            self.problems.append(
-                Diagnostic(
-                    "launch",
-                    "note",
-                    f"{len(tops)} launch files were read as one robot: {shown}{more}",
-                    point(self.workspace.shown(tops[0]), 1, 1),
-                    help="name one of them to read it alone",
-                )
-            )
+            yield launch
 
     def _is_launch(self, file: Path) -> bool:
         """Whether a file is a launch file, by its name or by the folder and what it says."""
@@ -261,15 +311,15 @@ class _Robot:
                     span, False,
                 )  # fmt: skip
 
-    def _nothing(self, launch: Launch, paths: Sequence[Path]) -> MarsError:
+    def _nothing(self, launches: Sequence[Launch], paths: Sequence[Path]) -> MarsError:
         """Return what is wrong where nothing was found."""
-        if launch.started:
+        if any(launch.started for launch in launches):
             message = "the launch file starts nothing that can be read as a node"
             help_text = "name the launch file that starts the robot"
-        elif launch.read:
+        elif launches:
             message = "the launch file starts no node"
             help_text = "name the launch file that starts the robot"
-            if any(each.sort == NOT_HERE for each in launch.unread):
+            if any(each.sort == NOT_HERE for launch in launches for each in launch.unread):
                 help_text = "name the workspace that has the launch files it includes"
         else:
             message = "the folder has no launch file and no package with a program"
@@ -277,25 +327,6 @@ class _Robot:
         place = point(self.workspace.shown(paths[0]), 1, 1)
         found = Diagnostic("ros2", "error", message, place, help=help_text)
         return MarsError((found, *notes(_once(self.unread))))
-
-    def _add(self, nodes: dict[str, tuple[Started, Node]], started: Started, node: Node) -> None:
-        """Add a node; one that stands in two branches is one."""
-        if node.name not in nodes:
-            nodes[node.name] = started, node
-            return
-        first, known = nodes[node.name]
-        # Programs whose source is not known may name their nodes apart.
-        is_named = bool(node.published or node.subscribed or started.name)
-        both = first.conditional and started.conditional
-        if is_named and not both and first.span != started.span:
-            message = f"two nodes are named `{node.name}`"
-            label = (known.span, "the first one")
-            help_text = "give each a name or namespace of its own; they count as one here"
-            self.problems.append(
-                Diagnostic("launch", "warning", message, node.span, (label,), help_text)
-            )
-        [united] = joined((Graph("", (known, node)),)).nodes
-        nodes[node.name] = first, united
 
     def _node(self, started: Started) -> Node | Mux | Relay | None:
         """Return the node that is started, or the mux or relay that it is."""
@@ -336,7 +367,17 @@ class _Robot:
         if interface is None:
             sort = "topics of nodes with neither a source here nor an entry in the catalogue"
             self.unread.append(Unread(sort, full, started.span))
-            return Node(full, started.span, unread=True)
+            return Node(
+                full,
+                started.span,
+                unread=True,
+                conditional=started.conditional,
+                # A program whose source is not known may name its node apart.
+                is_named=bool(started.name),
+                renamed=self._renamed(started, name),
+                package=started.package,
+                manages=tuple(self._managed(started)),
+            )
         if is_catalogued:
             self.catalogued.setdefault(full, started.span)
         before = len(self.unread)
@@ -350,7 +391,43 @@ class _Robot:
         unread = any(each.sort in (AT_RUN_TIME, BY_CLIENTS) for each in self.unread[before:])
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
-        return Node(full, started.span, published, subscribed, guard, relays, unread)
+        return Node(
+            full,
+            started.span,
+            published,
+            subscribed,
+            guard,
+            relays,
+            unread,
+            started.conditional,
+            renamed=self._renamed(started, name),
+            # In the catalogue, a name is a habit of its program.
+            is_named=not is_catalogued or bool(started.name),
+            is_whole=not (is_catalogued or unread or interface.unread),
+            package=started.package,
+            manages=tuple(self._managed(started)),
+        )
+
+    def _renamed(self, started: Started, name: str) -> tuple[Renamed, ...]:
+        """Return the names that a launch file gives topics of a node, whatever these are."""
+        return tuple(
+            Renamed(
+                renamed(rule[0], started.namespace, name, ()),
+                renamed(rule[0], started.namespace, name, (rule,)),
+                started.spans[rule],
+            )
+            for rule in started.remaps
+        )
+
+    def _managed(self, started: Started) -> Iterator[tuple[str, Span]]:
+        """Yield the nodes that a lifecycle manager is told to manage, by their full names."""
+        given = started.parameters.get("node_names")
+        if started.package != "nav2_lifecycle_manager" or given is None or not given.is_known:
+            return
+        nodes = given.value.nodes if isinstance(given.value, Items) else (given.value,)
+        for each in nodes:
+            if isinstance(each, Scalar):
+                yield name_in(started.namespace, each.text), each.span
 
     def _relay(
         self, program: Program, started: Started, name: str, values: Mapping[str, Given]

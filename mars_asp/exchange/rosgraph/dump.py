@@ -5,8 +5,8 @@ from fractions import Fraction
 
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.exchange import ports
-from mars_asp.exchange.graph import Endpoint, Graph, Node
 from mars_asp.exchange.unread import Unread
+from mars_asp.model.graph import Endpoint, Graph, Node
 
 
 @dataclass(slots=True)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.exchange.graph import Graph, Mux, MuxInput, Node, is_command, joined
+from mars_asp.exchange.graph import is_command, joined
 from mars_asp.exchange.recognise import dump_of, recognised
 from mars_asp.exchange.rosgraph.caret import read_caret
 from mars_asp.exchange.rosgraph.dot import read_dot
@@ -18,6 +18,7 @@ from mars_asp.exchange.twist_mux.document import read_document
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
+from mars_asp.model.graph import Graph, Mux, MuxInput, Node
 
 _READERS: Mapping[str, Callable[[str, str], Dump]] = {
     "rosdiscover": read_rosdiscover,
