@@ -1,10 +1,11 @@
-"""A campaign with `--workers N` beside a plain pool of N processes, over the same runs.
+"""A campaign with `--workers N` beside plain pools of N processes, over the same runs.
 
     python benchmarks/workers.py [RUNS] [WORKERS] [PAIRS] [SECONDS]
 
-The pool (`multiprocessing`) synthesises the specification once, then runs, judges and writes each
-run as JSON, without a limit or a process for each run. Both take turns. Prints the medians of
-processor and wall time, and the medians of the ratios of the pairs, campaign over pool.
+A pool (`multiprocessing`) synthesises the specification once, then runs, judges and writes each
+run as JSON, without limits. The `pool` carries out all runs in the same processes, the
+`pool of children` each run in a process of its own, as the campaign does. All take turns. Prints
+the medians of processor and wall time, and the medians of the ratios, campaign over pool.
 """
 
 import argparse
@@ -36,8 +37,8 @@ LEVEL0 = HERE / "examples" / "level0"
 FILES = (str(LEVEL0 / "config.mars"), "--scenario", str(LEVEL0 / "scenario.toml"))
 
 
-def pool(runs: int, workers: int, seconds: float, out: str) -> None:
-    """Carry out the runs by a plain pool, and write a line for each."""
+def pool(runs: int, workers: int, seconds: float, out: str, most: int | None) -> None:
+    """Write a line for each run; a process of the pool carries out at most so many."""
     text = (LEVEL0 / "config.mars").read_text()
     configuration = parse_text(text, "config.mars").configuration
     rulebook = load_rulebook()
@@ -54,7 +55,8 @@ def pool(runs: int, workers: int, seconds: float, out: str) -> None:
 
     _inherited.append(work)
 
-    with multiprocessing.get_context("fork").Pool(workers) as processes, Path(out).open("w") as to:
+    fork = multiprocessing.get_context("fork")
+    with fork.Pool(workers, maxtasksperchild=most) as processes, Path(out).open("w") as to:
         for result in processes.imap_unordered(_work, range(1, runs + 1)):
             to.write(json.dumps(result) + "\n")
 
@@ -81,27 +83,30 @@ def main() -> None:
     for name, default in (("runs", 100), ("workers", 2), ("pairs", 5), ("seconds", 20)):
         parser.add_argument(name, type=int, nargs="?", default=default)
     parser.add_argument("--pool", metavar="OUT")
+    parser.add_argument("--children", action="store_true")
     given = parser.parse_args()
     if given.pool:
-        pool(given.runs, given.workers, given.seconds, given.pool)
+        most = 1 if given.children else None
+        pool(given.runs, given.workers, given.seconds, given.pool, most)
         return
     numbers = [str(each) for each in (given.runs, given.workers, given.pairs, given.seconds)]
-    both: list[tuple[tuple[float, float], tuple[float, float]]] = []
+    times: dict[str, list[tuple[float, float]]] = {}
     with tempfile.TemporaryDirectory() as folder:
+        campaign = ["-m", "mars_asp", "campaign", *FILES, "--seeds", f"1-{given.runs}"]
+        campaign += ["--vary", f"duration={given.seconds}", "--workers", str(given.workers)]
+        campaign += ["-o", f"{folder}/o.jsonl", "--fresh"]
+        plain = [__file__, *numbers, "--pool", f"{folder}/p.jsonl"]
+        commands = {"campaign": campaign, "pool": plain}
+        commands["pool of children"] = [*plain, "--children"]
         for _ in range(given.pairs):
-            campaign = ["-m", "mars_asp", "campaign", *FILES, "--seeds", f"1-{given.runs}"]
-            campaign += ["--vary", f"duration={given.seconds}", "--workers", str(given.workers)]
-            campaign += ["-o", f"{folder}/o.jsonl", "--fresh"]
-            both.append(
-                (taken(campaign), taken([__file__, *numbers, "--pool", f"{folder}/p.jsonl"]))
-            )
-    for kind, name in enumerate(("processor", "wall")):
-        ours, plain = ([each[side][kind] for each in both] for side in (0, 1))
-        ratio = statistics.median(a / b for a, b in zip(ours, plain, strict=True))
-        print(
-            f"{name:9} campaign {statistics.median(ours):.2f} s, "
-            f"pool {statistics.median(plain):.2f} s, ratio {ratio:.2f}"
-        )
+            for name, words in commands.items():
+                times.setdefault(name, []).append(taken(words))
+    for name, measured in times.items():
+        for kind, time_of in enumerate(("processor", "wall")):
+            median = statistics.median(each[kind] for each in measured)
+            both = zip(times["campaign"], measured, strict=True)
+            ratio = statistics.median(a[kind] / b[kind] for a, b in both)
+            print(f"{name:16} {time_of:9} {median:6.2f} s, campaign / this {ratio:.2f}")
 
 
 if __name__ == "__main__":
