@@ -30,7 +30,7 @@ class Node:
     """A node by its full name; `guard` is the place that makes it a guard, if it is one.
 
     `relays` is whether it publishes what it hears, whatever the type of that; `unread` whether it
-    may have topics besides. `conditional` is whether something decides if it starts, `is_named`
+    may have topics besides. `conditions` decide if it starts, `is_named` is
     whether the name is its own whatever its program says; `renamed` are the names that a launch
     file gives its topics, `is_whole` whether all that these could mean is known. `package` is that
     of its program; `manages` are the nodes that it starts up and shuts down.
@@ -43,7 +43,7 @@ class Node:
     guard: Span | None = None
     relays: bool = False
     unread: bool = False
-    conditional: bool = False
+    conditions: tuple["Condition", ...] = ()
     is_named: bool = True
     renamed: tuple["Renamed", ...] = ()
     is_whole: bool = False
@@ -76,6 +76,7 @@ class Mux:
     inputs: tuple[MuxInput, ...]
     numbers: tuple[tuple[int, int], ...] = ()
     inner: tuple[Inner, ...] = ()
+    conditions: tuple["Condition", ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +88,7 @@ class Relay:
     source: str
     target: str
     hz: Fraction | None = None
+    conditions: tuple["Condition", ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +104,20 @@ class Graph:
     muxes: tuple[Mux, ...] = ()
     observed: bool = False
     relays: tuple[Relay, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """That a launch argument or variable has a value, or has not where it is not `wanted`.
+
+    Where the condition was not read, `variable` is its text, and `reads` are the variables in it.
+    """
+
+    variable: str
+    value: str
+    wanted: bool
+    span: Span
+    reads: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,24 @@ _MOST = 4096
 
 
 @dataclass(frozen=True, slots=True)
+class Test:
+    """What has to hold for an action: that a text is a value, or is not where it is not `wanted`.
+
+    Without a value the text is a truth. With `branch`, it is of a branch of code, which anything
+    may take.
+    """
+
+    text: Text
+    value: Text | None
+    wanted: bool
+    span: Span
+    branch: bool = False
+
+
+Tests: TypeAlias = tuple[Test, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Remap:
     """A name and what stands for it."""
 
@@ -88,7 +106,7 @@ class Start:
     files: tuple[Text, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     arguments: tuple[Text, ...] = ()
-    conditional: bool = False
+    tests: Tests = ()
     unread: tuple[tuple[str, Span], ...] = ()
 
 
@@ -98,7 +116,7 @@ class Group:
 
     actions: "tuple[Action, ...]"
     scoped: bool = True
-    conditional: bool = False
+    tests: Tests = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,15 +161,19 @@ class Include:
     path: Text
     span: Span
     arguments: tuple[Parameter, ...] = ()
-    conditional: bool = False
+    tests: Tests = ()
     inherits: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """What a launch file does by one or by other branches of its conditions, each a list."""
+    """What a launch file does by one or by other branches of its conditions, each a list.
+
+    `taken` are the branches of each reading.
+    """
 
     readings: "tuple[tuple[Action, ...], ...]"
+    taken: tuple[Tests, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +221,6 @@ def plain(text: Text) -> str | None:
     return text[0] if len(text) == 1 and isinstance(text[0], str) else None
 
 
-def together(actions: Sequence[Action], conditional: bool) -> Group:
+def together(actions: Sequence[Action], tests: Tests) -> Group:
     """Return actions that a condition may leave out, without a scope of their own."""
-    return Group(tuple(actions), scoped=False, conditional=conditional)
+    return Group(tuple(actions), scoped=False, tests=tests)

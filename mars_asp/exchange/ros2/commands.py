@@ -12,6 +12,7 @@ from mars_asp.exchange.ros2.actions import (
     Part,
     Share,
     Start,
+    Tests,
     Text,
     plain,
     text_of,
@@ -21,7 +22,7 @@ _BLANKS = re.compile(r"\s+")
 _SHOWN = 4
 
 
-def of_command(texts: Sequence[Text], span: Span, conditional: bool) -> Action:
+def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
     """Return what a command line does, each text of which may hold several words."""
     words = [word for text in texts for word in _words(text)]
     known = [plain(word) for word in words]
@@ -35,16 +36,16 @@ def of_command(texts: Sequence[Text], span: Span, conditional: bool) -> Action:
             package, executable = text_of("controller_manager"), text_of("spawner")
             arguments = words[3:]
         case ["ros2", "launch", _, *_]:
-            return _launched(words[2:], span, conditional)
+            return _launched(words[2:], span, tests)
         case ["roslaunch", _, *_]:
-            return _launched(words[1:], span, conditional)
+            return _launched(words[1:], span, tests)
         case _:
             called = " ".join(filter(None, known[:_SHOWN])) or "?"
             return NotRead("programs that are not nodes", called, span)
-    return Start(span, package, executable, arguments=tuple(arguments), conditional=conditional)
+    return Start(span, package, executable, arguments=tuple(arguments), tests=tests)
 
 
-def _launched(words: Sequence[Text], span: Span, conditional: bool) -> Include:
+def _launched(words: Sequence[Text], span: Span, tests: Tests) -> Include:
     """Return the launch file that a command launches: a path, or a package and a file of it."""
     given: list[Parameter] = []
     named: list[Text] = []
@@ -63,7 +64,7 @@ def _launched(words: Sequence[Text], span: Span, conditional: bool) -> Include:
             pass
         case _:
             path = ()
-    return Include(path, span, tuple(given), conditional)
+    return Include(path, span, tuple(given), tests)
 
 
 def _words(text: Text) -> list[Text]:

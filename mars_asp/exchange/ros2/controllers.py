@@ -129,6 +129,6 @@ def _controller(
         # A launch file gives parameters to a node of a name, else to the whole process.
         parameters={} if manager.name else manager.parameters,
         span=spawner.span,
-        conditional=manager.conditional or spawner.conditional,
+        conditions=(*manager.conditions, *spawner.conditions),
         arguments=(),
     )

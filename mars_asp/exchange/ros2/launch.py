@@ -23,7 +23,9 @@ from mars_asp.exchange.ros2.actions import (
     SetRemap,
     Share,
     Start,
+    Tests,
     Text,
+    plain,
     text_of,
 )
 from mars_asp.exchange.ros2.launch_markup import read_markup
@@ -33,6 +35,7 @@ from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
+from mars_asp.model.graph import Condition
 
 #: What launch files are called that are included and not found.
 NOT_HERE = "included launch files that are not in the workspace"
@@ -51,7 +54,7 @@ class Started:
     """A node that is started.
 
     `name` is empty where its program decides; `namespace` begins with a slash; `files` are those
-    of its parameters, in the workspace; `conditional` is whether something decides if it starts;
+    of its parameters, in the workspace; `conditions` decide if it starts;
     `arguments` are the words behind its program, the unknown ones empty.
     """
 
@@ -65,7 +68,7 @@ class Started:
     files: tuple[Path, ...]
     parameters: Mapping[str, Given]
     span: Span
-    conditional: bool
+    conditions: tuple[Condition, ...] = ()
     arguments: tuple[str, ...] = ()
 
 
@@ -78,7 +81,12 @@ class _Scope:
     arguments: dict[str, str | None] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
     parameters: dict[str, Given] = field(default_factory=dict)
-    conditional: bool = False
+    conditions: tuple[Condition, ...] = ()
+    #: Arguments that an including file has set, and what those stand for that it has passed on.
+    fixed: frozenset[str] = frozenset()
+    passed: Mapping[str, str] = field(default_factory=dict)
+    #: Whether nothing comes from outside but what is passed, as in ROS 1.
+    closed: bool = False
 
     def inner(self) -> "_Scope":
         """Return a copy for a group of its own."""
@@ -88,6 +96,15 @@ class _Scope:
             arguments=dict(self.arguments),
             parameters=dict(self.parameters),
         )
+
+    def variable(self, name: str) -> str | None:
+        """Return what people set to give an argument its value; `None` where a file sets it."""
+        if name in self.passed:
+            return self.passed[name]
+        # What the environment has comes from outside everywhere.
+        if name.startswith("env "):
+            return name
+        return None if self.closed or name in self.fixed else name
 
 
 class Launch:
@@ -121,19 +138,23 @@ class Launch:
             self._actions[file] = (read_python if is_python else read_markup)(text, shown)
         return self._actions[file]
 
-    def _walk(self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]) -> None:
+    def _walk(  # noqa: C901 -- one case for each action
+        self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]
+    ) -> None:
         for action in actions:
             if len(self.started) >= _MOST_NODES:
                 return
             match action:
                 case Start():
                     self._start(action, scope, files)
-                case Group(inner, scoped, conditional):
+                case Group(inner, scoped, tests):
                     within = scope.inner() if scoped else scope
-                    before = within.conditional
-                    within.conditional = before or conditional
-                    self._walk(inner, within, files)
-                    within.conditional = before
+                    before = within.conditions
+                    conditions = self._conditions(tests, scope, files)
+                    if conditions is not None:
+                        within.conditions = (*before, *conditions)
+                        self._walk(inner, within, files)
+                        within.conditions = before
                 case PushNamespace(namespace, span):
                     pushed = self._plain(namespace, scope, files)
                     if pushed is None:
@@ -146,20 +167,26 @@ class Launch:
                     if forced or scope.arguments.get(name) is None:
                         plain = None if value is None else self._plain(value, scope, files)
                         scope.arguments[name] = plain
+                    if forced:
+                        scope.fixed |= {name}
                 case SetParameters(paths, parameters):
                     scope.files += tuple(self._files(paths, scope, files, None))
                     scope.parameters.update(self._parameters(parameters, scope, files))
                 case Include():
                     self._include(action, scope, files)
-                case Readings(readings):
-                    self._either(readings, scope, files)
+                case Readings(readings, taken):
+                    self._either(readings, taken, scope, files)
                 case NotRead(sort, name, span):
                     self.unread.append(Unread(sort, name, span))
 
     def _either(
-        self, readings: Sequence[Sequence[Action]], scope: _Scope, files: tuple[Path, ...]
+        self,
+        readings: Sequence[Sequence[Action]],
+        taken: Sequence[Tests],
+        scope: _Scope,
+        files: tuple[Path, ...],
     ) -> None:
-        """Take up what each reading starts; what not all of them start depends on conditions."""
+        """Take up what each reading starts; what not all of them start depends on branches."""
         before = self.started
         found: list[tuple[Started, set[int]]] = []
         at: dict[Span, list[tuple[Started, set[int]]]] = {}
@@ -175,9 +202,24 @@ class Launch:
                 else:
                     by.add(number)
         self.started = before
+        branches = [
+            {
+                test.text: Condition(shown(test.text), shown(test.value or ()), True, test.span)
+                for test in tests
+            }
+            for tests in taken
+        ]
         for each, by in found:
-            is_always = len(by) == len(readings)
-            self.started.append(each if is_always else replace(each, conditional=True))
+            others = [branches[number] for number in range(len(readings)) if number not in by]
+            first, *further = (branches[number] for number in sorted(by))
+            # Those alone decide that all have in common which start it, and some other has not.
+            decided = tuple(
+                one
+                for at, one in first.items()
+                if all(same.get(at) == one for same in further)
+                and any(other.get(at) != one for other in others)
+            )
+            self.started.append(replace(each, conditions=(*each.conditions, *decided)))
 
     def _include(self, action: Include, scope: _Scope, files: tuple[Path, ...]) -> None:
         written = self._shown(action.path, scope)
@@ -196,15 +238,70 @@ class Launch:
             sort = "included launch files with errors"
             self.unread.append(Unread(sort, f"{written}: {first.message}", first.span))
             return
+        conditions = self._conditions(action.tests, scope, files)
+        if conditions is None:
+            return
         within = scope.inner()
-        within.conditional = within.conditional or action.conditional
+        within.conditions = (*scope.conditions, *conditions)
         if not action.inherits:
             within.arguments.clear()
+            within.fixed, within.passed, within.closed = frozenset(), {}, True
+        for each in action.arguments:
+            self._pass(each, scope, within)
         passed = self._parameters(action.arguments, scope, files)
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
         self._walk(actions, within, (*files, found))
 
+    def _pass(self, argument: Parameter, scope: _Scope, within: _Scope) -> None:
+        """Note what an included file is given: a value, or what its caller may set."""
+        name, variable = plain(argument.name), None
+        if name is None:
+            return
+        if len(argument.value) == 1 and isinstance(argument.value[0], Argument):
+            variable = scope.variable(argument.value[0].name)
+        within.fixed -= {name}
+        within.passed = {key: of for key, of in within.passed.items() if key != name}
+        if variable is None:
+            within.fixed |= {name}
+        else:
+            within.passed = {**within.passed, name: variable}
+
+    def _conditions(
+        self, tests: Tests, scope: _Scope, files: tuple[Path, ...]
+    ) -> tuple[Condition, ...] | None:
+        """Return what of some tests is open; `None` where one fails whatever anybody sets."""
+        found: list[Condition] = []
+        for test in tests:
+            value = "true" if test.value is None else self._plain(test.value, scope, files)
+            variable = None
+            if len(test.text) == 1 and isinstance(test.text[0], Argument):
+                variable = scope.variable(test.text[0].name)
+            if variable is not None and value is not None:
+                found.append(Condition(variable, value, test.wanted, test.span))
+                continue
+            given = None if variable is not None else self._plain(test.text, scope, files)
+            if given is None or value is None:
+                reads = (
+                    scope.variable(part.name) or part.name
+                    for part in test.text
+                    if isinstance(part, Argument)
+                )
+                at = f"{test.span.path}:{test.span.line}:{test.span.column}"
+                found.append(
+                    Condition(
+                        f"{shown(test.text)} ({at})", "true", test.wanted, test.span, tuple(reads)
+                    )
+                )
+            elif test.wanted != (
+                given == value if test.value is not None else given.lower() in ("true", "1")
+            ):
+                return None
+        return tuple(found)
+
     def _start(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
+        conditions = self._conditions(action.tests, scope, files)
+        if conditions is None:
+            return
         package = self._plain(action.package, scope, files)
         executable = self._plain(action.executable, scope, files)
         name = "" if action.name is None else self._plain(action.name, scope, files)
@@ -250,7 +347,7 @@ class Launch:
                 ),
                 given,
                 action.span,
-                scope.conditional or action.conditional,
+                (*scope.conditions, *conditions),
                 tuple(words),
             )
         )
@@ -366,6 +463,14 @@ class Launch:
         # Without the folder of the launch file, what is left begins with the separator after it.
         whole = whole.lstrip("/") if text and isinstance(text[0], Here) else whole
         return whole or "..."
+
+
+def shown(text: Text) -> str:
+    """Return a text for people, arguments by their names."""
+    return "".join(
+        part if isinstance(part, str) else part.name if isinstance(part, Argument) else "..."
+        for part in text
+    )
 
 
 def _set(words: Sequence[str], span: Span) -> Iterator[tuple[str, Given]]:

@@ -23,16 +23,24 @@ from mars_asp.exchange.ros2.actions import (
     SetRemap,
     Share,
     Start,
+    Test,
+    Tests,
     Text,
     text_of,
     together,
 )
 from mars_asp.exchange.ros2.commands import of_command
+from mars_asp.exchange.ros2.conditions import tests_of_text
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_yaml
 
 _DEEPEST = 60
 #: What begins a substitution, and what may end or nest in one.
 _MARK = re.compile(r"\$\(|\)")
+#: In an expression a text, or an argument by its name.
+_BARE_NAME = re.compile(
+    r"""'[^']*'|"[^"]*"|arg\(\s*['"](?P<called>\w+)['"]\s*\)|(?P<name>[A-Za-z_]\w*)"""
+)
+_WORDS_OF_PYTHON = frozenset("and or not in is if else True False None true false int str".split())
 #: What holds no node and changes no name.
 _PASSED = frozenset(
     "env set_env unset_env log sys_setting param machine master timer_period".split()
@@ -134,23 +142,23 @@ def _at(key: Scalar, item: Node) -> Scalar:
 def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
     """Yield what elements do, in their order."""
     for entity in entities:
-        is_conditional = "if" in entity.attributes or "unless" in entity.attributes
+        tests = _tests(entity)
         match entity.name:
             case "node" | "composable_node":
-                yield from _node(entity, is_conditional)
+                yield from _node(entity, tests)
             case "node_container" | "load_composable_node":
                 if entity.name == "node_container":
                     called = entity.attributes.get("name", "?")
                     yield NotRead("containers of components", called, entity.span)
                 inner = tuple(_actions(tuple(entity.named("composable_node"))))
-                yield together(inner, is_conditional)
+                yield together(inner, tests)
             case "group":
                 namespace = entity.text("ns")
                 pushed = () if not namespace else (PushNamespace(namespace, entity.span),)
                 scoped = entity.attributes.get("scoped", "true").lower() != "false"
-                yield Group((*pushed, *_actions(entity.children)), scoped, is_conditional)
+                yield Group((*pushed, *_actions(entity.children)), scoped, tests)
             case "include":
-                yield from _included(entity, is_conditional)
+                yield from _included(entity, tests)
             case "push_ros_namespace" | "push_namespace":
                 named = entity.text("namespace", "ns", "value") or UNKNOWN
                 yield PushNamespace(named, entity.span)
@@ -162,17 +170,50 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
                 yield SetParameters(*_given((entity,)))
             case "executable":
                 command = entity.text("cmd") or UNKNOWN
-                yield of_command((command,), entity.span, is_conditional)
+                yield of_command((command,), entity.span, tests)
             case "test":
                 called = entity.attributes.get("name", "?")
                 yield NotRead("programs that are not nodes", called, entity.span)
             case name if name in _PASSED:
                 continue
             case _:
-                yield together(tuple(_actions(entity.children)), is_conditional)
+                yield together(tuple(_actions(entity.children)), tests)
 
 
-def _node(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
+def _tests(entity: _Entity) -> Tests:
+    """Return what has to hold for an element."""
+    found: list[Test] = []
+    for name in ("if", "unless"):
+        written = entity.attributes.get(name)
+        if written is not None:
+            inner = written.strip()
+            if inner.startswith("$(eval ") and inner.endswith(")"):
+                text = text_of(*_evaluated(inner[7:-1]))
+            else:
+                text = substituted(inner)
+            found += tests_of_text(text, name == "if", entity.span)
+    return tuple(found)
+
+
+def _evaluated(written: str) -> Iterator[Part | Text]:
+    """Yield the parts of an expression: of ROS 2 with substitutions, of ROS 1 with bare names."""
+    inside = written.strip()
+    if len(inside) > 1 and inside[0] == inside[-1] and inside[0] in "'\"" and "$(" in inside:
+        inside = inside[1:-1]
+    if "$(" in inside:
+        yield substituted(inside)
+        return
+    at = 0
+    for match in _BARE_NAME.finditer(inside):
+        name = match["called"] or match["name"]
+        if name is not None and name not in _WORDS_OF_PYTHON:
+            yield inside[at : match.start()]
+            yield Argument(name)
+            at = match.end()
+    yield inside[at:]
+
+
+def _node(entity: _Entity, tests: Tests) -> Iterator[Action]:
     """Yield the node that an element starts."""
     package = entity.text("pkg", "package") or UNKNOWN
     plugin = entity.name == "composable_node"
@@ -201,11 +242,11 @@ def _node(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
         files,
         parameters,
         tuple(filter(None, (arguments, *for_ros))),
-        is_conditional,
+        tests,
     )
 
 
-def _included(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
+def _included(entity: _Entity, tests: Tests) -> Iterator[Action]:
     path = entity.text("file") or UNKNOWN
     namespace = entity.text("ns")
     given = tuple(
@@ -220,7 +261,7 @@ def _included(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
     # Only ROS 1 writes `$(find ...)`, and passes arguments on where it is asked to.
     passed = entity.attributes.get("pass_all_args", "false").lower() in ("true", "1")
     inherits = passed or "$(find " not in entity.attributes.get("file", "")
-    include = Include(path, entity.span, given, is_conditional, inherits)
+    include = Include(path, entity.span, given, tests, inherits)
     yield Group((PushNamespace(namespace, entity.span), include)) if namespace else include
 
 
@@ -329,8 +370,8 @@ def _substitution(inside: str) -> Part | Text:
         case "dirname":
             return Here()
         case "env" | "optenv":
-            _, blank, default = rest.partition(" ")
-            return (default.strip("'\" "),) if blank else UNKNOWN
+            name, blank, default = rest.partition(" ")
+            return Argument(f"env {name}", (default.strip("'\" "),) if blank else None)
         case "anon":
             return rest
         case _:

@@ -17,11 +17,14 @@ from mars_asp.exchange.ros2.actions import (
     SetParameters,
     SetRemap,
     Start,
+    Test,
+    Tests,
     Text,
     plain,
     together,
 )
 from mars_asp.exchange.ros2.commands import of_command
+from mars_asp.exchange.ros2.conditions import tests_of
 from mars_asp.exchange.ros2.python_evaluate import (
     MOST_STEPS,
     Evaluator,
@@ -97,15 +100,17 @@ class _Reader(Evaluator):
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom):
                 self.called.update((n.asname, n.name) for n in node.names if n.asname)
-        readings = tuple(dict.fromkeys(self.readings(tree)))
-        found = readings[0] if len(readings) == 1 else (Readings(readings),)
+        read = tuple(self.readings(tree))
+        readings = tuple(actions for actions, _ in read)
+        same = len(set(readings)) == 1
+        found = readings[0] if same else (Readings(readings, tuple(taken for _, taken in read)),)
         entry = self.globals[_ENTRY]
         names = self.entered(entry) if isinstance(entry, Local) else {}
         declared = tuple(self.declared(tree, names))
         return (*declared, *found, *self.left_out(tree, names))
 
-    def readings(self, tree: ast.Module) -> Iterator[tuple[Action, ...]]:
-        """Yield what the file starts, once for each set of branches that it takes.
+    def readings(self, tree: ast.Module) -> Iterator[tuple[tuple[Action, ...], Tests]]:
+        """Yield what the file starts, once for each set of branches that it takes, with these.
 
         Each branch of each condition is taken by some reading, the others there as before it.
         """
@@ -116,13 +121,14 @@ class _Reader(Evaluator):
         )
         waiting: list[dict[ast.AST, int]] = [{}]
         planned: set[tuple[ast.AST, int]] = set()
-        found: list[tuple[Action, ...]] = []
+        found: list[tuple[tuple[Action, ...], Tests]] = []
         self.strict = True
         for _ in range(_MOST_READINGS):
             if not waiting or self.steps > MOST_STEPS:
                 break
             with suppress(Refused):
-                found.append(self.reading(tree, waiting.pop(0)))
+                actions = self.reading(tree, waiting.pop(0))
+                found.append((actions, tuple(self.taken())))
             before: dict[ast.AST, int] = {}
             for node, (choice, options) in self.decisions.items():
                 planned.add((node, choice))
@@ -131,10 +137,18 @@ class _Reader(Evaluator):
                 waiting += ({**before, node: each} for each in others)
                 before[node] = choice
         self.strict = False
-        yield from found or (self.reading(tree, {}),)
+        yield from found or ((self.reading(tree, {}), ()),)
         if waiting:
             place = point(self.path, 1, 1)
-            yield (NotRead("branches of conditions", str(len(waiting)), place),)
+            yield (NotRead("branches of conditions", str(len(waiting)), place),), ()
+
+    def taken(self) -> Iterator[Test]:
+        """Yield the branches that a reading took."""
+        for node, (choice, _) in self.decisions.items():
+            if isinstance(node, ast.expr | ast.stmt):
+                at = self.span(node)
+                name = f"{at.path}:{at.line}:{at.column}"
+                yield Test((name,), (str(choice),), True, at, branch=True)
 
     def reading(self, tree: ast.Module, forced: Mapping[ast.AST, int]) -> tuple[Action, ...]:
         """Return what the file starts by the branches that are forced, and else the first.
@@ -151,10 +165,10 @@ class _Reader(Evaluator):
         if not isinstance(entry, Local):
             place = point(self.path, 1, 1)
             raise _wrong(place, f"the file has no function `{_ENTRY}` at its outer level")
-        found = tuple(self.interpret(self.call_local(entry, (), {}), False))
+        found = tuple(self.interpret(self.call_local(entry, (), {}), ()))
         return (*self.declarations, *found)
 
-    def interpret(self, value: Value, conditional: bool) -> Iterator[Action]:
+    def interpret(self, value: Value, tests: Tests) -> Iterator[Action]:
         """Yield the actions that a value is or holds."""
         self.steps += _STEPS_OF_ACTION
         if self.steps > 2 * MOST_STEPS:
@@ -162,29 +176,29 @@ class _Reader(Evaluator):
         match value:
             case Listed(items):
                 for item in tuple(items):
-                    yield from self.interpret(item, conditional)
+                    yield from self.interpret(item, tests)
             case Call(name) if name in _NODES or name in _CONTAINERS:
-                yield from self.started(value, conditional)
+                yield from self.started(value, tests)
             case Call():
-                yield from self.action(value, conditional)
+                yield from self.action(value, tests)
             case _:
                 return
 
-    def action(self, call: Call, conditional: bool) -> Iterator[Action]:
+    def action(self, call: Call, tests: Tests) -> Iterator[Action]:
         """Yield what an action that starts no node itself does."""
-        conditional = conditional or "condition" in call.named
+        tests = (*tests, *tests_of(call.named.get("condition"), call.span))
         match call.name:
             case "LaunchDescription":
-                yield from self.interpret(call.get("initial_entities", 0), conditional)
+                yield from self.interpret(call.get("initial_entities", 0), tests)
             case "GroupAction":
-                inner = tuple(self.interpret(call.get("actions", 0), conditional))
+                inner = tuple(self.interpret(call.get("actions", 0), tests))
                 scoped = call.get("scoped")
                 is_scoped = not (isinstance(scoped, Plain) and scoped.text == ("False",))
                 settings = call.named.get("launch_configurations")
                 yield Group(
                     (*forced(settings, call.span), *inner),
                     scoped=is_scoped,
-                    conditional=conditional,
+                    tests=tests,
                 )
             case "PushRosNamespace" | "PushROSNamespace":
                 yield PushNamespace(text_from(call.get("namespace", 0)), call.span)
@@ -208,16 +222,16 @@ class _Reader(Evaluator):
                     described = described.get("launch_file_path", 0)
                 path = text_from(described)
                 passed = tuple(parameters_of(call.get("launch_arguments", 1), call.span))
-                yield Include(path, call.span, passed, conditional)
+                yield Include(path, call.span, passed, tests)
             case "ExecuteProcess" | "ExecuteLocal":
                 command = items_of(call.get("cmd", 0))
-                yield of_command(tuple(map(text_from, command)), call.span, conditional)
+                yield of_command(tuple(map(text_from, command)), call.span, tests)
             case "OpaqueFunction":
-                yield from self.opaque(call, conditional)
+                yield from self.opaque(call, tests)
             case _:
-                yield from self.handled(call, conditional)
+                yield from self.handled(call, tests)
 
-    def opaque(self, call: Call, conditional: bool) -> Iterator[Action]:
+    def opaque(self, call: Call, tests: Tests) -> Iterator[Action]:
         """Yield what a function of the file that launching would call returns."""
         function = call.get("function", 0)
         if not isinstance(function, Local):
@@ -229,25 +243,25 @@ class _Reader(Evaluator):
             for key, value in (named.pairs if isinstance(named, Mapped) else ())
         }
         found = self.call_local(function, (None, *items_of(call.get("args"))), by_name)
-        yield together(tuple(self.interpret(found, conditional)), conditional)
+        yield together(tuple(self.interpret(found, tests)), tests)
 
-    def handled(self, call: Call, conditional: bool) -> Iterator[Action]:
+    def handled(self, call: Call, tests: Tests) -> Iterator[Action]:
         """Yield what timers and handlers of events hold, which is started some time."""
         held = [value for name, value in call.named.items() if name != "target_action"]
         for each in (*call.arguments, *held):
             # A handler may be a function that takes the event and the context.
             given = self.call_local(each, (), {}) if isinstance(each, Local) else each
-            yield from self.interpret(given, conditional)
+            yield from self.interpret(given, tests)
 
-    def started(self, call: Call, conditional: bool) -> Iterator[Action]:
+    def started(self, call: Call, tests: Tests) -> Iterator[Action]:
         """Yield the node that a call starts, or those that go into a container."""
-        conditional = conditional or "condition" in call.named
+        tests = (*tests, *tests_of(call.named.get("condition"), call.span))
         if call.name in _CONTAINERS:
             if call.name == "ComposableNodeContainer":
                 called = plain(text_from(call.get("name"))) or "?"
                 yield NotRead("containers of components", called, call.span)
             components = call.get("composable_node_descriptions")
-            yield from self.interpret(components, conditional)
+            yield from self.interpret(components, tests)
             return
         self.launched.add((call.span.line, call.span.column))
         plugin = _NODES[call.name]
@@ -269,7 +283,7 @@ class _Reader(Evaluator):
             files,
             parameters,
             _arguments_of(call),
-            conditional,
+            tests,
             unread,
         )
 

@@ -58,8 +58,10 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
         case "ThisLaunchFileDir":
             return Plain((Here(),), call.span)
         case "EnvironmentVariable" | "getenv":
+            called = plain(text_from(call.get("name", 0)))
             value = call.get("default_value", 1)
-            return Plain(text_from(value), call.span)
+            otherwise = None if value is None else text_from(value)
+            return Plain((Argument(f"env {called}", otherwise),), call.span)
         case "PathJoinSubstitution" | "PathJoin":
             parts = items_of(first) if isinstance(first, Listed) else call.arguments
             return Plain(path_of(*map(text_from, parts)), call.span)

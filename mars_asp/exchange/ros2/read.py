@@ -308,7 +308,7 @@ class _Robot:
                 span = first.span or point(self.workspace.shown(paths[0]), 1, 1)
                 yield Started(
                     program.package, program.executable, program.plugin, "", "/", (), {}, (), {},
-                    span, False,
+                    span,
                 )  # fmt: skip
 
     def _nothing(self, launches: Sequence[Launch], paths: Sequence[Path]) -> MarsError:
@@ -348,17 +348,17 @@ class _Robot:
             self.unread.append(Unread("names made at run time", "?", started.span))
             return None
         full = name_in(started.namespace, name)
-        if started.conditional:
+        if started.conditions:
             self.conditional.setdefault(full, started.span)
         if is_mux(program):
             given = tuple(self._parameters_of_mux(started, full))
             mux = mux_of(started, name, full, given)
             if mux is not None:
-                return mux
+                return replace(mux, conditions=started.conditions)
         values = self._values(started, full)
         relay = self._relay(program, started, name, values)
         if relay is not None:
-            return relay
+            return replace(relay, conditions=started.conditions)
         interface = interface or steered(program, started.arguments, values)
         if interface is None and is_bridge(program):
             interface = bridged(
@@ -371,7 +371,7 @@ class _Robot:
                 full,
                 started.span,
                 unread=True,
-                conditional=started.conditional,
+                conditions=started.conditions,
                 # A program whose source is not known may name its node apart.
                 is_named=bool(started.name),
                 renamed=self._renamed(started, name),
@@ -399,7 +399,7 @@ class _Robot:
             guard,
             relays,
             unread,
-            started.conditional,
+            started.conditions,
             renamed=self._renamed(started, name),
             # In the catalogue, a name is a habit of its program.
             is_named=not is_catalogued or bool(started.name),

@@ -11,6 +11,9 @@ from mars_asp.model.ranges import MOST
 from mars_asp.output import encodable
 from mars_asp.spelling import nearest
 
+#: How it is told whether a condition has to hold.
+_WANTED = ("unless", "if")
+
 
 def launch_facts(trees: Iterable[Tree]) -> tuple[Fact, ...]:
     """Return the facts of launch trees with their places.
@@ -64,20 +67,23 @@ class _Compiler:
         yield _fact(span, name, number, *arguments)
         yield _fact(span, "place", number, encodable(span.path), span.line, span.column)
 
-    def start(self, name: str, span: Span, package: str) -> tuple[int, list[Fact]]:
+    def start(self, started: Node | Mux | Relay, package: str) -> tuple[int, list[Fact]]:
         """Return a node of the tree, and what is known of each."""
-        first, *others = self.placed(span, "launched", self.tree.path, name)
-        number = first.atom.arguments[0]
+        found = list(self.placed(started.span, "launched", self.tree.path, started.name))
+        number = found[0].atom.arguments[0]
         assert isinstance(number, int)
-        package_of = _fact(span, "package_of", number, package)
-        return number, [first, *others, package_of]
+        found.append(_fact(started.span, "package_of", number, package))
+        for each in started.conditions:
+            asked = (each.variable, each.value, Atom(_WANTED[each.wanted]))
+            found.append(_fact(each.span, "starts_if", number, *asked))
+            found += (_fact(each.span, "test_reads", each.variable, of) for of in each.reads)
+        return number, found
 
     def node(self, node: Node) -> Iterator[Fact]:
         """Yield the facts of a node."""
-        number, facts = self.start(node.name, node.span, node.package)
+        number, facts = self.start(node, node.package)
         yield from facts
         said = {
-            "conditional": node.conditional,
             "may_be_renamed": not node.is_named,
             "partly_read": node.unread,
             "wholly_read": node.is_whole,
@@ -112,7 +118,7 @@ class _Compiler:
 
     def mux(self, mux: Mux) -> Iterator[Fact]:
         """Yield the facts of a mux."""
-        number, facts = self.start(mux.name, mux.span, mux.engine)
+        number, facts = self.start(mux, mux.engine)
         yield from facts
         yield _fact(mux.span, "selects_for", number, Atom(mux.engine), mux.output)
         for each in mux.inputs:
@@ -125,7 +131,7 @@ class _Compiler:
 
     def relay(self, relay: Relay) -> Iterator[Fact]:
         """Yield the facts of a relay."""
-        number, facts = self.start(relay.name, relay.span, "")
+        number, facts = self.start(relay, "")
         yield from facts
         yield _fact(relay.span, "relays", number, relay.source, relay.target)
 
