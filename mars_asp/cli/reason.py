@@ -12,7 +12,7 @@ from mars_asp.cli.settings import settings_for
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.foreign import File, read_foreign
-from mars_asp.exchange.recognise import recognised
+from mars_asp.exchange.recognise import dataflows_in, recognised
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
 from mars_asp.model.declarations import PackKind
@@ -174,6 +174,10 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[list[str
     found: list[list[str]] = []
     foreign: list[str] = []
     for path in paths:
+        dataflows = dataflows_in(Path(path)) if Path(path).is_dir() else ()
+        if dataflows:
+            found += ([str(each)] for each in dataflows)
+            continue
         if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
             found.append([path])
         else:

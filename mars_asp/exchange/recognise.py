@@ -2,9 +2,15 @@
 
 import re
 from collections.abc import Mapping
+from itertools import chain
+from pathlib import Path
 
+from mars_asp.diagnostic import MarsError
+from mars_asp.language.parse import read_text
 from mars_asp.model.declarations import FOREIGN
 
+#: How deep in a folder dataflows and packages are sought.
+_NEAR = ("", "*/", "*/*/")
 #: The formats of robots that can stand where a `.mars` file does.
 FORMATS = ("mars", *FOREIGN)
 #: Others' files show what they are in so many characters, and none takes long to be looked at.
@@ -62,6 +68,21 @@ def dump_of(text: str) -> str | None:
         (kind for kind, signs in _DUMPS.items() if all(re.search(sign, head) for sign in signs)),
         None,
     )
+
+
+def dataflows_in(folder: Path) -> list[Path]:
+    """Return the dataflows of dora in a folder without packages of ROS, up to some depth."""
+    if next(chain(*(folder.glob(f"{at}package.xml") for at in _NEAR)), None) is not None:
+        return []
+    files = chain(*(folder.glob(f"{at}*.y*ml") for at in _NEAR))
+    return [file for file in sorted({*files}) if file.is_file() and _is_dataflow(file)]
+
+
+def _is_dataflow(file: Path) -> bool:
+    try:
+        return recognised(read_text(file)) == "dora"
+    except MarsError:
+        return False
 
 
 def is_launch(text: str) -> bool:

@@ -46,6 +46,8 @@ _Value = TypeVar("_Value")
 #: What a consequence that neither warns nor stops has for its severity.
 _NOTE = as_term(clingo.Function("note"))
 _STAGE = "base"
+#: So many launch trees are named; the others stand in JSON.
+_MOST_TREES = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +70,8 @@ class Consequence:
     labels: tuple[tuple[Span, str], ...] = ()
     effect: str | None = None
     trees: tuple[str, ...] = ()
+    #: What launch arguments are, or are not, where it is so: name, value, and `if` or `unless`.
+    conditions: tuple[tuple[str, ...], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -187,6 +191,7 @@ def read_consequences(
     concerned = _collect(control, ("concerns", 4), wanted)
     identifiers = {row[0] for rows in concerned.values() for row in rows}
     trees = _collect(control, ("holds_in", 4), wanted)
+    conditions = _collect(control, ("holds_if", 6), wanted)
     span_of = _places(analysis.facts, identifiers)
     labels_of: dict[TermId, dict[Span, str]] = {}
     for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
@@ -216,6 +221,7 @@ def read_consequences(
                 tuple(said_of.items()),
                 told.effect,
                 tuple(sorted(written(row[0]) for row in trees.get(key, ()))),
+                tuple(sorted(tuple(map(written, row)) for row in conditions.get(key, ()))),
             )
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
@@ -237,9 +243,24 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
         consequence.spans[0],
         tuple((span, said_of.get(span, "")) for span in consequence.spans[1:]),
         consequence.help,
-        effect=consequence.effect,
+        effect=" ".join(filter(None, (consequence.effect, *_where(consequence)))) or None,
         kind=consequence.kind,
     )
+
+
+def _where(consequence: Consequence) -> Iterator[str]:
+    """Yield of which launch trees a finding is, where there are several, and under what."""
+    if consequence.conditions:
+        said = (
+            f"{f'`{name}`' if ' (' not in name and ' ' not in name[4:] else name}"
+            f" is {'' if how == 'if' else 'not '}`{value}`"
+            for name, value, how in consequence.conditions
+        )
+        yield f"It is so where {' and '.join(said)}."
+    if len(consequence.trees) > 1:
+        named = ", ".join(f"`{tree}`" for tree in consequence.trees[:_MOST_TREES])
+        more = ", ..." if len(consequence.trees) > _MOST_TREES else ""
+        yield f"It is so of {len(consequence.trees)} launch files: {named}{more}."
 
 
 def _first_said(analysis: Analysis) -> dict[TermId, Said]:

@@ -281,16 +281,16 @@ class Launch:
                 continue
             given = None if variable is not None else self._plain(test.text, scope, files)
             if given is None or value is None:
-                reads = (
+                arguments = (
                     scope.variable(part.name) or part.name
                     for part in test.text
                     if isinstance(part, Argument)
                 )
                 at = f"{test.span.path}:{test.span.line}:{test.span.column}"
+                # Two that were not read may be alternatives, above all where they are of one file.
+                reads = (test.span.path, *arguments)
                 found.append(
-                    Condition(
-                        f"{shown(test.text)} ({at})", "true", test.wanted, test.span, tuple(reads)
-                    )
+                    Condition(f"{shown(test.text)} ({at})", "true", test.wanted, test.span, reads)
                 )
             elif test.wanted != (
                 given == value if test.value is not None else given.lower() in ("true", "1")

@@ -147,7 +147,7 @@ class _Reader(Evaluator):
         for node, (choice, _) in self.decisions.items():
             if isinstance(node, ast.expr | ast.stmt):
                 at = self.span(node)
-                name = f"{at.path}:{at.line}:{at.column}"
+                name = f"the branch taken at {at.path}:{at.line}:{at.column}"
                 yield Test((name,), (str(choice),), True, at, branch=True)
 
     def reading(self, tree: ast.Module, forced: Mapping[ast.AST, int]) -> tuple[Action, ...]:

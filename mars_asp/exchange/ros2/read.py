@@ -15,7 +15,7 @@ from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, Topic
-from mars_asp.exchange.ros2.launch import NOT_HERE, Launch, Started
+from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
 from mars_asp.exchange.ros2.names import renamed
@@ -172,12 +172,12 @@ class _Robot:
         """Return the nodes that files, or those of folders, start."""
         self.catalogue = self._catalogue()
         launches = list(self._launches(paths))
-        launched = [launch for launch in launches if launch.started]
-        if not launched:
+        launched = launches
+        if not any(launch.started for launch in launches):
             alone = Launch(self.workspace)
             alone.started = list(self._alone(paths))
-            launched = [alone] if alone.started else []
-            if launched:
+            if alone.started:
+                launched = [alone]
                 message = (
                     "no launch file was found, so every program of the packages counts as started"
                 )
@@ -195,8 +195,12 @@ class _Robot:
         for launch in launches:
             self.unread += launch.unread
         self.unread += self.workspace.unread
+        if not self.trees:
+            raise self._nothing(paths)
         if not (nodes or muxes or relays):
-            raise self._nothing(launches, paths)
+            message = "no node could be read of what the launch files start"
+            place = point(self.workspace.shown(paths[0]), 1, 1)
+            self.problems.append(Diagnostic("launch", "note", message, place))
         first = self.workspace.shown(paths[0])
         return Graph(
             first, tuple(nodes.values()), tuple(muxes.values()), relays=tuple(relays.values())
@@ -268,8 +272,10 @@ class _Robot:
             except MarsError as error:
                 broken.add(file)
                 wrong = error.diagnostics[0]
-                name = f"{self.workspace.shown(file)}: {wrong.message}"
+                path = self.workspace.shown(file)
+                name = f"{path}: {wrong.message}"
                 self.unread.append(Unread("launch files with errors", name, wrong.span))
+                self.trees.append(Tree(path, broken=((name, wrong.span),)))
             included |= first.reached - {file}
         tops = [file for file in files if file not in included and file not in broken]
         # Files that include each other have no top.
@@ -311,19 +317,10 @@ class _Robot:
                     span,
                 )  # fmt: skip
 
-    def _nothing(self, launches: Sequence[Launch], paths: Sequence[Path]) -> MarsError:
+    def _nothing(self, paths: Sequence[Path]) -> MarsError:
         """Return what is wrong where nothing was found."""
-        if any(launch.started for launch in launches):
-            message = "the launch file starts nothing that can be read as a node"
-            help_text = "name the launch file that starts the robot"
-        elif launches:
-            message = "the launch file starts no node"
-            help_text = "name the launch file that starts the robot"
-            if any(each.sort == NOT_HERE for launch in launches for each in launch.unread):
-                help_text = "name the workspace that has the launch files it includes"
-        else:
-            message = "the folder has no launch file and no package with a program"
-            help_text = "name a workspace, a package or a launch file"
+        message = "the folder has no launch file and no package with a program"
+        help_text = "name a workspace, a package or a launch file"
         place = point(self.workspace.shown(paths[0]), 1, 1)
         found = Diagnostic("ros2", "error", message, place, help=help_text)
         return MarsError((found, *notes(_once(self.unread))))
@@ -356,6 +353,7 @@ class _Robot:
             if mux is not None:
                 return replace(mux, conditions=started.conditions)
         values = self._values(started, full)
+        is_source = interface is not None and not is_catalogued
         relay = self._relay(program, started, name, values)
         if relay is not None:
             return replace(relay, conditions=started.conditions)
@@ -403,7 +401,7 @@ class _Robot:
             renamed=self._renamed(started, name),
             # In the catalogue, a name is a habit of its program.
             is_named=not is_catalogued or bool(started.name),
-            is_whole=not (is_catalogued or unread or interface.unread),
+            is_whole=is_source and not (unread or interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),
         )
