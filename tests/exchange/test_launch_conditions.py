@@ -1,0 +1,143 @@
+"""Conditions of launch files against an enumeration of all that their arguments can be."""
+
+from itertools import combinations, product
+from pathlib import Path
+from random import Random
+from typing import NamedTuple
+
+import pytest
+
+from mars_asp.diagnostic import point
+from mars_asp.exchange.foreign import File, read_foreign
+from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.facts.launched import launch_facts
+from mars_asp.reasoning.rules import alone, load_rulebook
+
+RULES = alone(load_rulebook(stages=("launch",)), "launch")
+#: The values that each argument takes; the last of those with three stands for any other.
+VALUES = {
+    **{f"a{n}": ("true", "false") for n in range(8)},
+    "m": ("x", "y", "?"),
+    "k": ("x", "z", "?"),
+}
+NAMES = ("left", "right", "front")
+
+
+class Held(NamedTuple):
+    """A condition as the file writes it, and as whoever launches it understands it."""
+
+    written: str
+    argument: str
+    value: str
+    wanted: bool
+
+
+class Started(NamedTuple):
+    """A node of a random tree, and the conditions above it."""
+
+    name: str
+    under: tuple[Held, ...]
+
+
+def random_condition(random: Random) -> Held:
+    name = random.choice(list(VALUES))
+    wanted = random.random() < 0.5
+    if name.startswith("a"):
+        form = random.choice(("{} = '$(var {})'", "{} = '$(eval \"$(var {})\")'"))
+        word = "if" if wanted else "unless"
+        return Held(
+            form.replace("'", '"', 2).format(word, name)
+            if "eval" not in form
+            else f"{word}='$(eval \"$(var {name})\")'",
+            name,
+            "true",
+            wanted,
+        )
+    value = random.choice(VALUES[name][:2])
+    sign = "==" if wanted else "!="
+    return Held(f"if=\"$(eval &quot;'$(var {name})' {sign} '{value}'&quot;)\"", name, value, wanted)
+
+
+def random_tree(random: Random) -> tuple[str, list[Started]]:
+    """Return a launch file in XML, and the nodes that it may start."""
+    lines = [f'<arg name="{name}" default="{values[0]}"/>' for name, values in VALUES.items()]
+    nodes: list[Started] = []
+
+    def fill(under: tuple[Held, ...], depth: int) -> None:
+        for _ in range(random.randint(1, 3)):
+            if depth < 3 and random.random() < 0.5:
+                held = random_condition(random)
+                lines.append(f"<group {held.written}>")
+                fill((*under, held), depth + 1)
+                lines.append("</group>")
+            else:
+                name = random.choice(NAMES)
+                held = random_condition(random) if random.random() < 0.4 else None
+                written = "" if held is None else f" {held.written}"
+                lines.append(f'<node pkg="some" exec="thing" name="{name}"{written}/>')
+                nodes.append(Started(name, (*under, *([held] if held else []))))
+
+    fill((), 0)
+    return "<launch>\n" + "\n".join(lines) + "\n</launch>\n", nodes
+
+
+def runs(node: Started, assigned: dict[str, str]) -> bool:
+    return all((assigned[each.argument] == each.value) == each.wanted for each in node.under)
+
+
+def asked(held: list[Held]) -> set[Held]:
+    """Return what several conditions ask together: what is one value is no other."""
+    plain = {each._replace(written="") for each in held}
+    known = {each.argument for each in plain if each.wanted}
+    return {each for each in plain if each.wanted or each.argument not in known}
+
+
+def assignments(nodes: list[Started]) -> list[dict[str, str]]:
+    named = sorted({each.argument for node in nodes for each in node.under})
+    return [
+        dict(zip(named, values, strict=True)) for values in product(*(VALUES[n] for n in named))
+    ]
+
+
+def judged(text: str, folder: Path) -> Analysis:
+    file = folder / "tree.launch.xml"
+    file.write_text(text)
+    parsed = read_foreign([File(str(file), text, "ros2")])
+    return analyse(launch_facts(parsed.trees), RULES, point("tree", 1, 1))
+
+
+@pytest.mark.parametrize("seed", range(300))
+def test_nodes_of_one_name_are_found_where_some_arguments_start_both(
+    seed: int, tmp_path: Path
+) -> None:
+    random = Random(seed)
+    text, nodes = random_tree(random)
+    every = assignments(nodes)
+    twice = {
+        name: [
+            assigned
+            for assigned in every
+            if sum(node.name == name and runs(node, assigned) for node in nodes) > 1
+        ]
+        for name in NAMES
+    }
+    found = {each.subject: each for each in judged(text, tmp_path).consequences}
+    assert found.keys() == {f"/{name}" for name, both in twice.items() if both}
+    for name, both in twice.items():
+        if not both:
+            continue
+        said = found[f"/{name}"].conditions
+        meant = [
+            assigned
+            for assigned in every
+            if all((assigned[v] == value) == (how == "if") for v, value, how in said)
+        ]
+        # What is said is possible, enough, and the least that is: no pair has fewer.
+        assert meant and all(assigned in both for assigned in meant)
+        pairs = combinations([node for node in nodes if node.name == name], 2)
+        least = min(
+            len(asked([held for node in pair for held in node.under]))
+            for pair in pairs
+            if any(all(runs(node, assigned) for node in pair) for assigned in every)
+        )
+        assert len(said) == least
