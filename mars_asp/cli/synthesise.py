@@ -29,6 +29,7 @@ from mars_asp.reasoning.analysis import diagnostic
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import NODES, by_name
+from mars_asp.reasoning.synthesis.preferences import Preference
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 from mars_asp.reasoning.verification import Violation, verify
 
@@ -73,6 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
             raise MarsError((_at_odds(first),))
         print(f"mars-asp: a fault of ours, please report it: {first.message}", file=sys.stderr)
         return 2
+    report(map(_preferred, found.preferences), arguments)
     if arguments.format == "json":
         text = json.dumps(synthesis_json(project, found)) + "\n"
     else:
@@ -88,6 +90,13 @@ def run(arguments: argparse.Namespace) -> int:
         )
         return 3
     return int(selected.has_errors)
+
+
+def _preferred(preference: Preference) -> Diagnostic:
+    """Return what the specification has that a pack would rather not have, and what that costs."""
+    rule, weight = preference.rule, preference.weight
+    message = f"{preference.message}: {weight} at level {preference.level}"
+    return Diagnostic(rule.id, "note", message, rule.span)
 
 
 def _at_odds(violation: Violation) -> Diagnostic:
@@ -123,6 +132,15 @@ def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:
         "cost": by_name(found.resolution.cost),
         "proven_minimal": found.resolution.proven,
         "optimal_count": found.resolution.count,
+        "preferences": [
+            {
+                "level": each.level,
+                "weight": each.weight,
+                "message": each.message,
+                "rule": each.rule.id,
+            }
+            for each in found.preferences
+        ],
         "resolves": {name: list(kinds) for name, kinds in found.specification.resolves.items()},
         **({} if found.resolution.proven else {"lower_bound": {"nodes": found.bound(NODES)}}),
     }
