@@ -29,7 +29,6 @@ from mars_asp.reasoning.analysis import diagnostic
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import NODES, by_name
-from mars_asp.reasoning.synthesis.preferences import Preference
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 from mars_asp.reasoning.verification import Violation, verify
 
@@ -74,7 +73,16 @@ def run(arguments: argparse.Namespace) -> int:
             raise MarsError((_at_odds(first),))
         print(f"mars-asp: a fault of ours, please report it: {first.message}", file=sys.stderr)
         return 2
-    report(map(_preferred, found.preferences), arguments)
+    unmet = (
+        Diagnostic(
+            each.rule.id,
+            "note",
+            f"{each.message}: {each.weight} at level {each.level}",
+            each.rule.span,
+        )
+        for each in found.preferences
+    )
+    report(unmet, arguments)
     if arguments.format == "json":
         text = json.dumps(synthesis_json(project, found)) + "\n"
     else:
@@ -90,13 +98,6 @@ def run(arguments: argparse.Namespace) -> int:
         )
         return 3
     return int(selected.has_errors)
-
-
-def _preferred(preference: Preference) -> Diagnostic:
-    """Return what the specification has that a pack would rather not have, and what that costs."""
-    rule, weight = preference.rule, preference.weight
-    message = f"{preference.message}: {weight} at level {preference.level}"
-    return Diagnostic(rule.id, "note", message, rule.span)
 
 
 def _at_odds(violation: Violation) -> Diagnostic:

@@ -20,7 +20,7 @@ SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 CONSEQUENCE = Signature("consequence", 4)
 #: What is wrong with a specification: the number of the clause that fails, and what tells apart.
 VIOLATION = Signature("violation", 2)
-#: What a pack would rather not have in a specification: the level, the weight, and what it is.
+#: A preference of a pack that a specification does not meet: level, weight and subject.
 PREFERENCE = Signature("preference", 3)
 #: The clauses below are ours.
 FIRST_CLAUSE = 100

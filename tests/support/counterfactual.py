@@ -181,7 +181,11 @@ def _answers(text: str, path: str) -> tuple[Sequence[Answer], Set[str]]:
         cited[topic.name] |= _lines_of(topic, path) | _noted(topic, path)
     names = {topic.name: _named(topic, cited) for topic in found}
     about = [
-        *((f"{c.atom}".split(",", 2), c.participants) for c in explanation.analysis.consequences),
+        # A case that is a number is that of a line, which another line moves.
+        *(
+            (re.sub(r",\d+\)$", ",_)", f"{c.atom}").split(",", 2), c.participants)
+            for c in explanation.analysis.consequences
+        ),
         *((_key(node, resolves), resolves) for node, resolves in _nodes(explanation)),
     ]
     result = []

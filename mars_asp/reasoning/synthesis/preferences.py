@@ -1,4 +1,4 @@
-"""What rule packs would rather not have, and a specification has nevertheless."""
+"""The preferences of rule packs that a specification does not meet, with their cost."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ _STAGE = "preferences"
 
 
 class Preference(NamedTuple):
-    """What costs `weight` at a level below that of lines, with the rule that says so."""
+    """An unmet preference: its weight at a level below that of lines, and its rule."""
 
     level: int
     weight: int
@@ -23,7 +23,7 @@ class Preference(NamedTuple):
 
 
 def preferences(rulebook: Rulebook, answer: Answer) -> tuple[Preference, ...]:
-    """Return what the preferences of packs cost in an answer, the highest level first.
+    """Return the preferences that an answer does not meet, the highest level first.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -34,10 +34,10 @@ def preferences(rulebook: Rulebook, answer: Answer) -> tuple[Preference, ...]:
     read = frozenset({PREFERENCE}).union(*(rule.reads for rule in rules))
     grounding = Grounding((), answer.true_of(sorted(read)))
     grounding.derive(saying(_STAGE, rules))
-    told = Signature(predicate_of(_STAGE), 3)
+    predicate = Signature(predicate_of(_STAGE), 3)
     found: dict[object, Preference] = {}
-    for said in (heard(atom, rules) for atom in atoms(grounding.control, *told)):
-        level, weight = (as_symbol(term).number for term in arguments(said.head)[:2])
-        message = said.message or str(as_symbol(said.head))
-        found.setdefault(said.head, Preference(level, weight, message, said.rule))
+    for instance in (heard(atom, rules) for atom in atoms(grounding.control, *predicate)):
+        level, weight = (as_symbol(term).number for term in arguments(instance.head)[:2])
+        message = instance.message or str(as_symbol(instance.head))
+        found.setdefault(instance.head, Preference(level, weight, message, instance.rule))
     return tuple(sorted(found.values(), key=lambda each: (-each.level, each.message)))
