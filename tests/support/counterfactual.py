@@ -107,9 +107,21 @@ def uncited(text: str, path: str = "config.mars") -> Iterator[str]:
             for key in (each.key, each.arbitrates):
                 left.setdefault(key, set()).update(each.members)
         for each in before:
-            gone = each.key not in left or not each.members <= left[each.key]
+            # A source with one output left is called by its module.
+            gone = not any(
+                key in left and members <= left[key]
+                for key, members in ((each.key, each.members), _without_ports(each))
+            )
             if gone and each.sort in judged and at not in each.reached:
                 yield f"{line.strip()} is missing for {each.sentence}"
+
+
+def _without_ports(answer: "Answer") -> tuple[tuple[str, ...], frozenset[str]]:
+    """Return the key and the members of an answer, sources named by their modules."""
+    return (
+        tuple(re.sub(r'"(\w+)\.\w+"\)$', r'"\1")', part) for part in answer.key),
+        frozenset(member.partition(".")[0] for member in answer.members),
+    )
 
 
 def uncounted(account: Account) -> Iterator[str]:
