@@ -71,7 +71,7 @@ FILES = {
     ),
     "reasoning/synthesis": (
         "carried_modes line_inputs derived draft exclusion inheritance_nodes control_lines "
-        "data_lines specify synthesise"
+        "data_lines specify preferences synthesise"
     ),
     "reasoning/questions": (
         "unrealised sharing account capability needs subject stated asked alternatives "

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.cli.deliver import replace_files
+from mars_asp.cli.deliver import file_key, replace_files
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.folding import fold, instances_of
 from mars_asp.cli.layout import columns, counted, wrapped
-from mars_asp.cli.lines import line_text, remember
+from mars_asp.cli.lines import forget, line_text, remember
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
 from mars_asp.cli.reason import (
@@ -66,6 +66,8 @@ class Checked:
     mended: "tuple[Repair, ...]" = ()
     #: How many findings have exactly one repair that was not applied.
     mendable: int = 0
+    #: The files that are changed for it: path, new content, and old.
+    written: list[tuple[str, bytes, bytes]] = field(default_factory=list)
     #: What standard input holds in the end.
     text: str | None = None
     #: How many findings a comment or a baseline hides.
@@ -162,14 +164,18 @@ def check(
     rules = cache(lambda stages: rulebook_for(arguments, stages))
     selection = Selection(arguments, rules(_STAGES))
     checked = []
+    edited: dict[object, tuple[str, bytes]] = {}
     for name, *further in robots(arguments, _each_once(arguments.files)):
         one = Checked(name, tuple(further))
         checked.append(one)
         try:
-            _check(one, rules, selection, arguments, seen)
+            _check(one, rules, selection, arguments, edited, seen)
         except MarsError as error:
             one.report(map(Result, error.diagnostics), arguments)
             one.status = 2
+    for one in checked:
+        if one.written:
+            replace_files(one.written)
     remarks = map(Result, selection.end(all(one.status < 2 for one in checked)))
     return checked, list(remarks)
 
@@ -187,9 +193,10 @@ def _check(
     rules: _Rules,
     selection: Selection,
     arguments: argparse.Namespace,
+    edited: dict[object, tuple[str, bytes]],
     seen: "_Seen",
 ) -> None:
-    """Check a file, and mend it where that is asked for.
+    """Check a file; with `--fix`, apply repairs as `_fix` does.
 
     Raises:
         MarsError: what is wrong with the file or its sources.
@@ -211,7 +218,7 @@ def _check(
         found = _sole_repairs(project, rules, arguments)
         sole = tuple(r for r in found if (r.consequence.spans, r.consequence.message) in shown)
     if sole and arguments.fix:
-        fixed = _fix(project, sole, rules, raw, one, arguments)
+        fixed = _fix(project, sole, rules, raw, one, arguments, edited)
         if fixed is not None:
             project, sole = fixed.project, ()
             for path, text in fixed.texts.items():
@@ -224,8 +231,11 @@ def _check(
     instances = instances_of(project.configuration)
     one.report(results_of(selected), arguments, sole, instances)
     one.report(map(Result, unread), arguments)
+    # Another robot that includes the file is judged by what it holds until all are checked.
+    for path, _, _ in one.written:
+        forget(path)
     if project.format is not None and arguments.fix:
-        one.report([Result(_unfixed(project.configuration.path, _FOREIGN))], arguments)
+        one.report([Result(_unfixed(project.configuration.path, _FOREIGN, _BY_HAND))], arguments)
         one.status = 2
     failing: tuple[Severity, ...] = ("error", "warning")
     failing = failing[: failing.index(arguments.fail_on) + 1]
@@ -266,10 +276,13 @@ def _fix(
     raw: bytes | None,
     one: Checked,
     arguments: argparse.Namespace,
+    edited: dict[object, tuple[str, bytes]],
 ) -> "Fix | None":
     """Apply repairs to the files; return nothing where none could be applied.
 
-    The files are written when the command ends, all of a robot or none.
+    The files are written at the end, all of a robot or none. The new content of each is added to
+    `edited`, by the identity of the file, with the robot for which it is. Robots that share a file
+    have to agree on it.
     """
     from mars_asp.reasoning.questions.fix import fix
     from mars_asp.reasoning.questions.repair import STAGES
@@ -277,7 +290,6 @@ def _fix(
     fixed = fix(project, rules(STAGES), sole)
     if fixed is None:
         return None
-    written: list[tuple[str, bytes, bytes]] = []
     problems: list[Diagnostic] = []
     for path, text in fixed.texts.items():
         is_input = raw is not None and path == SHOWN_INPUT
@@ -295,15 +307,17 @@ def _fix(
             problems.append(_unfixed(path, OUTSIDE))
         elif not Path(path).stat().st_mode & 0o222:
             problems.append(_unfixed(path, "it is read-only"))
-        else:
-            written.append((path, new, old))
+        elif (other := edited.get(file_key(path), (one.path, new)))[1] != new:
+            problems.append(_unfixed(path, f"it is changed for `{other[0]}`", _AGAIN))
+        elif file_key(path) not in edited:
+            one.written.append((path, new, old))
     if problems:
         one.status = 2
+        one.written.clear()
         one.text = None if raw is None else decode(raw, SHOWN_INPUT)
         one.report(map(Result, problems), arguments)
         return None
-    if written:
-        replace_files(written)
+    edited.update((file_key(path), (one.path, new)) for path, new, _ in one.written)
     one.mended = fixed.repairs
     return fixed
 
@@ -321,13 +335,12 @@ def _plain(raw: bytes) -> str:
 
 #: Why a file that is no `.mars` file stays as it is.
 _FOREIGN = "repairs are edits of `.mars` files"
+_BY_HAND = "change it by hand, as the help of each finding suggests"
+_AGAIN = "run the command again"
 
 
-def _unfixed(path: str, why: str) -> Diagnostic:
+def _unfixed(path: str, why: str, help_text: str | None = None) -> Diagnostic:
     message = f"`{path}` was not fixed: {why}"
-    help_text = (
-        "change it by hand, as the help of each finding suggests" if why is _FOREIGN else None
-    )
     return Diagnostic("unfixed", "error", message, point(path, 1, 1), help=help_text)
 
 

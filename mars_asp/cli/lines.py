@@ -27,6 +27,11 @@ def remember(path: str, text: str) -> None:
     linecache.cache[path] = (len(text), None, lines, path)
 
 
+def forget(path: str) -> None:
+    """Let the lines of a file be read again."""
+    linecache.cache.pop(path, None)
+
+
 def line_at(span: Span) -> str:
     """Return the line of a file where something stands, of a long one what stands around it."""
     return shortened(whole_line(span), span.column)

@@ -73,6 +73,16 @@ def run(arguments: argparse.Namespace) -> int:
             raise MarsError((_at_odds(first),))
         print(f"mars-asp: a fault of ours, please report it: {first.message}", file=sys.stderr)
         return 2
+    unmet = (
+        Diagnostic(
+            each.rule.id,
+            "note",
+            f"{each.message}: {each.weight} at level {each.level}",
+            each.rule.span,
+        )
+        for each in found.preferences
+    )
+    report(unmet, arguments)
     if arguments.format == "json":
         text = json.dumps(synthesis_json(project, found)) + "\n"
     else:
@@ -123,6 +133,15 @@ def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:
         "cost": by_name(found.resolution.cost),
         "proven_minimal": found.resolution.proven,
         "optimal_count": found.resolution.count,
+        "preferences": [
+            {
+                "level": each.level,
+                "weight": each.weight,
+                "message": each.message,
+                "rule": each.rule.id,
+            }
+            for each in found.preferences
+        ],
         "resolves": {name: list(kinds) for name, kinds in found.specification.resolves.items()},
         **({} if found.resolution.proven else {"lower_bound": {"nodes": found.bound(NODES)}}),
     }

@@ -20,6 +20,8 @@ SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 CONSEQUENCE = Signature("consequence", 4)
 #: What is wrong with a specification: the number of the clause that fails, and what tells apart.
 VIOLATION = Signature("violation", 2)
+#: A preference of a pack that a specification does not meet: level, weight and subject.
+PREFERENCE = Signature("preference", 3)
 #: The clauses below are ours.
 FIRST_CLAUSE = 100
 
@@ -35,7 +37,7 @@ def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
 
 
 def wrong_constants(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
-    """Yield the severities in the heads of a rule that are none, and clauses that are not free.
+    """Yield the severities in the heads of a rule that are none, and clauses and levels not free.
 
     `text` is that of the rule, `span` where it stands.
     """
@@ -53,6 +55,13 @@ def wrong_constants(rule: Sequence[Statement], text: str, span: Span) -> Iterato
                 advice = f"number the clauses of a pack from {FIRST_CLAUSE} on"
                 place = placed(span, argument_place(text, number, 0))
                 yield Diagnostic("rule-clause", "error", message, place, help=advice)
+        elif statement.derives == {PREFERENCE}:
+            level = statement.head.terms[0].text
+            if not (level.isdecimal() and 0 < int(level) < LEAST_COST):
+                message = f"`{level}` is not a level of a preference"
+                advice = f"write a number from 1 to {LEAST_COST - 1}"
+                place = placed(span, argument_place(text, number, 0))
+                yield Diagnostic("rule-cost", "error", message, place, help=advice)
 
 
 #: Why there is no consequence or node of a kind for a subject.

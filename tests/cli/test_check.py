@@ -164,6 +164,24 @@ def test_fix_writes_an_included_file_once_for_all_its_instances(
     assert run_here(["check", "main.mars"]) == 0
 
 
+@pytest.mark.parametrize("equal", [True, False])
+def test_robots_that_share_a_file_fix_it_as_one(
+    equal: bool, robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spare = "@modules Spare, A, B, C, Base"
+    part = TWICE.replace(" hierarchical", "").replace("@modules A, B, C, Base", spare)
+    (robots / "part.mars").write_text(part)
+    main = "@configuration hierarchical\n@include part.mars as a\n"
+    (robots / "one.mars").write_text(main)
+    # The second robot uses the module that the first does not.
+    (robots / "two.mars").write_text(main if equal else f"{main}a/Spare uses_data_from a/C\n")
+    assert run_here(["check", "one.mars", "two.mars", "--fix"]) == (0 if equal else 2)
+    told = " ".join(capsys.readouterr().err.split())
+    assert ("`part.mars` was not fixed: it is changed for `one.mars`" in told) is not equal
+    assert f"in 2 files; {6 if equal else 3} fixed" in told
+    assert (robots / "part.mars").read_text() == ONCE.replace(" hierarchical", "")
+
+
 def test_what_was_fixed_comes_as_json_too(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["check", "--fix", "--format", "json", "twice.mars", "choice.mars"]) == 1
     shown = capsys.readouterr()

@@ -104,11 +104,24 @@ def uncited(text: str, path: str = "config.mars") -> Iterator[str]:
         after, judged = _answers(_without(lines, at), path)
         left: dict[tuple[str, ...], set[str]] = {}
         for each in after:
-            left.setdefault(each.key, set()).update(each.members)
+            for key in (each.key, each.arbitrates):
+                left.setdefault(key, set()).update(each.members)
         for each in before:
-            gone = each.key not in left or not each.members <= left[each.key]
+            # A source with one output left is called by its module.
+            gone = not any(
+                key in left and members <= left[key]
+                for key, members in ((each.key, each.members), _without_ports(each))
+            )
             if gone and each.sort in judged and at not in each.reached:
                 yield f"{line.strip()} is missing for {each.sentence}"
+
+
+def _without_ports(answer: "Answer") -> tuple[tuple[str, ...], frozenset[str]]:
+    """Return the key and the members of an answer, sources named by their modules."""
+    return (
+        tuple(re.sub(r'"(\w+)\.\w+"\)$', r'"\1")', part) for part in answer.key),
+        frozenset(member.partition(".")[0] for member in answer.members),
+    )
 
 
 def uncounted(account: Account) -> Iterator[str]:
@@ -154,7 +167,7 @@ class Answer:
     """An answer: its first sentence without the numbers of nodes, its lines, and those it leads to.
 
     It is about the consequence or node of a `key`, in which `members` take part or which resolves
-    them.
+    them. An arbiter also has the key of one that `arbitrates` for its module and resolves nothing.
     """
 
     sort: str
@@ -163,6 +176,7 @@ class Answer:
     reached: frozenset[int]
     key: tuple[str, ...]
     members: frozenset[str]
+    arbitrates: tuple[str, ...]
 
 
 @lru_cache(maxsize=200)
@@ -178,20 +192,27 @@ def _answers(text: str, path: str) -> tuple[Sequence[Answer], Set[str]]:
     found = explanation.topics
     cited = {topic.name: frozenset[int]() for topic in found}
     for topic in found:
-        cited[topic.name] |= _lines_of(topic, path) | _noted(topic, path)
+        cited[topic.name] |= _led_to(topic, text, path)
     names = {topic.name: _named(topic, cited) for topic in found}
+    arbitrated = {topic.name: _arbitrates(topic) for topic in found}
     about = [
-        *((f"{c.atom}".split(",", 2), c.participants) for c in explanation.analysis.consequences),
-        *((_key(node, resolves), resolves) for node, resolves in _nodes(explanation)),
+        # A case that is a number is that of a line, which another line moves.
+        *(
+            # A function that several modules provide is inherited as where one provides it.
+            (
+                re.sub(r",\d+\)$", ",_)", f"{c.atom}").replace("similar_", "simple_").split(",", 2),
+                c.participants,
+            )
+            for c in explanation.analysis.consequences
+        ),
+        *((_key(node, resolves, arbitrated), resolves) for node, resolves in _nodes(explanation)),
     ]
     result = []
     for topic, (key, members) in zip(found, about, strict=True):
         assert topic.account is not None
         own = _lines_of(topic, path)
         others = _followed(topic.name, names) - {topic.name}
-        reached = own.union(_noted(topic, path), *(cited[name] for name in others))
-        if topic.name.startswith("emergent_functionality"):
-            reached |= _mounts_below(topic, text)
+        reached = _led_to(topic, text, path).union(*(cited[name] for name in others))
         result.append(
             Answer(
                 topic.sort,
@@ -200,6 +221,7 @@ def _answers(text: str, path: str) -> tuple[Sequence[Answer], Set[str]]:
                 reached | _vertices(text, reached),
                 tuple(key),
                 frozenset(members),
+                _arbitrates(topic),
             )
         )
     return result, {"consequence"} if explanation.synthesis is None else {"consequence", "node"}
@@ -212,12 +234,22 @@ def _nodes(explanation: Explanation) -> Iterator[tuple[Node, Sequence[str]]]:
         yield from ((node, introduced.resolves[node.name]) for node in introduced.nodes)
 
 
-def _key(node: Node, resolves: Sequence[str]) -> tuple[str, ...]:
-    """Return the kind of a node, and its term if it resolves nothing.
+def _arbitrates(topic: Topic) -> tuple[str, ...]:
+    """Return the key of an arbiter for a module; it is empty for anything else."""
+    found = re.findall(r"controls? `(\w+)`", topic.account.answer or "" if topic.account else "")
+    return ("arbitration_node", *found) if found and topic.name.startswith("Arbitr") else ()
+
+
+def _key(
+    node: Node, resolves: Sequence[str], arbitrated: Mapping[str, tuple[str, ...]]
+) -> tuple[str, ...]:
+    """Return the kind of a node and, if it resolves nothing, the module it arbitrates or its term.
 
     A node that resolves the same as another of its kind does is there in its stead.
     """
-    return (node.kind, "" if resolves else node.term)
+    if resolves:
+        return (node.kind, "")
+    return arbitrated[node.name] or (node.kind, node.term)
 
 
 def _lines_of(topic: Topic, path: str) -> frozenset[int]:
@@ -230,6 +262,13 @@ def _noted(topic: Topic, path: str) -> frozenset[int]:
     assert topic.account is not None
     place = rf"{re.escape(Path(path).name)}:(\d+)"
     return frozenset(int(n) - 1 for note in topic.account.notes for n in re.findall(place, note))
+
+
+def _led_to(topic: Topic, text: str, path: str) -> frozenset[int]:
+    """Return the lines to which an answer leads by itself."""
+    inherited = topic.name.startswith("emergent_functionality")
+    mounts = _mounts_below(topic, text) if inherited else frozenset[int]()
+    return _lines_of(topic, path) | _noted(topic, path) | mounts
 
 
 def _named(topic: Topic, names: Iterable[str]) -> set[str]:

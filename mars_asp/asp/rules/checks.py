@@ -210,6 +210,7 @@ def misused_heads(
     """
     extended = seal.extended_in(stage)
     if stage in contract.choosing:
+        yield from contract.judge(rule, text, span)
         return
     pool = head_pool(text) if len(rule) > 1 else None
     for statement in rule:

@@ -21,6 +21,7 @@ from mars_asp.reasoning.synthesis import (
 )
 from mars_asp.reasoning.synthesis.derived import STAGE
 from mars_asp.reasoning.synthesis.exclusion import excluded
+from mars_asp.reasoning.synthesis.preferences import Preference, preferences
 
 #: What the rules derive of each relationship that stands against every specification.
 UNRESOLVABLE = Signature("unresolvable", 1)
@@ -33,6 +34,7 @@ class Synthesis:
     specification: Specification
     resolution: Resolution
     derived: Derived
+    preferences: tuple[Preference, ...] = ()
 
     def cost(self, level: int) -> int:
         """Return the cost at a level."""
@@ -59,7 +61,8 @@ def synthesise(
         if resolution is None:
             return None
         derived = Derived(rulebook, resolution.answer)
-    return Synthesis(specify(project, derived), resolution, derived)
+        preferred = preferences(rulebook, resolution.answer)
+    return Synthesis(specify(project, derived), resolution, derived, preferred)
 
 
 def least_cost(
