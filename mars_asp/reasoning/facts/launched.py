@@ -37,7 +37,7 @@ def _alike(nodes: Sequence[Node]) -> Iterator[Fact]:
             near = nearest(topic, free)
             for other in free:
                 if other == near or other.rpartition("/")[2] == last:
-                    yield _fact(span, "alike", topic, other)
+                    yield _fact(span, "like_named", topic, other)
 
 
 class _Compiler:
@@ -87,7 +87,7 @@ class _Compiler:
             "may_be_renamed": not node.is_named,
             "partly_read": node.unread,
             "wholly_read": node.is_whole,
-            "passes_on": node.relays,
+            "republishes": node.relays,
         }
         for name, holds in said.items():
             if holds:
