@@ -44,7 +44,7 @@ FILES = {
     ),
     "model": (
         "cycles names attributes declarations remembered described ranges modes transformation "
-        "rates ports"
+        "rates ports graph"
     ),
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
@@ -67,7 +67,7 @@ FILES = {
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
         "identifiers ends rates loose_ends ports closed_walks compile vocabulary index parts "
-        "motion descriptions"
+        "motion descriptions launched"
     ),
     "reasoning/synthesis": (
         "carried_modes line_inputs derived draft exclusion inheritance_nodes control_lines "
@@ -88,7 +88,7 @@ FILES = {
     "exchange/ros2": (
         "actions commands names interface catalogue cmake workspace parameters cpp_code "
         "cpp_durations source_cpp python_files python_written python_texts source_python "
-        "programs glue bridges python_values python_known python_nodes python_evaluate "
+        "programs glue bridges python_values conditions python_known python_nodes python_evaluate "
         "launch_python launch_markup launch controllers muxes read"
     ),
     "exchange/twist_mux": "document read",

@@ -251,7 +251,7 @@ def analyse_project(
 
 
 def judged_trees(project: Project, rulebook: Rulebook, arguments: argparse.Namespace) -> Analysis:
-    """Return what is wrong with the launch trees of a project.
+    """Return the findings in the launch trees of a project.
 
     Raises:
         MarsError: rules that clingo refuses.

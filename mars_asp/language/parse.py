@@ -25,7 +25,7 @@ from mars_asp.model.declarations import (
     StandIn,
     ends_of,
 )
-from mars_asp.model.graph import Tree
+from mars_asp.model.graph import LaunchTree
 from mars_asp.model.names import BARE, QUOTED, plain
 from mars_asp.output import visible
 from mars_asp.reading import WallError, read_file, unsaved_bytes
@@ -70,17 +70,17 @@ _ABOUT_IMPORTED = (
 
 
 class Parsed(NamedTuple):
-    """A file that could be read, with what is noteworthy about it.
+    """A file that could be read, with its warnings and notes.
 
     `blocks` are the texts of its module blocks, as they are written; `included` the texts of the
-    files that it includes, by path; `trees` what launch files start.
+    files that it includes, by path; `trees` those of launch files.
     """
 
     configuration: Configuration
     warnings: tuple[Diagnostic, ...]
     blocks: tuple[str, ...] = ()
     included: Mapping[str, str] = MappingProxyType({})
-    trees: tuple[Tree, ...] = ()
+    trees: tuple[LaunchTree, ...] = ()
 
 
 def parse_file(path: Path) -> Parsed:

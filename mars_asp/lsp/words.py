@@ -173,5 +173,6 @@ METADATA: Mapping[str, Word] = {
     "fits": Word("%! fits: TEXT", "Why what the rule computes fits into 32 bits."),
     "who": Word("%! who: TERM, ...", "Who takes part in the consequence."),
     "at": Word("%! at: TERM, ...", "The lines that the consequence is about."),
+    "in": Word("%! in: TERM, ...", "The launch trees in which the consequence holds."),
     "lines": Word("%! lines: TERM, ...", "The lines that an answer to why not speaks of."),
 }

@@ -11,10 +11,10 @@ from mars_asp.model.declarations import Engine, Hold, Inner
 class Endpoint:
     """An end of a topic at a node.
 
-    `topic` is its full name, all renaming done; `type` is the message's as it is written, if it is
-    known; `span` is what an owner would change; `hz` is how often it is published, if that is
-    known; `optional` is whether a node that hears it works as well without, `measured` whether it
-    is no command, whatever its type.
+    `topic` is its full name, all renaming done; `type` is the message type as written, if known;
+    `span` is the place that an owner would change; `hz` is how often it is published, if known;
+    `optional` is whether a subscribing node works as well without it, `measured` whether it reports
+    a motion and commands none, regardless of its type.
     """
 
     topic: str
@@ -29,11 +29,11 @@ class Endpoint:
 class Node:
     """A node by its full name; `guard` is the place that makes it a guard, if it is one.
 
-    `relays` is whether it publishes what it hears, whatever the type of that; `unread` whether it
-    may have topics besides. `conditions` decide if it starts, `is_named` is
-    whether the name is its own whatever its program says; `renamed` are the names that a launch
-    file gives its topics, `is_whole` whether all that these could mean is known. `package` is that
-    of its program; `manages` are the nodes that it starts up and shuts down.
+    `relays` is whether it publishes the messages that it subscribes to; `unread` whether it may
+    have further topics. `conditions` decide if it starts, `is_named` is whether its program cannot
+    change the name; `renamed` are the topics that a launch file renames, `is_whole` whether all its
+    topics are known. `package` is that of its program; `manages` are the nodes that it starts up
+    and shuts down.
     """
 
     name: str
@@ -43,9 +43,9 @@ class Node:
     guard: Span | None = None
     relays: bool = False
     unread: bool = False
-    conditions: tuple["Condition", ...] = ()
+    conditions: tuple["StartCondition", ...] = ()
     is_named: bool = True
-    renamed: tuple["Renamed", ...] = ()
+    renamed: tuple["Renaming", ...] = ()
     is_whole: bool = False
     package: str = ""
     manages: tuple[tuple[str, Span], ...] = ()
@@ -76,7 +76,7 @@ class Mux:
     inputs: tuple[MuxInput, ...]
     numbers: tuple[tuple[int, int], ...] = ()
     inner: tuple[Inner, ...] = ()
-    conditions: tuple["Condition", ...] = ()
+    conditions: tuple["StartCondition", ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +88,15 @@ class Relay:
     source: str
     target: str
     hz: Fraction | None = None
-    conditions: tuple["Condition", ...] = ()
+    conditions: tuple["StartCondition", ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Graph:
     """Nodes, muxes, relays and how they are wired; neither muxes nor relays are among the nodes.
 
-    `observed` is whether it is all of a robot that ran, so that what nobody hears is loose;
-    elsewhere the base may hear it that is no node.
+    `observed` is whether it is all of a robot that ran, so that a topic without a subscriber is
+    loose; elsewhere the base may subscribe, which is not a node.
     """
 
     path: str
@@ -107,8 +107,8 @@ class Graph:
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
-    """That a launch argument or variable has a value, or has not where it is not `wanted`.
+class StartCondition:
+    """A test of a launch argument or variable: that it has a value or, if not `wanted`, has not.
 
     Where the condition was not read, `variable` is its text, and `reads` are the variables in it.
     """
@@ -121,8 +121,8 @@ class Condition:
 
 
 @dataclass(frozen=True, slots=True)
-class Renamed:
-    """A name of a launch file for a topic of a node: what it was, by its full name, and becomes."""
+class Renaming:
+    """A topic of a node that a launch file renames, by its full names before and after."""
 
     source: str
     target: str
@@ -130,11 +130,11 @@ class Renamed:
 
 
 @dataclass(frozen=True, slots=True)
-class Tree:
-    """What a launch file starts with all that it includes, or what several files start together.
+class LaunchTree:
+    """The nodes of a launch file with all that it includes, or of several files together.
 
-    Nodes of one name stand apart here. `unread` are the places of what may start or name more,
-    `broken` those of files that no parser takes, with what is wrong.
+    Nodes of one name are kept apart. `unread` are places that may start or name more, `broken`
+    those of files that cannot be parsed, with the error.
     """
 
     path: str

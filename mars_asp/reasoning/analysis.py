@@ -46,7 +46,7 @@ _Value = TypeVar("_Value")
 #: What a consequence that neither warns nor stops has for its severity.
 _NOTE = as_term(clingo.Function("note"))
 _STAGE = "base"
-#: So many launch trees are named; the others stand in JSON.
+#: So many launch trees are named; all are in JSON.
 _MOST_TREES = 3
 
 
@@ -55,7 +55,7 @@ class Consequence:
     """One consequence; `spans` are the places it concerns, in the order of the file.
 
     `labels` say something of some of these places, where they were asked for; `effect` is what will
-    happen; `trees` are the launch files of which it is so.
+    happen; `trees` are the launch files in which it holds.
     """
 
     kind: str
@@ -70,7 +70,7 @@ class Consequence:
     labels: tuple[tuple[Span, str], ...] = ()
     effect: str | None = None
     trees: tuple[str, ...] = ()
-    #: What launch arguments are, or are not, where it is so: name, value, and `if` or `unless`.
+    #: The values of launch arguments under which it holds: name, value, and `if` or `unless`.
     conditions: tuple[tuple[str, ...], ...] = ()
 
 
@@ -249,14 +249,14 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
 
 
 def _where(consequence: Consequence) -> Iterator[str]:
-    """Yield of which launch trees a finding is, where there are several, and under what."""
+    """Yield the conditions of a finding and, if there are several, its launch trees."""
     if consequence.conditions:
-        said = (
+        texts = (
             f"{f'`{name}`' if ' (' not in name and ' ' not in name[4:] else name}"
             f" is {'' if how == 'if' else 'not '}`{value}`"
             for name, value, how in consequence.conditions
         )
-        yield f"It is so where {' and '.join(said)}."
+        yield f"It is so where {' and '.join(texts)}."
     if len(consequence.trees) > 1:
         named = ", ".join(f"`{tree}`" for tree in consequence.trees[:_MOST_TREES])
         more = ", ..." if len(consequence.trees) > _MOST_TREES else ""

@@ -67,7 +67,7 @@ def wrong_constants(rule: Sequence[Statement], text: str, span: Span) -> Iterato
 #: Why there is no consequence or node of a kind for a subject.
 ABSENT = Signature("absent", 3)
 #: What metadata of a rule lists that finds a consequence: `who` takes part, `at` which places, and
-#: `in` which launch trees it is so, all told of its kind, subject and case. `lines` are the places
+#: `in` which launch trees it holds, each with its kind, subject and case. `lines` are the places
 #: that the reason of an absence speaks of.
 EXPANSIONS = {
     "lines": Expansion(ABSENT, "cites", (0, 1, 2), False),

@@ -22,7 +22,7 @@ from mars_asp.model.declarations import (
     ends_of,
 )
 from mars_asp.model.described import described_modules
-from mars_asp.model.graph import Tree
+from mars_asp.model.graph import LaunchTree
 from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.output import encodable
@@ -53,7 +53,7 @@ class Project:
     `text` is what the configuration was read from, `found` what was read from sources; `blocks`
     are the texts of the configuration's own module blocks. `brought` is what rule packs bring
     besides rules, `None` until they are known; `attributes` are facts that they have names for.
-    `included` are the texts of included files by path, `trees` what launch files start.
+    `included` are the texts of included files by path, `trees` those of launch files.
     """
 
     configuration: Configuration
@@ -65,7 +65,7 @@ class Project:
     brought: tuple[object, ...] | None = None
     attributes: tuple[Fact, ...] = ()
     included: Mapping[str, str] = field(default_factory=dict)
-    trees: tuple[Tree, ...] = ()
+    trees: tuple[LaunchTree, ...] = ()
 
     @property
     def format(self) -> str | None:

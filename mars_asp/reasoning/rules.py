@@ -43,7 +43,7 @@ STAGES: Mapping[str, str] = {
     "can": "what a robot is able to do at one time",
     "repair": "which edits of a configuration remove what is wrong with it",
     "absence": "why there is no consequence or node of a kind, and what would give one",
-    "launch": "what is wrong with what launch files start",
+    "launch": "which faults launch trees have",
 }
 #: Of a stage, the one that reads what it decides, and without which nobody asks for it.
 FOLLOWING: Mapping[str, str] = {"resolve": "specify"}

@@ -14,7 +14,7 @@ from mars_asp.reasoning.facts.launched import launch_facts
 from mars_asp.reasoning.rules import alone, load_rulebook
 
 RULES = alone(load_rulebook(stages=("launch",)), "launch")
-#: The values that each argument takes; the last of those with three stands for any other.
+#: The values that each argument takes; the last of three is any other.
 VALUES = {
     **{f"a{n}": ("true", "false") for n in range(8)},
     "m": ("x", "y", "?"),
@@ -24,7 +24,7 @@ NAMES = ("left", "right", "front")
 
 
 class Held(NamedTuple):
-    """A condition as the file writes it, and as whoever launches it understands it."""
+    """A condition as the file writes it, and its meaning."""
 
     written: str
     argument: str
@@ -72,10 +72,10 @@ def random_tree(random: Random) -> tuple[str, list[Started]]:
                 lines.append("</group>")
             else:
                 name = random.choice(NAMES)
-                held = random_condition(random) if random.random() < 0.4 else None
-                written = "" if held is None else f" {held.written}"
+                own = random_condition(random) if random.random() < 0.4 else None
+                written = "" if own is None else f" {own.written}"
                 lines.append(f'<node pkg="some" exec="thing" name="{name}"{written}/>')
-                nodes.append(Started(name, (*under, *([held] if held else []))))
+                nodes.append(Started(name, (*under, *([own] if own else []))))
 
     fill((), 0)
     return "<launch>\n" + "\n".join(lines) + "\n</launch>\n", nodes
@@ -85,8 +85,8 @@ def runs(node: Started, assigned: dict[str, str]) -> bool:
     return all((assigned[each.argument] == each.value) == each.wanted for each in node.under)
 
 
-def asked(held: list[Held]) -> set[Held]:
-    """Return what several conditions ask together: what is one value is no other."""
+def needed(held: list[Held]) -> set[Held]:
+    """Return the tests of several conditions: equality with one value excludes others."""
     plain = {each._replace(written="") for each in held}
     known = {each.argument for each in plain if each.wanted}
     return {each for each in plain if each.wanted or each.argument not in known}
@@ -126,18 +126,18 @@ def test_nodes_of_one_name_are_found_where_some_arguments_start_both(
     for name, both in twice.items():
         if not both:
             continue
-        said = found[f"/{name}"].conditions
+        tests = found[f"/{name}"].conditions
         meant = [
             assigned
             for assigned in every
-            if all((assigned[v] == value) == (how == "if") for v, value, how in said)
+            if all((assigned[v] == value) == (how == "if") for v, value, how in tests)
         ]
-        # What is said is possible, enough, and the least that is: no pair has fewer.
+        # The conditions are possible, sufficient and minimal: no pair has fewer.
         assert meant and all(assigned in both for assigned in meant)
         pairs = combinations([node for node in nodes if node.name == name], 2)
         least = min(
-            len(asked([held for node in pair for held in node.under]))
+            len(needed([held for node in pair for held in node.under]))
             for pair in pairs
             if any(all(runs(node, assigned) for node in pair) for assigned in every)
         )
-        assert len(said) == least
+        assert len(tests) == least

@@ -12,6 +12,7 @@ from mars_asp.cli import run_here
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.recognise import recognised
 from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.exchange.ros2.actions import Argument
 from mars_asp.exchange.ros2.launch_markup import substituted
 from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.source_cpp import read_cpp
@@ -223,10 +224,16 @@ def refused(text: str, path: str) -> tuple[Diagnostic, ...]:
     return error.value.diagnostics
 
 
-def test_a_launch_file_of_includes_alone_asks_for_their_workspace() -> None:
+def test_a_launch_file_that_only_includes_others_is_read() -> None:
     text = "launch:\n  - include:\n      file: $(find-pkg-share arm)/launch/arm.launch.yaml\n"
-    assert "the workspace" in (refused(text, "x.launch.yaml")[0].help or "")
-    assert "the workspace" not in (refused("launch: []\n", "x.launch.yaml")[0].help or "")
+    found = import_ros2([(text, "x.launch.yaml")])
+    assert found.configuration.modules == ()
+    assert "no node could be read of what the launch files start" in messages(found)
+    assert refused("launch: []\n", "x.launch.yaml")[0].message == "the launch file starts no node"
+
+
+def messages(found: Parsed) -> list[str]:
+    return [note.message for note in found.warnings]
 
 
 #: A node, what its program does where we have its source, and whether it may have other topics.
@@ -488,7 +495,7 @@ def test_bridges_have_topics_that_only_their_clients_know() -> None:
 
 
 def test_substitutions_are_parts_of_a_text() -> None:
-    assert substituted("a$(env X b)c") == ("abc",)
+    assert substituted("a$(env X b)c") == ("a", Argument("env X", default=("b",)), "c")
     assert substituted("$(arg a") == substituted("$(eval 1)")
 
 
@@ -569,10 +576,10 @@ def test_a_relative_path_begins_where_the_robot_is_launched(tmp_path: Path) -> N
         assert found.span.path.endswith("mux.yaml")
 
 
-def test_what_starts_nothing_that_can_be_read_is_refused() -> None:
+def test_programs_that_cannot_be_read_as_nodes_are_noted() -> None:
     manager = "Node(package='controller_manager', executable='ros2_control_node')"
-    first, *notes = refused(PYTHON.format(before="pass", nodes=manager), "x.launch.py")
-    assert first.message == "the launch file starts nothing that can be read as a node"
-    assert [note.message for note in notes] == [
-        "controller managers and spawners not read: 1 (`ros2_control_node`)"
+    found = import_ros2([(PYTHON.format(before="pass", nodes=manager), "x.launch.py")])
+    assert messages(found) == [
+        "no node could be read of what the launch files start",
+        "controller managers and spawners not read: 1 (`ros2_control_node`)",
     ]

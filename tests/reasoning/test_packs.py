@@ -183,9 +183,14 @@ def test_each_participant_of_a_built_in_rule_is_traced_to_its_list() -> None:
     listed = [rule for rule in book.rules if rule.listed is not None]
     assert len(above) > 30 and len(listed) > len(above)
     for rule in listed:
-        owner = above[re.sub(r":(who|at|lines)\d*$", "", rule.id)]
+        owner = above[re.sub(r":(who|at|in|lines)\d*$", "", rule.id)]
         assert rule.span == owner.span
-        assert {str(head) for head in rule.heads} <= {"participant/5", "concerns/4", "cites/4"}
+        assert {str(head) for head in rule.heads} <= {
+            "participant/5",
+            "concerns/4",
+            "holds_in/4",
+            "cites/4",
+        }
         assert rule.written[1].startswith(owner.written[1])
         assert book.by_id[rule.id] is rule
 

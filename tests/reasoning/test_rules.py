@@ -205,7 +205,7 @@ def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: R
 #: What several files add to: consequences and their places, verdicts, nodes, costs, edits, accounts
 #: and why something is absent.
 COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line", "edit", "part"}
-COMMON |= {"caution", "account", "absent", "cites", "change", "beside", "need"}
+COMMON |= {"caution", "account", "absent", "cites", "change", "beside", "need", "holds_in"}
 #: Nodes of packs have lines as ours have.
 COMMON |= {"spec_node", "spec_uses_data_from", "spec_is_controlled_by", "written_at"}
 

@@ -43,7 +43,7 @@ _MOST = 4096
 
 @dataclass(frozen=True, slots=True)
 class Test:
-    """What has to hold for an action: that a text is a value, or is not where it is not `wanted`.
+    """A test for an action: that a text is a value or, if not `wanted`, is another.
 
     Without a value the text is a truth. With `branch`, it is of a branch of code, which anything
     may take.

@@ -1,4 +1,4 @@
-"""Conditions of launch files as what has to hold: tests of arguments that people may set."""
+"""Conditions of launch files as tests of arguments that users may set."""
 
 import re
 from collections.abc import Iterator
@@ -7,18 +7,18 @@ from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import UNKNOWN, Argument, Part, Test, Tests, Text, text_of
 from mars_asp.exchange.ros2.python_values import Call, Listed, Value, text_from
 
-#: Stands in an expression for the part of a number.
+#: The part of a number in an expression.
 _HELD = "\0{}\0"
 _PART = r"['\"]?\s*\0(?P<part>[0-9]+)\0\s*['\"]?"
 _TRUTH = re.compile(
-    rf"(?P<no>not\s+)?\(?{_PART}\)?(?:\s*==\s*['\"]?(?P<told>[Tt]rue|[Ff]alse)['\"]?)?"
+    rf"(?P<no>not\s+)?\(?{_PART}\)?(?:\s*==\s*['\"]?(?P<truth>[Tt]rue|[Ff]alse)['\"]?)?"
 )
 _EQUAL = re.compile(rf"{_PART}\s*(?P<sign>==|!=)\s*['\"](?P<value>[^'\"]*)['\"]")
 _EQUAL_TO = re.compile(rf"['\"](?P<value>[^'\"]*)['\"]\s*(?P<sign>==|!=)\s*{_PART}")
 
 
 def tests_of(condition: Value, span: Span) -> Tests:
-    """Return what the condition of an action asks; nothing where it has none."""
+    """Return the tests of the condition of an action, if it has one."""
     if condition is None:
         return ()
     if not isinstance(condition, Call):
@@ -64,7 +64,7 @@ def _of_value(value: Value, wanted: bool, span: Span) -> Iterator[Test]:
 
 
 def tests_of_text(text: Text, wanted: bool, span: Span) -> Iterator[Test]:
-    """Yield what an expression asks that is a truth or the comparison of an argument."""
+    """Yield the tests of an expression: truths, and comparisons of arguments."""
     held: list[Part] = [part for part in text if not isinstance(part, str)]
     if not held and wanted and text_of(*text) == ():
         return
@@ -77,9 +77,9 @@ def tests_of_text(text: Text, wanted: bool, span: Span) -> Iterator[Test]:
             _EQUAL.fullmatch(piece) or _EQUAL_TO.fullmatch(piece),
         )
         if truth is not None:
-            said = (truth["told"] or "true").lower() == "true"
+            is_true = (truth["truth"] or "true").lower() == "true"
             yield Test(
-                (held[int(truth["part"])],), None, wanted == (said != bool(truth["no"])), span
+                (held[int(truth["part"])],), None, wanted == (is_true != bool(truth["no"])), span
             )
         elif equal is not None:
             value = (equal["value"],) if equal["value"] else ()

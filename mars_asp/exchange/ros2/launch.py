@@ -35,7 +35,7 @@ from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
-from mars_asp.model.graph import Condition
+from mars_asp.model.graph import StartCondition
 
 #: What launch files are called that are included and not found.
 NOT_HERE = "included launch files that are not in the workspace"
@@ -68,7 +68,7 @@ class Started:
     files: tuple[Path, ...]
     parameters: Mapping[str, Given]
     span: Span
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[StartCondition, ...] = ()
     arguments: tuple[str, ...] = ()
 
 
@@ -81,7 +81,7 @@ class _Scope:
     arguments: dict[str, str | None] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
     parameters: dict[str, Given] = field(default_factory=dict)
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[StartCondition, ...] = ()
     #: Arguments that an including file has set, and what those stand for that it has passed on.
     fixed: frozenset[str] = frozenset()
     passed: Mapping[str, str] = field(default_factory=dict)
@@ -98,7 +98,7 @@ class _Scope:
         )
 
     def variable(self, name: str) -> str | None:
-        """Return what people set to give an argument its value; `None` where a file sets it."""
+        """Return the variable that gives an argument its value; `None` where a file sets it."""
         if name in self.passed:
             return self.passed[name]
         # What the environment has comes from outside everywhere.
@@ -186,7 +186,7 @@ class Launch:
         scope: _Scope,
         files: tuple[Path, ...],
     ) -> None:
-        """Take up what each reading starts; what not all of them start depends on branches."""
+        """Take up the nodes of each reading; those that only some start depend on branches."""
         before = self.started
         found: list[tuple[Started, set[int]]] = []
         at: dict[Span, list[tuple[Started, set[int]]]] = {}
@@ -204,7 +204,9 @@ class Launch:
         self.started = before
         branches = [
             {
-                test.text: Condition(shown(test.text), shown(test.value or ()), True, test.span)
+                test.text: StartCondition(
+                    text_shown(test.text), text_shown(test.value or ()), True, test.span
+                )
                 for test in tests
             }
             for tests in taken
@@ -253,7 +255,7 @@ class Launch:
         self._walk(actions, within, (*files, found))
 
     def _pass(self, argument: Parameter, scope: _Scope, within: _Scope) -> None:
-        """Note what an included file is given: a value, or what its caller may set."""
+        """Note the arguments of an included file: a value, or an argument of its caller."""
         name, variable = plain(argument.name), None
         if name is None:
             return
@@ -268,16 +270,16 @@ class Launch:
 
     def _conditions(
         self, tests: Tests, scope: _Scope, files: tuple[Path, ...]
-    ) -> tuple[Condition, ...] | None:
-        """Return what of some tests is open; `None` where one fails whatever anybody sets."""
-        found: list[Condition] = []
+    ) -> tuple[StartCondition, ...] | None:
+        """Return the tests that are open; `None` where one fails for any arguments."""
+        found: list[StartCondition] = []
         for test in tests:
             value = "true" if test.value is None else self._plain(test.value, scope, files)
             variable = None
             if len(test.text) == 1 and isinstance(test.text[0], Argument):
                 variable = scope.variable(test.text[0].name)
             if variable is not None and value is not None:
-                found.append(Condition(variable, value, test.wanted, test.span))
+                found.append(StartCondition(variable, value, test.wanted, test.span))
                 continue
             given = None if variable is not None else self._plain(test.text, scope, files)
             if given is None or value is None:
@@ -290,7 +292,9 @@ class Launch:
                 # Two that were not read may be alternatives, above all where they are of one file.
                 reads = (test.span.path, *arguments)
                 found.append(
-                    Condition(f"{shown(test.text)} ({at})", "true", test.wanted, test.span, reads)
+                    StartCondition(
+                        f"{text_shown(test.text)} ({at})", "true", test.wanted, test.span, reads
+                    )
                 )
             elif test.wanted != (
                 given == value if test.value is not None else given.lower() in ("true", "1")
@@ -465,7 +469,7 @@ class Launch:
         return whole or "..."
 
 
-def shown(text: Text) -> str:
+def text_shown(text: Text) -> str:
     """Return a text for people, arguments by their names."""
     return "".join(
         part if isinstance(part, str) else part.name if isinstance(part, Argument) else "..."

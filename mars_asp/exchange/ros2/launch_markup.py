@@ -70,7 +70,7 @@ class _Entity:
 
 
 def read_markup(text: str, path: str) -> tuple[Action, ...]:
-    """Return what a launch file in XML or YAML starts.
+    """Return the actions of a launch file in XML or YAML.
 
     Raises:
         MarsError: it is neither, or no launch file.
@@ -140,7 +140,7 @@ def _at(key: Scalar, item: Node) -> Scalar:
 
 
 def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
-    """Yield what elements do, in their order."""
+    """Yield the actions of elements, in their order."""
     for entity in entities:
         tests = _tests(entity)
         match entity.name:
@@ -181,7 +181,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
 
 
 def _tests(entity: _Entity) -> Tests:
-    """Return what has to hold for an element."""
+    """Return the tests for an element."""
     found: list[Test] = []
     for name in ("if", "unless"):
         written = entity.attributes.get(name)

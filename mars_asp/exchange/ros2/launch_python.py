@@ -68,7 +68,7 @@ _STEPS_OF_ACTION = 8
 
 
 def read_python(text: str, path: str) -> tuple[Action, ...]:
-    """Return what a launch file in Python starts.
+    """Return the actions of a launch file in Python.
 
     Raises:
         MarsError: the file is not Python.
@@ -110,7 +110,7 @@ class _Reader(Evaluator):
         return (*declared, *found, *self.left_out(tree, names))
 
     def readings(self, tree: ast.Module) -> Iterator[tuple[tuple[Action, ...], Tests]]:
-        """Yield what the file starts, once for each set of branches that it takes, with these.
+        """Yield the actions of the file, once for each set of branches that it takes, with these.
 
         Each branch of each condition is taken by some reading, the others there as before it.
         """
@@ -151,7 +151,7 @@ class _Reader(Evaluator):
                 yield Test((name,), (str(choice),), True, at, branch=True)
 
     def reading(self, tree: ast.Module, forced: Mapping[ast.AST, int]) -> tuple[Action, ...]:
-        """Return what the file starts by the branches that are forced, and else the first.
+        """Return the actions of the file by the branches that are forced, and else the first.
 
         Raises:
             MarsError: the file has no description.
@@ -185,7 +185,7 @@ class _Reader(Evaluator):
                 return
 
     def action(self, call: Call, tests: Tests) -> Iterator[Action]:
-        """Yield what an action that starts no node itself does."""
+        """Yield the actions for which an action stands that does not start a node itself."""
         tests = (*tests, *tests_of(call.named.get("condition"), call.span))
         match call.name:
             case "LaunchDescription":
@@ -232,7 +232,7 @@ class _Reader(Evaluator):
                 yield from self.handled(call, tests)
 
     def opaque(self, call: Call, tests: Tests) -> Iterator[Action]:
-        """Yield what a function of the file that launching would call returns."""
+        """Yield the actions that a function of the file returns, as launching would call it."""
         function = call.get("function", 0)
         if not isinstance(function, Local):
             yield NotRead("functions that only a run calls", "OpaqueFunction", call.span)
@@ -246,7 +246,7 @@ class _Reader(Evaluator):
         yield together(tuple(self.interpret(found, tests)), tests)
 
     def handled(self, call: Call, tests: Tests) -> Iterator[Action]:
-        """Yield what timers and handlers of events hold, which is started some time."""
+        """Yield the actions of timers and event handlers, which start some time."""
         held = [value for name, value in call.named.items() if name != "target_action"]
         for each in (*call.arguments, *held):
             # A handler may be a function that takes the event and the context.
@@ -304,7 +304,7 @@ class _Reader(Evaluator):
                 yield from declared_by(self.alone(node, names))
 
     def alone(self, node: ast.Call, names: Names) -> Call:
-        """Return a call with what is known of its arguments by names alone."""
+        """Return a call whose arguments all have names, as far as they are known."""
         arguments = tuple(self.elements(node.args, names, 0))
         named = {
             keyword.arg: self.value(keyword.value, names)
@@ -314,7 +314,7 @@ class _Reader(Evaluator):
         return Call(self.name_of(node), arguments, named, self.span(node))
 
     def name_of(self, node: ast.Call) -> str:
-        """Return the name of what is called, whatever the file imports it as."""
+        """Return the name of the called function, regardless of its import name."""
         return self.called.get(_called(node), _called(node))
 
     def left_out(self, tree: ast.Module, names: Names) -> Iterator[NotRead]:

@@ -36,7 +36,7 @@ from mars_asp.exchange.yaml_document import Items, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
-from mars_asp.model.graph import Endpoint, Graph, Mux, Node, Relay, Renamed, Tree
+from mars_asp.model.graph import Endpoint, Graph, LaunchTree, Mux, Node, Relay, Renaming
 
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
@@ -54,7 +54,7 @@ _HELPERS = {
 #: Packages of which each program publishes what it hears.
 _RELAYS = frozenset({"topic_tools"})
 _MOST_NAMED = 20
-#: What was not read that can neither be a node nor give one another topic.
+#: Sorts of unread things that can neither be a node nor give one another topic.
 _HARMLESS = frozenset(
     {"containers of components", "services and actions", "nodes that are made but not launched"}
 )
@@ -76,10 +76,10 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
             files with the parameters of muxes are for those that are launched without.
 
     Raises:
-        MarsError: what is wrong with a launch file, or that there is none.
+        MarsError: a launch file has errors, or there is none.
     """
     graphs = []
-    trees: list[Tree] = []
+    trees: list[LaunchTree] = []
     problems: list[Diagnostic] = []
     unread: list[Unread] = []
     launched = [(text, path) for text, path in files if recognised(text) != "twist_mux"]
@@ -99,10 +99,10 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
     graph = joined(graphs)
     loose = _unbound(muxes, graph)
     mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
-    told = (*problems, *notes(_once((*unread, *mapped.unread))))
+    remarks = (*problems, *notes(_once((*unread, *mapped.unread))))
     return Parsed(
         mapped.configuration,
-        told,
+        remarks,
         tuple(map(print_module, mapped.configuration.declared)),
         trees=tuple(trees),
     )
@@ -144,7 +144,7 @@ def _unbound(muxes: Sequence[tuple[str, Document]], graph: Graph) -> Iterator[Mu
 
 
 def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
-    """Yield what was not read, files once by their names and all else once by its place."""
+    """Yield unread things once: files by their names, all else by its place."""
     seen: set[tuple[object, ...]] = set()
     for each in unread:
         is_file = "files" in each.sort
@@ -155,7 +155,7 @@ def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
 
 
 class _Robot:
-    """Brings together what launch files start and what is known of that."""
+    """Brings together the nodes of launch files and the interfaces of their programs."""
 
     def __init__(self, workspace: Workspace, muxes: Sequence[tuple[str, Document]]) -> None:
         self.workspace = workspace
@@ -165,7 +165,7 @@ class _Robot:
         self.problems: list[Diagnostic] = []
         self.catalogued: dict[str, Span] = {}
         self.conditional: dict[str, Span] = {}
-        self.trees: list[Tree] = []
+        self.trees: list[LaunchTree] = []
         self.document = cache(self._document)
 
     def graph(self, paths: Sequence[Path]) -> Graph:
@@ -197,7 +197,10 @@ class _Robot:
         self.unread += self.workspace.unread
         if not self.trees:
             raise self._nothing(paths)
+        includes = any(len(launch.reached) > 1 for launch in launches)
         if not (nodes or muxes or relays):
+            if not (includes or self.unread or launched is not launches):
+                raise self._empty(paths)
             message = "no node could be read of what the launch files start"
             place = point(self.workspace.shown(paths[0]), 1, 1)
             self.problems.append(Diagnostic("launch", "note", message, place))
@@ -207,7 +210,7 @@ class _Robot:
         )
 
     def _launches(self, paths: Sequence[Path]) -> Iterator[Launch]:
-        """Yield what each launch tree of folders starts, and what the named files do together."""
+        """Yield each launch tree of folders, and one of the named files together."""
         together = Launch(self.workspace)
         for path in paths:
             if path.is_dir():
@@ -218,8 +221,8 @@ class _Robot:
         if together.path is not None:
             yield together
 
-    def _tree(self, launch: Launch, paths: Sequence[Path]) -> Tree:
-        """Return what a launch starts, nodes of one name apart."""
+    def _tree(self, launch: Launch, paths: Sequence[Path]) -> LaunchTree:
+        """Return the launch tree, nodes of one name kept apart."""
         before = len(self.unread)
         nodes: list[Node] = []
         muxes: list[Mux] = []
@@ -237,7 +240,7 @@ class _Robot:
                 case Node() as node:
                     nodes.append(node)
         unread = (*launch.unread, *self.unread[before:])
-        return Tree(
+        return LaunchTree(
             self.workspace.shown(launch.path or paths[0]),
             tuple(nodes),
             tuple(muxes),
@@ -260,7 +263,7 @@ class _Robot:
         )
 
     def _launched_in_folder(self) -> Iterator[Launch]:
-        """Yield what each file of a folder launches that no other one includes."""
+        """Yield the launch of each file of a folder that no other one includes."""
         files = [file for file in self.workspace.files if self._is_launch(file)]
         first = Launch(self.workspace)
         included: set[Path] = set()
@@ -275,7 +278,7 @@ class _Robot:
                 path = self.workspace.shown(file)
                 name = f"{path}: {wrong.message}"
                 self.unread.append(Unread("launch files with errors", name, wrong.span))
-                self.trees.append(Tree(path, broken=((name, wrong.span),)))
+                self.trees.append(LaunchTree(path, broken=((name, wrong.span),)))
             included |= first.reached - {file}
         tops = [file for file in files if file not in included and file not in broken]
         # Files that include each other have no top.
@@ -286,7 +289,7 @@ class _Robot:
             yield launch
 
     def _is_launch(self, file: Path) -> bool:
-        """Whether a file is a launch file, by its name or by the folder and what it says."""
+        """Whether a file is a launch file, by its name or by the folder and its text."""
         is_named = _LAUNCH.match(file.name) is not None
         if not is_named and not (file.suffix in _IN_FOLDER and "launch" in file.parent.parts[-2:]):
             return False
@@ -317,8 +320,16 @@ class _Robot:
                     span,
                 )  # fmt: skip
 
+    def _empty(self, paths: Sequence[Path]) -> MarsError:
+        """Return the error that launch files start no node."""
+        place = point(self.workspace.shown(paths[0]), 1, 1)
+        help_text = "name the launch file that starts the robot"
+        return MarsError(
+            (Diagnostic("ros2", "error", "the launch file starts no node", place, help=help_text),)
+        )
+
     def _nothing(self, paths: Sequence[Path]) -> MarsError:
-        """Return what is wrong where nothing was found."""
+        """Return the error that nothing was found."""
         message = "the folder has no launch file and no package with a program"
         help_text = "name a workspace, a package or a launch file"
         place = point(self.workspace.shown(paths[0]), 1, 1)
@@ -406,10 +417,10 @@ class _Robot:
             manages=tuple(self._managed(started)),
         )
 
-    def _renamed(self, started: Started, name: str) -> tuple[Renamed, ...]:
+    def _renamed(self, started: Started, name: str) -> tuple[Renaming, ...]:
         """Return the names that a launch file gives topics of a node, whatever these are."""
         return tuple(
-            Renamed(
+            Renaming(
                 renamed(rule[0], started.namespace, name, ()),
                 renamed(rule[0], started.namespace, name, (rule,)),
                 started.spans[rule],
@@ -418,7 +429,7 @@ class _Robot:
         )
 
     def _managed(self, started: Started) -> Iterator[tuple[str, Span]]:
-        """Yield the nodes that a lifecycle manager is told to manage, by their full names."""
+        """Yield the nodes that a lifecycle manager is to manage, by their full names."""
         given = started.parameters.get("node_names")
         if started.package != "nav2_lifecycle_manager" or given is None or not given.is_known:
             return
@@ -456,7 +467,7 @@ class _Robot:
         return {**found, **started.parameters}
 
     def _listed(self, started: Started, values: Mapping[str, Given]) -> YamlNode | None:
-        """Return the file that tells a bridge what it hands on."""
+        """Return the file that lists the topics of a bridge."""
         if FILE not in values:
             return None
         named = values[FILE].text
@@ -509,7 +520,7 @@ class _Robot:
             yield from () if listed is None else listed.texts
         else:
             given = values.get(topic.parameter)
-            # What is given in a run alone is no reason to take the default.
+            # A value that is given only in a run does not leave the default.
             yield topic.name if given is None else given.text if given.is_known else ""
 
     def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
