@@ -9,6 +9,8 @@ Severity: TypeAlias = Literal["error", "warning", "note"]
 
 #: The code of notes that list what was not read of a file.
 NOT_READ = "not-read"
+#: The kinds of messages that reading foreign files gives; each has its code, but for the hyphen.
+READING_KINDS = frozenset({"catalogue", "launch", "mux", "not_read"})
 #: Longer than any name or path that a person reads, and how much of both ends tells it apart.
 _LONG = re.compile(r"\S{301,}")
 _KEPT = 100
@@ -41,7 +43,7 @@ class Diagnostic:
     names in backticks and no full stop, stating what is the case; `effect` is a sentence on what
     will happen; `help` says what to do; `labels` are other places that help, each with words of its
     own or none; `excerpt` is the line of the file at `span`, empty where that shows nothing. `kind`
-    is that of what rules find.
+    is that of what rules find, `launch_files` are the launch trees in which it holds.
     """
 
     code: str
@@ -53,6 +55,7 @@ class Diagnostic:
     excerpt: str | None = None
     effect: str | None = None
     kind: str | None = None
+    launch_files: tuple[str, ...] = ()
 
 
 def brief(diagnostic: Diagnostic) -> Diagnostic:

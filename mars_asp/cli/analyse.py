@@ -10,18 +10,13 @@ from mars_asp.cli.again import command
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
-from mars_asp.cli.reason import (
-    add_file,
-    analyse_project,
-    read_project,
-    rulebook_for,
-)
+from mars_asp.cli.reason import JUDGING, add_file, judge_project, read_project, rulebook_for
 from mars_asp.cli.report import colours, finding_lines, paint, report
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.selection import Selected, Selection, add_selection, hidden_text
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
-from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
+from mars_asp.reasoning.analysis import Analysis, Condition, Consequence, diagnostic
 from mars_asp.reasoning.findings import SEVERITIES
 from mars_asp.reasoning.project import Project, has_mounts
 
@@ -38,15 +33,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 @published
 def run(arguments: argparse.Namespace) -> int:
     """Print the consequences; 1 where one is reported that is an error."""
-    rulebook = rulebook_for(arguments)
+    rulebook = rulebook_for(arguments, JUDGING)
     selection = Selection(arguments, rulebook)
-    project = read_project(arguments)
-    analysis = analyse_project(project, rulebook, arguments)
+    project = read_project(arguments, quietly=True)
+    messages, _ = selection.messages(project)
+    report(messages, arguments)
+    analysis = judge_project(project, rulebook, arguments)
     selected = selection.of(project, analysis)
     remarks = (*selected.remarks, *selection.end())
     status = int(selected.has_errors)
     if is_published(arguments):
-        told = (*project.diagnostics, *remarks[len(selected.remarks) :])
+        told = (*messages, *remarks[len(selected.remarks) :])
         return publish([*results_of(selected), *map(Result, told)], arguments, status)
     report(remarks, arguments)
     if arguments.format == "json":
@@ -108,6 +105,18 @@ def consequence_json(consequence: Consequence) -> dict[str, object]:
         "effect": consequence.effect,
         "locations": [location_json(span) for span in consequence.spans],
         "rule": {"id": rule.id, "path": rule.span.path, "line": rule.span.line},
+        "launch_files": list(consequence.trees),
+        "conditions": [_condition_json(each) for each in consequence.conditions],
+    }
+
+
+def _condition_json(condition: Condition) -> dict[str, object]:
+    """Return a condition of a launch argument with the keys of the contract."""
+    return {
+        "variable": condition.variable,
+        "value": condition.value,
+        "how": condition.how,
+        "location": None if condition.span is None else location_json(condition.span),
     }
 
 

@@ -262,6 +262,12 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
     )
     add("--quiet", action="store_true", help="no progress, no notes, no summary")
     add(
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="list on standard error the launch files that were judged",
+    )
+    add(
         "--version",
         action="version",
         version=f"mars-asp {__version__}",

@@ -45,9 +45,9 @@ class Baseline:
         self.path = path
         self._left = Counter(entries)
 
-    def takes(self, consequence: Consequence) -> bool:
-        """Whether a finding is listed, once more than it has been asked for."""
-        known = known_of(consequence, self.path)
+    def takes(self, finding: Consequence | Diagnostic) -> bool:
+        """Whether a finding is listed, more often than it was looked up before."""
+        known = known_of(finding, self.path)
         if not self._left[known]:
             return False
         self._left[known] -= 1
@@ -80,10 +80,13 @@ class Baseline:
             )
 
 
-def known_of(consequence: Consequence, baseline: str) -> Known:
-    """Return what the baseline of a path holds of a finding."""
-    file = _relative(consequence.spans[0].path, baseline)
-    return Known(file, consequence.kind, consequence.subject, consequence.participants)
+def known_of(finding: Consequence | Diagnostic, baseline: str) -> Known:
+    """Return the entry of a finding, or of a message on reading, in the baseline of a path."""
+    if isinstance(finding, Diagnostic):
+        file = _relative(finding.span.path, baseline)
+        return Known(file, finding.kind or finding.code, finding.message, ())
+    file = _relative(finding.spans[0].path, baseline)
+    return Known(file, finding.kind, finding.subject, finding.participants)
 
 
 @cache
@@ -95,9 +98,9 @@ def _relative(path: str, baseline: str) -> str:
     return Path(os.path.relpath(os.path.realpath(path), folder)).as_posix()
 
 
-def baseline_text(consequences: Iterable[Consequence], path: str) -> str:
+def baseline_text(findings: Iterable[Consequence | Diagnostic], path: str) -> str:
     """Return a baseline of findings, sorted and one a line, which is written to a path."""
-    entries = sorted(known_of(each, path) for each in consequences)
+    entries = sorted(known_of(each, path) for each in findings)
     lines = [json.dumps(entry._asdict(), ensure_ascii=False) for entry in entries]
     inside = "".join(f"\n  {line}," for line in lines).removesuffix(",")
     end = "\n" if lines else ""

@@ -18,11 +18,12 @@ from mars_asp.cli.lines import forget, line_text, remember
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
 from mars_asp.cli.reason import (
+    JUDGING,
     SHOWN_INPUT,
     STANDARD_INPUT,
-    analyse_project,
+    add_launch,
     check_inputs,
-    judged_trees,
+    judge_project,
     load,
     robots,
     rulebook_for,
@@ -48,8 +49,6 @@ if TYPE_CHECKING:
 #: What the verb prints its result in.
 RESULT_FORMATS = FINDING_FORMATS
 _Rules: TypeAlias = Callable[[tuple[str, ...]], Rulebook]
-#: What a check alone needs.
-_STAGES = ("resolve", "launch")
 #: Of a larger robot a repair takes longer to find than people wait for a check.
 _MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
 
@@ -72,6 +71,8 @@ class Checked:
     text: str | None = None
     #: How many findings a comment or a baseline hides.
     hidden: Counter[str] = field(default_factory=Counter)
+    #: The launch files that were judged, each by itself.
+    launch_files: tuple[str, ...] = ()
     #: What was found, where that is printed at the end.
     results: list[Result] = field(default_factory=list)
 
@@ -125,6 +126,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default="error",
         help="the least severity of a reported finding that makes the exit status 1",
     )
+    add_launch(parser)
     add_selection(parser)
 
 
@@ -162,7 +164,7 @@ def check(
         MarsError: what is wrong with rule packs, settings or a baseline.
     """
     rules = cache(lambda stages: rulebook_for(arguments, stages))
-    selection = Selection(arguments, rules(_STAGES))
+    selection = Selection(arguments, rules(JUDGING))
     checked = []
     edited: dict[object, tuple[str, bytes]] = {}
     for name, *further in robots(arguments, _each_once(arguments.files)):
@@ -205,9 +207,9 @@ def _check(
     text = None if raw is None else decode(raw, SHOWN_INPUT)
     path = SHOWN_INPUT if raw is not None else one.path
     project = load(arguments, path, text, one.further)
+    one.launch_files = tuple(tree.path for tree in project.trees)
     one.text = text if arguments.fix else None
-    judge = judged_trees if project.trees else analyse_project
-    analysis = judge(project, rules(_STAGES), arguments)
+    analysis = judge_project(project, rules(JUDGING), arguments)
     seen(project, analysis)
     selected = selection.of(project, analysis, notes=False)
     sole: tuple[Repair, ...] = ()
@@ -223,11 +225,13 @@ def _check(
             project, sole = fixed.project, ()
             for path, text in fixed.texts.items():
                 remember(path, text)
-            analysis = analyse_project(project, rules(_STAGES), arguments)
+            analysis = judge_project(project, rules(JUDGING), arguments)
             selected = selection.of(project, analysis, notes=False)
     one.mendable = 0 if arguments.fix else len(sole)
-    unread = [d for d in project.diagnostics if d.code == NOT_READ]
-    one.report((Result(d) for d in project.diagnostics if d.code != NOT_READ), arguments)
+    messages, hidden = selection.messages(project)
+    one.hidden.update(hidden)
+    unread = [d for d in messages if d.code == NOT_READ]
+    one.report((Result(d) for d in messages if d.code != NOT_READ), arguments)
     instances = instances_of(project.configuration)
     one.report(results_of(selected), arguments, sole, instances)
     one.report(map(Result, unread), arguments)
@@ -400,6 +404,7 @@ def _json(checked: Sequence[Checked]) -> dict[str, object]:
             {
                 "path": one.path,
                 "further": list(one.further),
+                "launch_files": list(one.launch_files),
                 "errors": one.counted["error"],
                 "warnings": one.counted["warning"],
                 "hidden": dict(one.hidden),

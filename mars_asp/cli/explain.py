@@ -15,11 +15,19 @@ from mars_asp.cli.deliver import write_file
 from mars_asp.cli.layout import columns, compared, counted, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
-from mars_asp.cli.reason import STANDARD_INPUT, add_file, read_project, rulebook_for
-from mars_asp.cli.report import colours, paint
+from mars_asp.cli.reason import (
+    JUDGING,
+    STANDARD_INPUT,
+    add_file,
+    one_of_several,
+    read_project,
+    rulebook_for,
+)
+from mars_asp.cli.report import colours, paint, report
 from mars_asp.cli.schemas import FORMATS, add_schema, explain_schema
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.diagnostic import Span
+from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
@@ -116,12 +124,14 @@ def run(arguments: argparse.Namespace) -> int:
     if contradiction is not None:
         print(f"mars-asp explain: {contradiction}", file=sys.stderr)
         return 2
-    project = read_project(arguments)
+    project = read_project(arguments, quietly=True)
     subject = arguments.about if arguments.subject is None else arguments.subject
     # A name may be asked for as the configuration writes it.
     subject = subject and (read_name(subject) or subject)
     if arguments.why_not is not None:
         return _why_not(project, arguments)
+    if arguments.alternatives is not None or arguments.repair:
+        report((*project.diagnostics, *one_of_several(project)), arguments)
     if arguments.alternatives is not None:
         from mars_asp.cli.alternatives import run_alternatives
 
@@ -130,11 +140,15 @@ def run(arguments: argparse.Namespace) -> int:
         from mars_asp.cli.repair import run_repair
 
         return run_repair(project, arguments, subject)
+    if project.trees and arguments.only != "nodes":
+        status = _explain_trees(project, arguments, subject)
+        if status is not None:
+            return status
     rulebook = rulebook_for(arguments, ("resolve", "account"))
     selection = Selection(arguments, rulebook)
+    _report_messages(project, selection, arguments)
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
-    deeper = arguments.every or arguments.places or hasattr(arguments, "depth")
-    traced = deeper or arguments.format != "text"
+    traced = _wants_traces(arguments)
     meant = () if subject is None else lines_meant(subject, project)
     if arguments.output is not None:
         traced = subject is not None or len(project.configuration.modules) <= _MOST_TRACED
@@ -154,22 +168,78 @@ def run(arguments: argparse.Namespace) -> int:
     # The traces stand without what was grounded, which takes as much memory.
     del answer, synthesis
     if arguments.output is not None:
-        from mars_asp.cli.explain_page import explanation_page
-
         remarks = closing if traced else (*closing, _TOO_MANY_TRACES)
-        page = explanation_page(project, specified, topics, absent, remarks)
-        if arguments.output == "-":
-            sys.stdout.write(page)
-        else:
-            write_file(arguments.output, page)
-    elif arguments.format != "text":
+        _write_page(project, specified, topics, absent, remarks, arguments.output)
+    else:
+        _print_topics(subject, topics, closing, traced, arguments)
+    return status
+
+
+def _write_page(
+    project: Project,
+    specified: Configuration | None,
+    topics: Sequence[Topic],
+    absent: Sequence["Absence"],
+    remarks: Sequence[str],
+    output: str,
+) -> None:
+    from mars_asp.cli.explain_page import explanation_page
+
+    page = explanation_page(project, specified, topics, absent, remarks)
+    if output == "-":
+        sys.stdout.write(page)
+    else:
+        write_file(output, page)
+
+
+def _print_topics(
+    subject: str | None,
+    topics: Sequence[Topic],
+    closing: Sequence[str],
+    traced: bool,
+    arguments: argparse.Namespace,
+) -> None:
+    """Print topics in the format that the user wants; `closing` lines are for text alone."""
+    if arguments.format != "text":
         from mars_asp.cli.trace_document import write_topics
 
         write_topics(subject, topics, arguments.format, sys.stdout.write)
     else:
         lines = chain(_told(topics, traced, arguments), closing)
         sys.stdout.writelines(f"{line}\n" for line in lines)
-    return status
+
+
+def _explain_trees(
+    project: Project, arguments: argparse.Namespace, subject: str | None
+) -> int | None:
+    """Print the findings in launch trees; return None if the subject is none of theirs."""
+    from mars_asp.reasoning.questions.launch_trees import explain_trees
+
+    rulebook = rulebook_for(arguments, JUDGING)
+    selection = Selection(arguments, rulebook)
+    traced = _wants_traces(arguments)
+    answer = explain_trees(project, rulebook, subject, arguments.every, traced)
+    if answer is None:
+        return None
+    report(selection.messages(project)[0], arguments)
+    topics, has_errors = _reported(answer, selection, project)
+    closing = [] if topics or arguments.quiet else ["nothing found in what is launched"]
+    if arguments.output is not None:
+        _write_page(project, None, topics, (), closing, arguments.output)
+    else:
+        _print_topics(answer.subject, topics, closing, traced, arguments)
+    return int(has_errors)
+
+
+def _report_messages(project: Project, selection: Selection, arguments: argparse.Namespace) -> None:
+    """Report the messages on reading a project as one robot, as far as they are selected."""
+    messages, _ = selection.messages(project)
+    report((*messages, *one_of_several(project)), arguments)
+
+
+def _wants_traces(arguments: argparse.Namespace) -> bool:
+    deeper = arguments.every or arguments.places or hasattr(arguments, "depth")
+    return deeper or arguments.format != "text" or arguments.output is not None
 
 
 def _reported(
@@ -262,6 +332,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     levels = _MOST_LEVELS if depth is None else 2 * depth
     rulebook = rulebook_for(arguments)
     selection = Selection(arguments, rulebook)
+    _report_messages(project, selection, arguments)
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     asked = stated(arguments.why_not, project)
     subject = arguments.why_not if asked is None else asked.atom

@@ -5,9 +5,10 @@ from pathlib import Path
 
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.lines import remember
-from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
+from mars_asp.cli.reason import STANDARD_INPUT, add_launch, check_inputs
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
+from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.foreign import READERS, File, read_foreign
 from mars_asp.language import Parsed, print_configuration
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_bytes
@@ -29,6 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         help="what to read, `-` for standard input; several are one robot",
     )
+    add_launch(parser)
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")
     parser.add_argument(
         "--contract",
@@ -41,6 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the configuration."""
     check_inputs(*arguments.files)
     found, printed = (_urdf if arguments.origin == "urdf" else _foreign)(arguments)
+    if len(found.trees) > 1:
+        raise MarsError([_several(found)])
     report(found.warnings, arguments)
     if arguments.output == "-":
         print(printed, end="")
@@ -80,10 +84,19 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
         text = plain_lines(text)
         remember(shown, text)
         files.append(File(shown, text, arguments.origin))
-    found = read_foreign(files)
+    found = read_foreign(files, arguments.launch)
     contract = arguments.contract or not has_glue(found.configuration)
     shape = found.configuration if contract else lifted(found.configuration)
     return found, with_origins(shape)
+
+
+def _several(found: Parsed) -> Diagnostic:
+    """Return the error that launch files of a folder start several robots, which it lists."""
+    message = f"{len(found.trees)} launch files start a robot each, and one is imported"
+    listed = ", ".join(f"`{tree.path}`" for tree in found.trees)
+    help_text = f"choose with --launch: {listed}"
+    span = found.configuration.span
+    return Diagnostic("launch", "error", message, span, help=help_text, excerpt="")
 
 
 def _text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:

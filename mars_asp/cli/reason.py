@@ -1,7 +1,8 @@
 """What the verbs that reason have in common: read, load the rules, analyse."""
 
 import argparse
-from collections.abc import Collection, Sequence
+import sys
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -18,7 +19,7 @@ from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
 from mars_asp.model.declarations import PackKind
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, analyse
-from mars_asp.reasoning.facts.launched import launch_facts
+from mars_asp.reasoning.launch_trees import analyse_trees
 from mars_asp.reasoning.packs import find_packs, kinds_of
 from mars_asp.reasoning.project import (
     Project,
@@ -28,9 +29,11 @@ from mars_asp.reasoning.project import (
     with_brought,
     with_kinds,
 )
-from mars_asp.reasoning.rules import alone, brought_by, load_rulebook
+from mars_asp.reasoning.rules import brought_by, load_rulebook
 
 STANDARD_INPUT = "-"
+#: The stages of rules that judge a robot.
+JUDGING = ("resolve", "launch")
 #: Where verbs keep what they read first.
 _FILES = ("files", "file", "old", "specification")
 #: What standard input is called in places.
@@ -81,8 +84,16 @@ def read_specification(arguments: argparse.Namespace, path: str) -> Project:
     return Project(lifted(parsed.configuration), {}, parsed.warnings, text)
 
 
-def read_project(arguments: argparse.Namespace, path: str | None = None) -> Project:
-    """Read the project of a verb's FILE, or of all of them; report what is noteworthy about it.
+def read_project(
+    arguments: argparse.Namespace, path: str | None = None, *, quietly: bool = False
+) -> Project:
+    """Read the project of a verb's FILE, or of all of them, and report the messages on that.
+
+    Args:
+        arguments: The words of the command.
+        path: The file, if not those of the command.
+        quietly: Whether the verb reports the messages itself, as far as they are selected. Other
+            verbs take all launch trees for one robot, and that is a message, too.
 
     Raises:
         MarsError: what is wrong with its files.
@@ -94,8 +105,19 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
         path = SHOWN_INPUT
         text = read_input(path)
     project = load(arguments, path, text, further)
-    report(project.diagnostics, arguments)
+    if not quietly:
+        report((*project.diagnostics, *one_of_several(project)), arguments)
     return project
+
+
+def one_of_several(project: Project) -> Iterator[Diagnostic]:
+    """Yield the note that several launch trees were taken for one robot, if they were."""
+    if len(project.trees) > 1:
+        number = len(project.trees)
+        message = f"what {number} launch files start was taken for one robot"
+        help_text = "`--launch LAUNCHFILE` takes one of them; `check -v` lists them"
+        span = project.configuration.span
+        yield Diagnostic("launch", "note", message, span, help=help_text, excerpt="", kind="launch")
 
 
 def _with_kinds(parsed: Parsed, arguments: argparse.Namespace) -> Parsed:
@@ -135,7 +157,7 @@ def _parse(
     first = files[0]
     ours = [file for file in files if file.format == "mars"]
     if not ours:
-        found = read_foreign(files)
+        found = read_foreign(files, getattr(arguments, "launch", ()))
         return found, first.text, found.configuration.origin
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
@@ -209,7 +231,11 @@ def load(
         parsed, text, foreign = _parse(arguments, path, text, further)
         project = described(parsed, text, arguments.sources, foreign)
         is_asked = has_attributes(project) or bool(project.configuration.pack_nodes)
-        return with_brought(project, _brought(arguments, is_asked))
+        project = with_brought(project, _brought(arguments, is_asked))
+    if arguments.verbose:
+        for tree in project.trees:
+            print(visible(f"mars-asp: launch file {tree.path}"), file=sys.stderr)
+    return project
 
 
 def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("resolve",)) -> Rulebook:
@@ -250,17 +276,16 @@ def analyse_project(
         return analyse(facts, rulebook, project.configuration.span, with_labels=True)
 
 
-def judged_trees(project: Project, rulebook: Rulebook, arguments: argparse.Namespace) -> Analysis:
-    """Return the findings in the launch trees of a project.
+def judge_project(project: Project, rulebook: Rulebook, arguments: argparse.Namespace) -> Analysis:
+    """Return the findings in a project: in its launch trees, or else its consequences.
 
     Raises:
         MarsError: rules that clingo refuses.
     """
+    if not project.trees:
+        return analyse_project(project, rulebook, arguments)
     with stage(arguments, "analysing"):
-        rules = alone(rulebook, "launch")
-        return analyse(
-            launch_facts(project.trees), rules, project.configuration.span, with_labels=True
-        )
+        return analyse_trees(project, rulebook)
 
 
 def add_file(parser: argparse.ArgumentParser) -> None:
@@ -271,4 +296,17 @@ def add_file(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         help="a `.mars` file, or files of others that are one robot: URDF, muxes, graphs, "
         "dataflows; `-` for standard input",
+    )
+    add_launch(parser)
+
+
+def add_launch(parser: argparse.ArgumentParser) -> None:
+    """Add the choice among the launch trees of a folder."""
+    parser.add_argument(
+        "--launch",
+        metavar="LAUNCHFILE",
+        action="append",
+        default=[],
+        help="of a folder, the robot that this launch file starts; repeatable"
+        " (default: each launch file that no other includes)",
     )

@@ -137,6 +137,7 @@ def diagnostic_json(
         "end_line": span.end_line,
         "end_column": span.end_column,
         "effect": diagnostic.effect,
+        "launch_files": list(diagnostic.launch_files),
         "labels": [
             {"path": at.path, "line": at.line, "column": at.column, "message": text}
             for at, text in diagnostic.labels

@@ -5,6 +5,7 @@ its specification is what it was. Options replace what the settings of a file sa
 """
 
 import argparse
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
@@ -16,10 +17,11 @@ from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
 from mars_asp.cli.layout import counted
 from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
 from mars_asp.cli.settings import settings_for
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import READING_KINDS, Diagnostic, MarsError, Span, point
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
@@ -121,7 +123,7 @@ class Selection:
         self._arguments, self._rulebook = arguments, rulebook
         self._baselines: dict[str, Baseline] = {}
         self._read: set[str] = set()
-        self._written: list[Consequence] = []
+        self._written: list[Consequence | Diagnostic] = []
         for option in ("select", "ignore"):
             self._check(getattr(arguments, option), _in_option(option))
         if arguments.baseline is not None and arguments.write_baseline is None:
@@ -140,11 +142,38 @@ class Selection:
             found = read_consequences(analysis, self._arguments.write_baseline is not None, False)
         else:
             found = analysis.consequences
-        selected = self._selected(choice, ignores, found, notes)
+        selected = self._selected(project, choice, ignores, found, notes)
         if self._arguments.write_baseline is None:
             return selected
         self._written += selected.shown
         return selected._replace(shown=())
+
+    def messages(self, project: Project) -> tuple[tuple[Diagnostic, ...], Counter[str]]:
+        """Return the messages on reading a project that are reported, and what hides how many.
+
+        Errors are always reported, and so is what has no kind.
+
+        Raises:
+            MarsError: the settings of its folder, or their baseline, are wrong.
+        """
+        choice, ignores = self._said_of(project)
+        commented = {(span.path, span.line, kind) for each in ignores for kind, span in each.kinds}
+        shown: list[Diagnostic] = []
+        hidden: Counter[str] = Counter()
+        for each in project.diagnostics:
+            if each.kind is None or each.severity == "error":
+                shown.append(each)
+            elif not choice.has(each.kind):
+                continue
+            elif (each.span.path, each.span.line, each.kind) in commented:
+                hidden["comment"] += 1
+            elif choice.baseline is not None and choice.baseline.takes(each):
+                hidden["baseline"] += 1
+            elif self._arguments.write_baseline is not None and each.severity == "warning":
+                self._written.append(each)
+            else:
+                shown.append(each)
+        return tuple(shown), hidden
 
     def among(self, project: Project, found: Sequence[Consequence]) -> Selected:
         """Return which of some findings of a file are reported; nothing is said of comments.
@@ -153,7 +182,7 @@ class Selection:
             MarsError: what is wrong with the settings of its folder, or with their baseline.
         """
         choice, ignores = self._said_of(project)
-        return self._selected(choice, ignores, found)._replace(remarks=())
+        return self._selected(project, choice, ignores, found)._replace(remarks=())
 
     def has_errors(self, project: Project, analysis: Analysis) -> bool:
         """Whether an error is reported of what is found in a file.
@@ -188,6 +217,7 @@ class Selection:
 
     def _selected(
         self,
+        project: Project,
         choice: _Choice,
         ignores: Sequence[Ignore],
         found: Sequence[Consequence],
@@ -212,7 +242,7 @@ class Selection:
                 hidden.append(Hidden(each, "baseline", ""))
             else:
                 shown.append(each)
-        remarks = tuple(self._remarks(ignores, found))
+        remarks = tuple(self._remarks(ignores, found, project.diagnostics))
         return Selected(tuple(shown), tuple(hidden), remarks, choice.baseline is not None)
 
     def end(self, is_whole: bool = True) -> Iterator[Diagnostic]:
@@ -276,7 +306,7 @@ class Selection:
 
     @cached_property
     def _found_kinds(self) -> frozenset[str]:
-        return consequence_kinds(self._rulebook)
+        return consequence_kinds(self._rulebook) | READING_KINDS
 
     @cached_property
     def _is_open(self) -> bool:
@@ -300,7 +330,9 @@ class Selection:
             )
 
     def _is_unknown(self, kind: str) -> bool:
-        return kind not in self._found_kinds and not self._is_open
+        if kind in self._found_kinds or self._is_open:
+            return False
+        return kind not in consequence_kinds(load_rulebook(stages=("launch",)))
 
     def _advice(self, kind: str) -> str:
         """Return what may have been meant by a kind that no rule finds."""
@@ -316,12 +348,16 @@ class Selection:
     # ---- Comments --------------------------------------------------------------------------------
 
     def _remarks(
-        self, ignores: Sequence[Ignore], found: Sequence[Consequence]
+        self,
+        ignores: Sequence[Ignore],
+        found: Sequence[Consequence],
+        messages: Sequence[Diagnostic],
     ) -> Iterator[Diagnostic]:
         """Yield what is odd about comments: those that hide nothing, or name nothing."""
         if not ignores:
             return
         matched = {(each.spans[0].path, each.spans[0].line, each.kind) for each in found}
+        matched |= {(each.span.path, each.span.line, each.kind or "") for each in messages}
         for ignore in ignores:
             if not ignore.kinds:
                 message = "this comment names no kind of finding, so it hides nothing"
@@ -372,7 +408,8 @@ def _files(project: Project) -> set[str]:
         *configuration.declared,
         *project.modules.values(),
     )
-    return {configuration.path, *(each.span.path for each in placed)}
+    files = {configuration.path, *(each.span.path for each in placed)}
+    return files.union(*(tree.files for tree in project.trees))
 
 
 def _ignores(project: Project, files: Iterable[str]) -> Iterator[Ignore]:

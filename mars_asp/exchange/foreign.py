@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from typing import NamedTuple, TypeAlias
 
@@ -9,7 +10,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.unite import united
 from mars_asp.language import Parsed
 
-_Reader: TypeAlias = Callable[[Sequence[tuple[str, str]]], Parsed]
+_Reader: TypeAlias = Callable[..., Parsed]
 #: Where what reads a format is, from texts and their paths. Only what is needed is loaded.
 READERS: Mapping[str, tuple[str, str]] = {
     "urdf": ("mars_asp.exchange.urdf", "import_urdfs"),
@@ -30,8 +31,12 @@ class File(NamedTuple):
     format: str
 
 
-def read_foreign(files: Sequence[File]) -> Parsed:
+def read_foreign(files: Sequence[File], launch: Sequence[str] = ()) -> Parsed:
     """Return the configuration of files that together are one robot; of a mux what it is for.
+
+    Args:
+        files: The files, at least one.
+        launch: The launch files that are read of a folder; all if there are none.
 
     Raises:
         MarsError: all that is wrong with them.
@@ -44,8 +49,9 @@ def read_foreign(files: Sequence[File]) -> Parsed:
             continue
         read = {other for other in formats if _with(other, formats) == format}
         own = [(file.text, file.path) for file in files if file.format in read]
+        reader = _reader(format)
         try:
-            found.append(_reader(format)(own))
+            found.append(partial(reader, launch=launch)(own) if format == "ros2" else reader(own))
         except MarsError as error:
             problems += error.diagnostics
     if problems:

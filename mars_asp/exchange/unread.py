@@ -31,4 +31,5 @@ def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
             f"{sort} not read: {1 + len(others)} ({named})",
             first.span,
             tuple((other.span, f"`{other.name}`") for other in others[:_MOST_PLACES]),
+            kind="not_read",
         )

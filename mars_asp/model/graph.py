@@ -143,3 +143,16 @@ class LaunchTree:
     relays: tuple[Relay, ...] = ()
     unread: tuple[Span, ...] = ()
     broken: tuple[tuple[str, Span], ...] = ()
+
+    @property
+    def files(self) -> frozenset[str]:
+        """The files in which a finding about the tree can be."""
+        spans = [span for _, span in self.broken]
+        spans += (each.span for each in self.nodes)
+        spans += (each.span for each in self.muxes)
+        spans += (each.span for each in self.relays)
+        for node in self.nodes:
+            spans += (end.span for end in (*node.published, *node.subscribed))
+            spans += (each.span for each in node.renamed)
+        spans += (each.span for mux in self.muxes for each in mux.inputs)
+        return frozenset(span.path for span in spans)

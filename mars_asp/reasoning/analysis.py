@@ -51,6 +51,19 @@ _MOST_TREES = 3
 
 
 @dataclass(frozen=True, slots=True)
+class Condition:
+    """A launch argument that must have a value, or must not if `how` is `unless`.
+
+    `span` is where a launch file states it.
+    """
+
+    variable: str
+    value: str
+    how: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Consequence:
     """One consequence; `spans` are the places it concerns, in the order of the file.
 
@@ -70,8 +83,7 @@ class Consequence:
     labels: tuple[tuple[Span, str], ...] = ()
     effect: str | None = None
     trees: tuple[str, ...] = ()
-    #: The values of launch arguments under which it holds: name, value, and `if` or `unless`.
-    conditions: tuple[tuple[str, ...], ...] = ()
+    conditions: tuple[Condition, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -191,7 +203,7 @@ def read_consequences(
     concerned = _collect(control, ("concerns", 4), wanted)
     identifiers = {row[0] for rows in concerned.values() for row in rows}
     trees = _collect(control, ("holds_in", 4), wanted)
-    conditions = _collect(control, ("holds_if", 6), wanted)
+    conditions = _conditions(analysis, wanted)
     span_of = _places(analysis.facts, identifiers)
     labels_of: dict[TermId, dict[Span, str]] = {}
     for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
@@ -221,7 +233,7 @@ def read_consequences(
                 tuple(said_of.items()),
                 told.effect,
                 tuple(sorted(written(row[0]) for row in trees.get(key, ()))),
-                tuple(sorted(tuple(map(written, row)) for row in conditions.get(key, ()))),
+                tuple(conditions.get(key, ())),
             )
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
@@ -245,22 +257,49 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
         consequence.help,
         effect=" ".join(filter(None, (consequence.effect, *_where(consequence)))) or None,
         kind=consequence.kind,
+        launch_files=consequence.trees,
     )
 
 
 def _where(consequence: Consequence) -> Iterator[str]:
     """Yield the conditions of a finding and, if there are several, its launch trees."""
     if consequence.conditions:
-        texts = (
-            f"{f'`{name}`' if ' (' not in name and ' ' not in name[4:] else name}"
-            f" is {'' if how == 'if' else 'not '}`{value}`"
-            for name, value, how in consequence.conditions
-        )
-        yield f"It is so where {' and '.join(texts)}."
+        texts = map(_condition_text, consequence.conditions)
+        yield f"It is so when {' and '.join(texts)}."
     if len(consequence.trees) > 1:
         named = ", ".join(f"`{tree}`" for tree in consequence.trees[:_MOST_TREES])
         more = ", ..." if len(consequence.trees) > _MOST_TREES else ""
         yield f"It is so of {len(consequence.trees)} launch files: {named}{more}."
+
+
+def _condition_text(condition: Condition) -> str:
+    """Return a condition as ```use_composition` is `true` (robot.launch.py:206)``."""
+    name = condition.variable
+    called = f"`{name}`" if " (" not in name and " " not in name[4:] else name
+    at = condition.span
+    place = "" if at is None else f" ({at.path.rpartition('/')[2]}:{at.line})"
+    return f"{called} is {'' if condition.how == 'if' else 'not '}`{condition.value}`{place}"
+
+
+def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[Condition]]:
+    """Return the conditions of findings, each with the line that states it."""
+    rows = _collect(analysis.grounding.control, ("condition_at", 7), wanted)
+    if not rows:
+        return {}
+    stated = {
+        fact.atom.arguments: fact.span for fact in analysis.facts if fact.atom.name == "starts_if"
+    }
+    found: dict[Key, list[Condition]] = {}
+    for key, tests in rows.items():
+        for test in tests:
+            variable, value, how = map(written, test[:3])
+            node = as_symbol(test[3]).number
+            span = stated.get((node, variable, value, Atom(how)))
+            found.setdefault(key, []).append(Condition(variable, value, how, span))
+    return {
+        key: sorted(each, key=lambda condition: (condition.variable, condition.value))
+        for key, each in found.items()
+    }
 
 
 def _first_said(analysis: Analysis) -> dict[TermId, Said]:

@@ -170,14 +170,6 @@ def load_rulebook(
     )
 
 
-def alone(rulebook: Rulebook, stage: str) -> Rulebook:
-    """Return the built-in rules of a stage that reads no other, as those of a base."""
-    return Rulebook(
-        tuple(replace(rule, stage="base") for rule in rulebook.rules if rule.stage == stage),
-        tuple(("base", text) for at, text in rulebook.texts if at == stage),
-    )
-
-
 def brought_by(extra: Iterable[Path]) -> tuple[object, ...]:
     """Return what rule packs bring besides rules, without what else is to be said of them.
 

@@ -11,9 +11,10 @@ from mars_asp.diagnostic import point
 from mars_asp.exchange.foreign import File, read_foreign
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.facts.launched import launch_facts
-from mars_asp.reasoning.rules import alone, load_rulebook
+from mars_asp.reasoning.launch_trees import launch_rules
+from mars_asp.reasoning.rules import load_rulebook
 
-RULES = alone(load_rulebook(stages=("launch",)), "launch")
+RULES = launch_rules(load_rulebook(stages=("launch",)))
 #: The values that each argument takes; the last of three is any other.
 VALUES = {
     **{f"a{n}": ("true", "false") for n in range(8)},
@@ -130,7 +131,7 @@ def test_nodes_of_one_name_are_found_where_some_arguments_start_both(
         meant = [
             assigned
             for assigned in every
-            if all((assigned[v] == value) == (how == "if") for v, value, how in tests)
+            if all((assigned[t.variable] == t.value) == (t.how == "if") for t in tests)
         ]
         # The conditions are possible, sufficient and minimal: no pair has fewer.
         assert meant and all(assigned in both for assigned in meant)

@@ -37,6 +37,7 @@ from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
 from mars_asp.model.graph import Endpoint, Graph, LaunchTree, Mux, Node, Relay, Renaming
+from mars_asp.spelling import nearest
 
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
@@ -68,15 +69,17 @@ _BROKEN = frozenset(
 _NUMBERED = re.compile(r"\d+")
 
 
-def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
+def import_ros2(files: Sequence[tuple[str, str]], launch: Sequence[str] = ()) -> Parsed:
     """Return the configuration of launch files and folders, which make up one robot.
 
     Args:
         files: Texts and their paths, at least one that is no mux. Of a folder the text is empty;
             files with the parameters of muxes are for those that are launched without.
+        launch: The launch files to read of folders, each the top of a launch tree; all that no
+            other includes if there are none.
 
     Raises:
-        MarsError: a launch file has errors, or there is none.
+        MarsError: a launch file has errors, there is none, or `launch` names none.
     """
     graphs = []
     trees: list[LaunchTree] = []
@@ -88,7 +91,7 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
     ]
     for (root, deep), members in _by_root(launched).items():
         workspace = Workspace(root, members[0][1], deep=deep)
-        robot = _Robot(workspace, muxes)
+        robot = _Robot(workspace, muxes, launch)
         graphs.append(robot.graph([workspace.given(path, text) for text, path in members]))
         trees += robot.trees
         problems += robot.problems
@@ -119,19 +122,37 @@ def _by_root(files: Sequence[tuple[str, str]]) -> dict[tuple[Path, bool], list[t
 def _root(path: Path) -> tuple[Path, bool]:
     """Return the folder that holds all that a path may lead to, and whether packages are in it.
 
-    Of a launch file it is the `src` around its package, or else the package, or else its folder, in
-    which anything may lie. Standard input lies nowhere.
+    Of a launch file it is its package, and then the folder above as long as that has other packages
+    directly in it or is a `src`; without a package it is the folder of the file. Nothing above a
+    folder with `.git` is read. Standard input lies nowhere.
     """
     if path.is_dir():
         return path.resolve(), True
     if not path.is_file():
         return _NOWHERE, False
     folder = path.resolve().parent
-    above = (folder, *folder.parents)
-    package = next((each for each in above if (each / "package.xml").is_file()), None)
-    if package is None:
-        return folder, False
-    return next((each for each in package.parents if each.name == "src"), package), True
+    root = folder
+    while not _is_package(root):
+        if (root / ".git").exists() or root == root.parent:
+            return folder, False
+        root = root.parent
+    while not (root / ".git").exists() and root != root.parent and _holds(root.parent, root):
+        root = root.parent
+    return root, True
+
+
+def _is_package(folder: Path) -> bool:
+    return (folder / "package.xml").is_file()
+
+
+def _holds(folder: Path, inner: Path) -> bool:
+    """Whether a folder is a `src`, or has another package than `inner` directly in it."""
+    if folder.name == "src":
+        return True
+    try:
+        return any(_is_package(each) for each in folder.iterdir() if each != inner)
+    except OSError:
+        return False
 
 
 def _unbound(muxes: Sequence[tuple[str, Document]], graph: Graph) -> Iterator[Mux]:
@@ -157,8 +178,14 @@ def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
 class _Robot:
     """Brings together the nodes of launch files and the interfaces of their programs."""
 
-    def __init__(self, workspace: Workspace, muxes: Sequence[tuple[str, Document]]) -> None:
+    def __init__(
+        self,
+        workspace: Workspace,
+        muxes: Sequence[tuple[str, Document]],
+        chosen: Sequence[str] = (),
+    ) -> None:
         self.workspace = workspace
+        self.chosen = chosen
         self.programs = Programs(workspace)
         self.muxes = muxes
         self.unread: list[Unread] = []
@@ -182,7 +209,7 @@ class _Robot:
                     "no launch file was found, so every program of the packages counts as started"
                 )
                 place = point(self.workspace.shown(paths[0]), 1, 1)
-                self.problems.append(Diagnostic("launch", "note", message, place))
+                self.problems.append(Diagnostic("launch", "note", message, place, kind="launch"))
         for launch in launched:
             self.trees.append(self._tree(launch, paths))
         nodes: dict[str, Node] = {}
@@ -203,7 +230,7 @@ class _Robot:
                 raise self._empty(paths)
             message = "no node could be read of what the launch files start"
             place = point(self.workspace.shown(paths[0]), 1, 1)
-            self.problems.append(Diagnostic("launch", "note", message, place))
+            self.problems.append(Diagnostic("launch", "note", message, place, kind="launch"))
         first = self.workspace.shown(paths[0])
         return Graph(
             first, tuple(nodes.values()), tuple(muxes.values()), relays=tuple(relays.values())
@@ -263,9 +290,20 @@ class _Robot:
         )
 
     def _launched_in_folder(self) -> Iterator[Launch]:
-        """Yield the launch of each file of a folder that no other one includes."""
+        """Yield the launch of each chosen file of a folder, else of those that no other includes.
+
+        Raises:
+            MarsError: a choice is not a launch file of the folder, or has errors.
+        """
         files = [file for file in self.workspace.files if self._is_launch(file)]
         first = Launch(self.workspace)
+        if self.chosen:
+            for file in self._chosen(files):
+                launch = Launch(self.workspace, first)
+                launch.path = file
+                launch.launch(file)
+                yield launch
+            return
         included: set[Path] = set()
         broken: set[Path] = set()
         for file in files:
@@ -287,6 +325,38 @@ class _Robot:
             launch.path = file
             launch.launch(file)
             yield launch
+
+    def _chosen(self, files: Sequence[Path]) -> Sequence[Path]:
+        """Return the launch files that the user chose, by their paths or the ends of these.
+
+        Raises:
+            MarsError: a choice names no launch file, or several.
+        """
+        found: dict[Path, None] = {}
+        problems: list[Diagnostic] = []
+        shown = {self.workspace.shown(file): file for file in files}
+        for name in self.chosen:
+            parts = Path(name).parts
+            exact = [file for file in files if file == Path(name).resolve()]
+            same = exact or [file for file in files if file.parts[-len(parts) :] == parts]
+            if len(same) == 1:
+                found[same[0]] = None
+                continue
+            if same:
+                listed = ", ".join(f"`{self.workspace.shown(file)}`" for file in same)
+                message, help_text = f"`{name}` may be any of {len(same)} launch files", listed
+            else:
+                names = [*shown, *(file.name for file in files)]
+                near = nearest(name, names)
+                message = f"`{name}` is not a launch file of `{self.workspace.named}`"
+                help_text = f"did you mean `{near}`?" if near else "`check -v` lists them"
+            place = point("--launch", 1, 1)
+            problems.append(
+                Diagnostic("launch", "error", message, place, help=help_text, excerpt="")
+            )
+        if problems:
+            raise MarsError(problems)
+        return list(found)
 
     def _is_launch(self, file: Path) -> bool:
         """Whether a file is a launch file, by its name or by the folder and its text."""
@@ -569,7 +639,7 @@ class _Robot:
                 f"{_counted(len(self.conditional), 'node')} {verb} on conditions, of which every"
                 " branch was read"
             )
-            self.problems.append(Diagnostic("launch", "note", message, first))
+            self.problems.append(Diagnostic("launch", "note", message, first, kind="launch"))
         if self.catalogued:
             spans = self.catalogued
             names = ", ".join(f"`{name}`" for name in list(spans)[:_MOST_NAMED])
@@ -577,7 +647,7 @@ class _Robot:
             described = _counted(len(spans), "node")
             message = f"the topics of {described} are from the catalogue: {names}{more}"
             first = next(iter(spans.values()))
-            self.problems.append(Diagnostic("catalogue", "note", message, first))
+            self.problems.append(Diagnostic("catalogue", "note", message, first, kind="catalogue"))
 
 
 def _key(program: Program) -> tuple[str, str, bool]:

@@ -321,7 +321,7 @@ class _Reader:
             labels = tuple((each.ranked, f"so is that of `{each.name}`") for each in others)
             help_text = f"twist_mux keeps priorities from 0 to {_MOST_TWIST_MUX}"
             self.problems.append(
-                Diagnostic("mux", "warning", message, first.ranked, labels, help_text)
+                Diagnostic("mux", "warning", message, first.ranked, labels, help_text, kind="mux")
             )
 
     def scalar(self, entry: _Entry, what: str, expected: str) -> Scalar | None:
@@ -380,7 +380,9 @@ class _Reader:
         if milliseconds != whole:
             message = f"the timeout of `{entry.name}`, {value.text} s, is taken as {whole} ms"
             help_text = "holds are whole milliseconds: write at most three decimals"
-            self.problems.append(Diagnostic("mux", "warning", message, value.span, help=help_text))
+            self.problems.append(
+                Diagnostic("mux", "warning", message, value.span, help=help_text, kind="mux")
+            )
         return whole
 
     def priority(self, entry: _Entry) -> int | None:

@@ -1,0 +1,94 @@
+"""Explanations of findings in launch trees: their places, their conditions and their traces."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.trace.tree import Unexplained
+from mars_asp.diagnostic import Span
+from mars_asp.reasoning.analysis import Consequence, diagnostic
+from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.account import Account, Cited
+from mars_asp.reasoning.questions.explain import Explanation, Topic
+from mars_asp.reasoning.session import Evidence
+
+
+def explain_trees(
+    project: Project, rulebook: Rulebook, subject: str | None, every: bool, traced: bool
+) -> Explanation | None:
+    """Explain the findings in launch trees, or those of a kind, name, file or line.
+
+    Args:
+        project: A project with launch trees.
+        rulebook: The rules, those of the stage `launch` among them.
+        subject: What the findings are about: their kind, `KIND(NAME)`, a node, a topic, or
+            `FILE:LINE`; all if it is None.
+        every: Whether steps of traces have all derivations.
+        traced: Whether topics have traces.
+
+    Returns:
+        The findings, or None if none is about the subject.
+
+    Raises:
+        MarsError: rules that clingo refuses.
+    """
+    analysis = analyse_trees(project, rulebook)
+    chosen = [each for each in analysis.consequences if subject is None or _is_about(each, subject)]
+    if subject is not None and not chosen:
+        return None
+    evidence = Evidence(launch_rules(rulebook), analysis.facts, analysis)
+    traces = evidence.explainer.why([each.atom for each in chosen], every) if traced else {}
+    folder = Path(project.configuration.path)
+    topics = []
+    for each in chosen:
+        title = f"{each.kind}({each.subject})"
+        trace = traces.get(each.atom) or Unexplained(title, "no trace was requested")
+        account = Account(each.message, tuple(_cited(each, folder)), tuple(_notes(each)))
+        topics.append(
+            Topic(title, title, "consequence", each.severity, each.rule.id, (), account, trace)
+        )
+    return Explanation(subject, tuple(topics), analysis, None)
+
+
+def _is_about(finding: Consequence, subject: str) -> bool:
+    """Whether a finding has a kind, subject, participant or place."""
+    names = {finding.kind, f"{finding.kind}({finding.subject})", str(finding.atom)}
+    names |= {finding.subject, *finding.participants}
+    places = {f"{span.path}:{span.line}" for span in finding.spans}
+    return subject in names or any(
+        place == subject or place.endswith(f"/{subject}") for place in places
+    )
+
+
+def _cited(finding: Consequence, folder: Path) -> Iterator[Cited]:
+    """Yield the places of a finding, then those of its conditions."""
+    labels = dict(finding.labels)
+    lines = {span[:2]: (span, labels.get(span, "")) for span in reversed(finding.spans)}
+    for condition in finding.conditions:
+        if condition.span is not None:
+            of = f"only {condition.how} `{condition.variable}` is `{condition.value}`"
+            lines.setdefault(condition.span[:2], (condition.span, of))
+    for span, label in sorted(lines.values(), key=lambda line: _order(line[0], finding)):
+        yield Cited(span, _where(span, folder), label)
+
+
+def _order(span: Span, finding: Consequence) -> tuple[int, Span]:
+    """Return what orders a line: the places of the finding as they are, then its conditions."""
+    at = finding.spans.index(span) if span in finding.spans else len(finding.spans)
+    return at, span
+
+
+def _where(span: Span, folder: Path) -> str:
+    """Return a line as `launch/robot.launch.py:3`, seen from the folder that was read."""
+    path = Path(span.path)
+    if folder.is_dir() and path.is_relative_to(folder) and path != folder:
+        path = path.relative_to(folder)
+    return f"{path}:{span.line}"
+
+
+def _notes(finding: Consequence) -> Sequence[str]:
+    """Return what a finding leads to, where it holds, and what to do."""
+    shown = diagnostic(finding)
+    advice = finding.help and f"{finding.help[:1].upper()}{finding.help[1:].rstrip('.')}."
+    return [text for text in (shown.effect, advice) if text]
