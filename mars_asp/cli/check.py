@@ -232,7 +232,8 @@ def _check(
     one.hidden.update(hidden)
     unread = [d for d in messages if d.code == NOT_READ]
     one.report((Result(d) for d in messages if d.code != NOT_READ), arguments)
-    instances = instances_of(project.configuration)
+    # Of a launch tree the rules find what is equal.
+    instances = None if project.trees else instances_of(project.configuration)
     one.report(results_of(selected), arguments, sole, instances)
     one.report(map(Result, unread), arguments)
     # Another robot that includes the file is judged by what it holds until all are checked.

@@ -161,6 +161,9 @@ class Selection:
         shown: list[Diagnostic] = []
         hidden: Counter[str] = Counter()
         for each in project.diagnostics:
+            if each.kind == "broken_file" and project.trees:
+                # It is a finding as well.
+                continue
             if each.kind is None or each.severity == "error":
                 shown.append(each)
             elif not choice.has(each.kind):

@@ -118,7 +118,7 @@ def configuration_of(graph: Graph) -> Mapped:
         declared=tuple(module for module in described if module is not None),
         muxes=muxed,
         relays=tuple(relay.span for relay in relays),
-        opaque=tuple(Name(node.name, node.span) for node in nodes if node.unread),
+        opaque=tuple(Name(node.name, node.span) for node in nodes if node.unread or node.listens),
     )
     return Mapped(configuration, tuple(unread))
 

@@ -7,6 +7,14 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import NOT_READ, Diagnostic, Span
 
+#: Sorts of files that no parser takes.
+BROKEN = frozenset(
+    {
+        "launch files with errors",
+        "included launch files with errors",
+        "parameter files with errors",
+    }
+)
 _MOST_NAMED = 5
 _MOST_PLACES = 100
 
@@ -31,5 +39,5 @@ def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
             f"{sort} not read: {1 + len(others)} ({named})",
             first.span,
             tuple((other.span, f"`{other.name}`") for other in others[:_MOST_PLACES]),
-            kind="not_read",
+            kind="broken_file" if sort in BROKEN else "not_read",
         )

@@ -63,13 +63,33 @@ class _Open:
     size: int = 1
 
 
-def read_yaml(text: str, path: str, begins: tuple[int, int] = (1, 1)) -> Node:
-    """Return the one document of a YAML text, which begins at a line and column of its file.
+def read_yaml(
+    text: str,
+    path: str,
+    begins: tuple[int, int] = (1, 1),
+    repeated: list[Diagnostic] | None = None,
+) -> Node:
+    """Return the one document of a YAML text.
+
+    Args:
+        text: The text.
+        path: Its file, as places show it.
+        begins: The line and column of the file at which the text begins.
+        repeated: Gets the keys that a map has twice, of which the last one counts; otherwise they
+            are errors.
 
     Raises:
         MarsError: what is wrong with it: the first error of its syntax, or all repeated keys.
     """
-    return _read(text, path, MOST_NODES, yaml.SafeLoader, begins)
+    allows_copies = repeated is not None
+    root, problems = _read(
+        text, path, MOST_NODES, yaml.SafeLoader, begins, allows_copies=allows_copies
+    )
+    if problems and repeated is None:
+        raise MarsError(problems)
+    if repeated is not None:
+        repeated += problems
+    return root
 
 
 def read_dump(text: str, path: str) -> Node:
@@ -82,7 +102,11 @@ def read_dump(text: str, path: str) -> Node:
         message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
         raise _wrong(point(path, 1, 1), message, "give the file of the graph alone")
     # The same events some ten times as fast, where PyYAML was built with libyaml.
-    return _read(text, path, MOST_NODES_OF_DUMP, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    root, problems = _read(text, path, MOST_NODES_OF_DUMP, loader)
+    if problems:
+        raise MarsError(problems)
+    return root
 
 
 def _read(
@@ -91,8 +115,11 @@ def _read(
     most_nodes: int,
     loader: type[yaml.SafeLoader],
     begins: tuple[int, int] = (1, 1),
-) -> Node:
-    reader = _Reader(path, most_nodes, begins)
+    *,
+    allows_copies: bool = False,
+) -> tuple[Node, list[Diagnostic]]:
+    """Return the document, and the keys that a map has twice; copies of a value may be allowed."""
+    reader = _Reader(path, most_nodes, begins, allows_copies=allows_copies)
     strange = yaml.reader.Reader.NON_PRINTABLE.search(text)
     if strange is not None:
         before = text[: strange.start()]
@@ -111,18 +138,19 @@ def _read(
         raise _wrong(
             place, f"this is not YAML: {said}", "fix the line, or what is above it"
         ) from None
-    if reader.problems:
-        raise MarsError(reader.problems)
     if reader.root is None:
         raise _wrong(point(path, *begins), "the file is empty", "give a file with content")
-    return reader.root
+    return reader.root, reader.problems
 
 
 class _Reader:
     """Makes nodes of events."""
 
-    def __init__(self, path: str, most_nodes: int, begins: tuple[int, int]) -> None:
+    def __init__(
+        self, path: str, most_nodes: int, begins: tuple[int, int], *, allows_copies: bool
+    ) -> None:
         self.path = path
+        self.allows_copies = allows_copies
         self.begins = begins
         self.most_nodes = most_nodes
         self.root: Node | None = None
@@ -213,29 +241,29 @@ class _Reader:
         """Return a list or map that is complete."""
         if not of.is_map:
             return Items(tuple(of.nodes), span)
-        keys: dict[str, Scalar] = {}
-        pairs: list[tuple[Scalar, Node]] = []
+        pairs: dict[str, tuple[Scalar, Node]] = {}
         merged: list[tuple[Scalar, Node]] = []
         for key, value in zip(of.nodes[::2], of.nodes[1::2], strict=True):
             if not isinstance(key, Scalar):
                 raise _wrong(key.span, "a key is a list or a map", "write a word as the key")
             if key.text == "<<" and not key.quoted:
                 merged += _merged(value)
-            elif key.text in keys:
-                label = (keys[key.text].span, "and here")
+                continue
+            if key.text in pairs:
+                first, old = pairs[key.text]
+                texts = [each.text for each in (value, old) if isinstance(each, Scalar)]
+                if self.allows_copies and len(texts) == 2 and texts[0] == texts[1]:
+                    continue
                 message = f"`{key.text}` is given twice in one map"
                 help_text = "keep one of the two: readers differ in which counts"
+                labels = ((first.span, "and here"),)
                 self.problems.append(
-                    Diagnostic("yaml", "error", message, key.span, (label,), help_text)
+                    Diagnostic("yaml", "error", message, key.span, labels, help_text)
                 )
-            else:
-                keys[key.text] = key
-                pairs.append((key, value))
+            pairs[key.text] = key, value
         for key, value in merged:
-            if key.text not in keys:
-                keys[key.text] = key
-                pairs.append((key, value))
-        return Pairs(tuple(pairs), span)
+            pairs.setdefault(key.text, (key, value))
+        return Pairs(tuple(pairs.values()), span)
 
 
 def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:

@@ -29,11 +29,11 @@ class Endpoint:
 class Node:
     """A node by its full name; `guard` is the place that makes it a guard, if it is one.
 
-    `relays` is whether it publishes the messages that it subscribes to; `unread` whether it may
-    have further topics. `conditions` decide if it starts, `is_named` is whether its program cannot
-    change the name; `renamed` are the topics that a launch file renames, `is_whole` whether all its
-    topics are known. `package` is that of its program; `manages` are the nodes that it starts up
-    and shuts down.
+    `relays` is whether it publishes the messages that it subscribes to, `unread` whether it may
+    publish on further topics, `listens` whether it may subscribe to further ones. `conditions`
+    decide if it starts, `is_named` is whether its program cannot change the name; `renamed` are the
+    topics that a launch file renames, `is_whole` whether all its topics are known. `package` is
+    that of its program; `manages` are the nodes that it starts up and shuts down.
     """
 
     name: str
@@ -49,6 +49,7 @@ class Node:
     is_whole: bool = False
     package: str = ""
     manages: tuple[tuple[str, Span], ...] = ()
+    listens: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,11 +131,23 @@ class Renaming:
 
 
 @dataclass(frozen=True, slots=True)
+class Missing:
+    """A file or, if `is_program`, a program that a launch file names and its package lacks."""
+
+    name: str
+    package: str
+    span: Span
+    is_program: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class LaunchTree:
     """The nodes of a launch file with all that it includes, or of several files together.
 
     Nodes of one name are kept apart. `unread` are places that may start or name more, `broken`
-    those of files that cannot be parsed, with the error.
+    those of files that cannot be parsed, with the error, `repeated` those of keys that a parameter
+    file has twice, with a message. `defaults` are the values of the launch
+    arguments that users may set.
     """
 
     path: str
@@ -143,11 +156,15 @@ class LaunchTree:
     relays: tuple[Relay, ...] = ()
     unread: tuple[Span, ...] = ()
     broken: tuple[tuple[str, Span], ...] = ()
+    missing: tuple[Missing, ...] = ()
+    defaults: tuple[tuple[str, str], ...] = ()
+    repeated: tuple[tuple[str, Span], ...] = ()
 
     @property
     def files(self) -> frozenset[str]:
         """The files in which a finding about the tree can be."""
-        spans = [span for _, span in self.broken]
+        spans = [span for _, span in (*self.broken, *self.repeated)]
+        spans += (each.span for each in self.missing)
         spans += (each.span for each in self.nodes)
         spans += (each.span for each in self.muxes)
         spans += (each.span for each in self.relays)

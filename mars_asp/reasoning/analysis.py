@@ -84,6 +84,8 @@ class Consequence:
     effect: str | None = None
     trees: tuple[str, ...] = ()
     conditions: tuple[Condition, ...] = ()
+    #: Whether the conditions hold with the stated defaults of the launch arguments.
+    is_usual: bool = False
 
 
 @dataclass(frozen=True)
@@ -204,6 +206,7 @@ def read_consequences(
     identifiers = {row[0] for rows in concerned.values() for row in rows}
     trees = _collect(control, ("holds_in", 4), wanted)
     conditions = _conditions(analysis, wanted)
+    usual = _collect(control, ("by_default", 3), wanted)
     span_of = _places(analysis.facts, identifiers)
     labels_of: dict[TermId, dict[Span, str]] = {}
     for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
@@ -234,6 +237,7 @@ def read_consequences(
                 told.effect,
                 tuple(sorted(written(row[0]) for row in trees.get(key, ()))),
                 tuple(conditions.get(key, ())),
+                key in usual,
             )
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
@@ -264,8 +268,9 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
 def _where(consequence: Consequence) -> Iterator[str]:
     """Yield the conditions of a finding and, if there are several, its launch trees."""
     if consequence.conditions:
-        texts = map(_condition_text, consequence.conditions)
-        yield f"It is so when {' and '.join(texts)}."
+        texts = " and ".join(map(_condition_text, consequence.conditions))
+        usual = ", as it is by default" if consequence.is_usual else ""
+        yield f"It is so when {texts}{usual}."
     if len(consequence.trees) > 1:
         named = ", ".join(f"`{tree}`" for tree in consequence.trees[:_MOST_TREES])
         more = ", ..." if len(consequence.trees) > _MOST_TREES else ""

@@ -140,6 +140,7 @@ class Declare:
 
     name: str
     value: Text | None
+    span: Span
     forced: bool = False
 
 

@@ -17,7 +17,7 @@ _PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>
 _TOPICS = ("publishes", "measures", "subscribes", "optional")
 #: `read` is where an entry was read, for people.
 _TEXTS = ("plugin", "node", "read")
-_FLAGS = ("guard", "clients", "spread")
+_FLAGS = ("guard", "clients", "listens", "spread")
 
 
 class Entry(NamedTuple):
@@ -107,6 +107,7 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
             node if isinstance(node, str) else None,
             guard=program.get("guard") is True,
             clients=program.get("clients") is True,
+            listens=program.get("listens") is True,
             spread=program.get("spread") is True,
         ),
     )

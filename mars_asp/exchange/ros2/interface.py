@@ -37,7 +37,8 @@ class Interface:
     """The topics of a program, the name that it gives its node, and whether it is a guard.
 
     `unread` is what the program does beside it, and what only a run knows. `clients` is whether
-    others choose further topics while it runs, `spread` whether it is several nodes, with private
+    others choose further topics while it runs, `listens` whether they choose what it subscribes to,
+    `spread` whether it is several nodes, with private
     topics below the namespace that they are given, or else below its name.
     """
 
@@ -48,6 +49,7 @@ class Interface:
     unread: tuple[Unread, ...] = ()
     clients: bool = False
     spread: bool = False
+    listens: bool = False
 
 
 def rate_of(period: Fraction) -> Rate | None:

@@ -35,13 +35,15 @@ from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
-from mars_asp.model.graph import StartCondition
+from mars_asp.model.graph import Missing, StartCondition
 
 #: What launch files are called that are included and not found.
 NOT_HERE = "included launch files that are not in the workspace"
+_NO_PARAMETERS = "parameter files that are not in the workspace"
 _DEEPEST_INCLUDE = 32
 _MOST_NODES = 20_000
 _DEEPEST_ARGUMENT = 16
+_PARAMETER_FILES = frozenset({".yaml", ".yml"})
 _MARKUP = frozenset({".xml", ".yaml", ".yml", ".launch", ".test"})
 _PYTHON = re.compile(r"^def generate_launch_description\b", re.MULTILINE)
 #: A word of a command line; blanks in quotes and in what stands for a folder belong to it.
@@ -117,6 +119,11 @@ class Launch:
         self.started: list[Started] = []
         self.unread: list[Unread] = []
         self.reached: set[Path] = set()
+        self.missing: dict[Missing, None] = {}
+        #: Parameter files that are passed to launch files which are not here.
+        self.passed: dict[Path, None] = {}
+        #: The first default of each launch argument that users may set.
+        self.defaults: dict[str, str] = {}
         self._actions: dict[Path, tuple[Action, ...]] = {} if before is None else before._actions
 
     def launch(self, file: Path) -> None:
@@ -138,9 +145,7 @@ class Launch:
             self._actions[file] = (read_python if is_python else read_markup)(text, shown)
         return self._actions[file]
 
-    def _walk(  # noqa: C901 -- one case for each action
-        self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]
-    ) -> None:
+    def _walk(self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]) -> None:
         for action in actions:
             if len(self.started) >= _MOST_NODES:
                 return
@@ -163,12 +168,8 @@ class Launch:
                         scope.namespace = joined(scope.namespace, pushed)
                 case SetRemap(remap):
                     scope.remaps += self._remaps((remap,), scope, files)
-                case Declare(name, value, forced):
-                    if forced or scope.arguments.get(name) is None:
-                        plain = None if value is None else self._plain(value, scope, files)
-                        scope.arguments[name] = plain
-                    if forced:
-                        scope.fixed |= {name}
+                case Declare():
+                    self._declare(action, scope, files)
                 case SetParameters(paths, parameters):
                     scope.files += tuple(self._files(paths, scope, files, None))
                     scope.parameters.update(self._parameters(parameters, scope, files))
@@ -178,6 +179,20 @@ class Launch:
                     self._either(readings, taken, scope, files)
                 case NotRead(sort, name, span):
                     self.unread.append(Unread(sort, name, span))
+
+    def _declare(self, action: Declare, scope: _Scope, files: tuple[Path, ...]) -> None:
+        """Take up a launch argument, and note a default that names a file which is not there."""
+        name = action.name
+        value = None if action.value is None else self._plain(action.value, scope, files)
+        if value is not None and self.workspace.find(value, files[-1].parent) is None:
+            self._note_missing(value, action.span)
+        variable = None if action.forced else scope.variable(name)
+        if action.forced or scope.arguments.get(name) is None:
+            scope.arguments[name] = value
+            if value is not None and variable is not None:
+                self.defaults.setdefault(variable, value)
+        if action.forced:
+            scope.fixed |= {name}
 
     def _either(
         self,
@@ -227,8 +242,18 @@ class Launch:
         written = self._shown(action.path, scope)
         path = self._plain(action.path, scope, files)
         found = None if path is None else self.workspace.find(path, files[-1].parent)
+        known = self.workspace.catalogued(path) if found is None and path is not None else None
+        if known is not None and known not in files:
+            self._include_known(known, action, scope, files)
+            return
         if found is None:
             self.unread.append(Unread(NOT_HERE, written, action.span))
+            self._note_missing(path, action.span)
+            for value in self._parameters(action.arguments, scope, files).values():
+                named = value.text if value.is_known else ""
+                given = self.workspace.find(named, files[-1].parent)
+                if given is not None and given.suffix in _PARAMETER_FILES:
+                    self.passed[given] = None
             return
         if found in files or len(files) > _DEEPEST_INCLUDE:
             self.unread.append(Unread("includes in a circle", written, action.span))
@@ -240,7 +265,25 @@ class Launch:
             sort = "included launch files with errors"
             self.unread.append(Unread(sort, f"{written}: {first.message}", first.span))
             return
-        conditions = self._conditions(action.tests, scope, files)
+        self._enter(actions, action, scope, (*files, found))
+
+    def _include_known(
+        self, file: Path, action: Include, scope: _Scope, files: tuple[Path, ...]
+    ) -> None:
+        """Take up a launch file of the catalogue; all of it is at the line that includes it."""
+        span, started, unread = action.span, self.started, self.unread
+        self.started, self.unread = [], []
+        self._enter(self._read(file), action, scope, (*files, file))
+        self.started = [*started, *(_moved(each, span) for each in self.started)]
+        # Its own default files are not here, and name no topics.
+        kept = (each for each in self.unread if each.sort != _NO_PARAMETERS)
+        self.unread = [*unread, *(each._replace(span=span) for each in kept)]
+
+    def _enter(
+        self, actions: Sequence[Action], action: Include, scope: _Scope, files: tuple[Path, ...]
+    ) -> None:
+        """Take up the actions of an included file, the last one of `files`."""
+        conditions = self._conditions(action.tests, scope, files[:-1])
         if conditions is None:
             return
         within = scope.inner()
@@ -249,18 +292,32 @@ class Launch:
             within.arguments.clear()
             within.fixed, within.passed, within.closed = frozenset(), {}, True
         for each in action.arguments:
-            self._pass(each, scope, within)
-        passed = self._parameters(action.arguments, scope, files)
+            self._pass(each, scope, within, files)
+        passed = self._parameters(action.arguments, scope, files[:-1])
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
-        self._walk(actions, within, (*files, found))
+        self._walk(actions, within, files)
 
-    def _pass(self, argument: Parameter, scope: _Scope, within: _Scope) -> None:
+    def _note_missing(self, path: str | None, span: Span) -> None:
+        """Note that a package of the workspace lacks the file that a path names, if it does."""
+        lacking = None if path is None else self.workspace.lacking(path)
+        if lacking is not None:
+            package, name = lacking
+            self.missing[Missing(name, package, span)] = None
+
+    def _pass(
+        self, argument: Parameter, scope: _Scope, within: _Scope, files: tuple[Path, ...]
+    ) -> None:
         """Note the arguments of an included file: a value, or an argument of its caller."""
         name, variable = plain(argument.name), None
         if name is None:
             return
         if len(argument.value) == 1 and isinstance(argument.value[0], Argument):
-            variable = scope.variable(argument.value[0].name)
+            passed = argument.value[0]
+            variable = scope.variable(passed.name)
+            if variable is not None and passed.default is not None:
+                default = self._plain(passed.default, scope, files)
+                if default is not None:
+                    self.defaults.setdefault(variable, default)
         within.fixed -= {name}
         within.passed = {key: of for key, of in within.passed.items() if key != name}
         if variable is None:
@@ -277,7 +334,12 @@ class Launch:
             value = "true" if test.value is None else self._plain(test.value, scope, files)
             variable = None
             if len(test.text) == 1 and isinstance(test.text[0], Argument):
-                variable = scope.variable(test.text[0].name)
+                argument = test.text[0]
+                variable = scope.variable(argument.name)
+                if variable is not None and argument.default is not None:
+                    default = self._plain(argument.default, scope, files)
+                    if default is not None and scope.arguments.get(argument.name) is None:
+                        self.defaults.setdefault(variable, default)
             if variable is not None and value is not None:
                 found.append(StartCondition(variable, value, test.wanted, test.span))
                 continue
@@ -323,6 +385,9 @@ class Launch:
             called = name or executable or "?"
             self.unread.append(Unread("remappings made at run time", called, span))
         words = self._words(action, scope, files)
+        for word in words:
+            if word.startswith("$(") and self.workspace.find(word, files[-1].parent) is None:
+                self._note_missing(word, action.span)
         # What a program is told in its arguments comes before what launching adds to them.
         told = {s: target for s, _, target in (w.partition(":=") for w in words) if s[:2] == "__"}
         name = told.get("__node") or told.get("__name") or name
@@ -417,8 +482,8 @@ class Launch:
                 yield found
             elif span is not None:
                 called = self._shown(each, scope)
-                sort = "parameter files that are not in the workspace"
-                self.unread.append(Unread(sort, called, span))
+                self.unread.append(Unread(_NO_PARAMETERS, called, span))
+                self._note_missing(path, span)
 
     def _plain(self, text: Text, scope: _Scope, files: tuple[Path, ...]) -> str | None:
         """Return a text with its parts known, if they are."""
@@ -467,6 +532,20 @@ class Launch:
         # Without the folder of the launch file, what is left begins with the separator after it.
         whole = whole.lstrip("/") if text and isinstance(text[0], Here) else whole
         return whole or "..."
+
+
+def _moved(started: Started, span: Span) -> Started:
+    """Return a node of a catalogued file as if the line that includes it stated all of it."""
+    shown = started.span.path
+    return replace(
+        started,
+        span=span,
+        spans={rule: span if at.path == shown else at for rule, at in started.spans.items()},
+        conditions=tuple(
+            replace(each, span=span) if each.span.path == shown else each
+            for each in started.conditions
+        ),
+    )
 
 
 def text_shown(text: Text) -> str:

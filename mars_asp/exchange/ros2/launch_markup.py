@@ -269,7 +269,7 @@ def _argument(entity: _Entity) -> Iterator[Declare]:
     name = entity.attributes.get("name")
     if name is not None:
         forced = "value" in entity.attributes
-        yield Declare(name, entity.text("value", "default"), forced)
+        yield Declare(name, entity.text("value", "default"), entity.span, forced)
 
 
 def _remap(entity: _Entity) -> Remap:

@@ -215,7 +215,7 @@ class _Reader(Evaluator):
             case "SetLaunchConfiguration":
                 name = plain(text_from(call.get("name", 0)))
                 if name is not None:
-                    yield Declare(name, text_from(call.get("value", 1)), forced=True)
+                    yield Declare(name, text_from(call.get("value", 1)), call.span, forced=True)
             case "IncludeLaunchDescription":
                 described = call.get("launch_description_source", 0)
                 if isinstance(described, Call):

@@ -29,7 +29,8 @@ def declared_by(call: Call) -> Iterator[Declare]:
     name = plain(text_from(call.get("name", 0)))
     if name is not None:
         default = call.get("default_value")
-        yield Declare(name, None if default is None else text_from(default))
+        value = None if default is None else text_from(default)
+        yield Declare(name, value, call.span)
 
 
 def parameters_of(value: Value, span: Span) -> Iterator[Parameter]:
@@ -60,7 +61,7 @@ def forced(value: Value, span: Span) -> Iterator[Declare]:
     for each in parameters_of(value, span):
         name = plain(each.name)
         if name is not None:
-            yield Declare(name, each.value, forced=True)
+            yield Declare(name, each.value, each.span, forced=True)
 
 
 def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:

@@ -31,12 +31,21 @@ from mars_asp.exchange.twist_mux.document import (
     read_parts,
 )
 from mars_asp.exchange.twist_mux.document import Mux as MuxParameters
-from mars_asp.exchange.unread import Unread, notes
+from mars_asp.exchange.unread import BROKEN, Unread, notes
 from mars_asp.exchange.yaml_document import Items, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
-from mars_asp.model.graph import Endpoint, Graph, LaunchTree, Mux, Node, Relay, Renaming
+from mars_asp.model.graph import (
+    Endpoint,
+    Graph,
+    LaunchTree,
+    Missing,
+    Mux,
+    Node,
+    Relay,
+    Renaming,
+)
 from mars_asp.spelling import nearest
 
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
@@ -49,7 +58,7 @@ _HELPERS = {
     "rclcpp_components": "containers of components",
     "nodelet": "containers of components",
     "controller_manager": "controller managers and spawners",
-    "ros_gz_sim": "programs of the simulator",
+    "ros_gz_sim": "programs of the simulator behind a bridge",
     "gazebo_ros": "programs of the simulator",
 }
 #: Packages of which each program publishes what it hears.
@@ -57,13 +66,19 @@ _RELAYS = frozenset({"topic_tools"})
 _MOST_NAMED = 20
 #: Sorts of unread things that can neither be a node nor give one another topic.
 _HARMLESS = frozenset(
-    {"containers of components", "services and actions", "nodes that are made but not launched"}
-)
-_BROKEN = frozenset(
     {
-        "launch files with errors",
-        "included launch files with errors",
-        "parameter files with errors",
+        "containers of components",
+        "services and actions",
+        "nodes that are made but not launched",
+        "locks",
+        "parameters",
+        "topics of markers",
+        "rates of throttles",
+        "amounts that are delayed, dropped or limited in bytes",
+        "topics that a mux of topic_tools can select later",
+        "links out of the workspace",
+        # A bridge carries its topics, which is read.
+        "programs of the simulator behind a bridge",
     }
 )
 _NUMBERED = re.compile(r"\d+")
@@ -194,6 +209,8 @@ class _Robot:
         self.conditional: dict[str, Span] = {}
         self.trees: list[LaunchTree] = []
         self.document = cache(self._document)
+        #: Keys that a map of a parameter file has twice, by their places.
+        self.repeated: dict[Span, str] = {}
 
     def graph(self, paths: Sequence[Path]) -> Graph:
         """Return the nodes that files, or those of folders, start."""
@@ -251,6 +268,10 @@ class _Robot:
     def _tree(self, launch: Launch, paths: Sequence[Path]) -> LaunchTree:
         """Return the launch tree, nodes of one name kept apart."""
         before = len(self.unread)
+        known = set(self.repeated)
+        missing = dict(launch.missing)
+        for file in launch.passed:
+            self.document(file)
         nodes: list[Node] = []
         muxes: list[Mux] = []
         relays: list[Relay] = []
@@ -259,6 +280,8 @@ class _Robot:
             if isinstance(each, Unread):
                 self.unread.append(each)
                 continue
+            if self._is_missing(each):
+                missing[Missing(each.executable, each.package, each.span, is_program=True)] = None
             match self._node(each):
                 case Mux() as mux:
                     muxes.append(mux)
@@ -277,8 +300,21 @@ class _Robot:
                 (each.name, each.span)
                 for each in unread
                 # Who has no parameters to give may leave the file empty.
-                if each.sort in _BROKEN and not each.name.endswith("the file is empty")
+                if each.sort in BROKEN and not each.name.endswith("the file is empty")
             ),
+            tuple(missing),
+            tuple(launch.defaults.items()),
+            tuple((text, span) for span, text in self.repeated.items() if span not in known),
+        )
+
+    def _is_missing(self, started: Started) -> bool:
+        """Whether the package of a node is here and lacks its program."""
+        program = Program(started.package, started.executable, started.plugin)
+        return (
+            not started.plugin
+            and started.executable != ""
+            and self.programs.interface(program) is None
+            and not self.workspace.has_program(started.package, started.executable)
         )
 
     def _catalogue(self) -> Catalogue:
@@ -409,13 +445,14 @@ class _Robot:
     def _node(self, started: Started) -> Node | Mux | Relay | None:
         """Return the node that is started, or the mux or relay that it is."""
         program = Program(started.package, started.executable, started.plugin)
-        if started.package in _HELPERS:
+        known = self.catalogue.interface(*_key(program))
+        if started.package in _HELPERS and known is None:
             sort, called = _HELPERS[started.package], started.name or started.executable
             self.unread.append(Unread(sort, called, started.span))
             return None
         interface, is_catalogued = self.programs.interface(program), False
         if interface is None:
-            interface = self.catalogue.interface(*_key(program))
+            interface = known
             is_catalogued = interface is not None
         name = (
             started.name
@@ -485,6 +522,7 @@ class _Robot:
             is_whole=is_source and not (unread or interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),
+            listens=interface.listens,
         )
 
     def _renamed(self, started: Started, name: str) -> tuple[Renaming, ...]:
@@ -549,14 +587,18 @@ class _Robot:
 
     def _document(self, file: Path) -> YamlNode | None:
         shown = self.workspace.shown(file)
+        repeated: list[Diagnostic] = []
         try:
-            return read_yaml(self.workspace.text(file), shown)
+            return read_yaml(self.workspace.text(file), shown, repeated=repeated)
         except MarsError as error:
             first = error.diagnostics[0]
             self.unread.append(
                 Unread("parameter files with errors", f"{shown}: {first.message}", first.span)
             )
             return None
+        finally:
+            # The message begins with the key.
+            self.repeated |= {each.span: each.message.split("`")[1] for each in repeated}
 
     def _ends(
         self, topics: Sequence[Topic], started: Started, name: str, values: Mapping[str, Given]

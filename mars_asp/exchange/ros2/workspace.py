@@ -5,8 +5,10 @@ Nothing that lies elsewhere is read, whatever a path or a symbolic link says.
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from functools import cached_property
 from pathlib import Path
 
@@ -24,6 +26,18 @@ _SHARE = re.compile(r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?
 _SOURCES = frozenset({".py", ".cpp", ".cc", ".cxx", ".c", ".hpp", ".h", ".hh", ".hxx"})
 _KEPT = frozenset(
     {*_SOURCES, ".xml", ".yaml", ".yml", ".launch", ".cfg", ".txt", ".test", ".toml", ".cmake"}
+)
+#: The name of a file with an ending, which no folder has.
+_FILE_NAME = re.compile(r"[\w+-][\w .+-]*\.\w+")
+#: What a folder that adds to the launch files of the catalogue is called.
+OWN_LAUNCH_FILES = "mars-launch"
+_CATALOGUE = Path(__file__).parent / "launch_catalogue"
+_OF_MAPS = re.compile(r"(?:^|/)maps?/")
+_BUILD_FILES = frozenset({"CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml"})
+#: Programs whose names a build file computes.
+_COMPOSED = re.compile(
+    r"(?i)add_executable\s*\(\s*[^)\s]*\$\{|add_example|add_demo|install\s*\(\s*PROGRAMS\s+\$\{"
+    r"|foreach\s*\(|catkin_install_python\s*\([^)]*\$\{"
 )
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
@@ -52,6 +66,8 @@ class Workspace:
         self._is_absolute = Path(named).is_absolute()
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
+        self._ignored: list[tuple[Path, tuple[str, ...]]] | None = None
+        self._contents: dict[Path, tuple[frozenset[str], str]] = {}
 
     def given(self, path: str, text: str) -> Path:
         """Return the path of a file or folder that the user names, of a file with its text.
@@ -172,6 +188,108 @@ class Workspace:
             if found is not None and found.is_file():
                 return found
         return None
+
+    def catalogued(self, path: str) -> Path | None:
+        """Return the file that states what a launch file of a package elsewhere starts, if any."""
+        match = _SHARE.match(path)
+        inside = "" if match is None else path[match.end() :]
+        if match is None or not inside or ".." in Path(inside).parts or self.package(match[1]):
+            return None
+        name = Path(match[1]) / f"{inside}.yaml"
+        own = (each / OWN_LAUNCH_FILES for each in (self.root, *self._folders))
+        for folder in (*own, _CATALOGUE):
+            file = folder / name
+            if folder == _CATALOGUE and file.is_file():
+                if file not in self._texts:
+                    self._texts[file] = file.read_text(encoding="utf-8")
+                    self._shown[file] = f"catalogue/{name.as_posix()}"
+                return file
+            found = None if folder == _CATALOGUE else self._inside(file)
+            if found is not None and found.is_file():
+                return found
+        return None
+
+    @property
+    def _folders(self) -> Iterator[Path]:
+        return (package.folder for package in self.packages)
+
+    def lacking(self, path: str) -> tuple[str, str] | None:
+        """Return the package and the path in it of a file that the package does not have.
+
+        Return None if the path names no file of a package here, or one that the build may make: a
+        template, a file of that name elsewhere in the package, or one that its build file names.
+        """
+        match = _SHARE.match(path)
+        package = None if match is None else self.package(match[1])
+        if match is None or package is None:
+            return None
+        inside = path[match.end() :]
+        name = inside.rpartition("/")[2]
+        is_file = _FILE_NAME.fullmatch(name) is not None and "$(" not in inside
+        # Maps are made by users, and what git ignores is made by programs.
+        if not is_file or _OF_MAPS.search(inside) or self._is_ignored(package, name):
+            return None
+        if self._may_have(package, name):
+            return None
+        return package.name, inside
+
+    def has_program(self, package: str, executable: str) -> bool:
+        """Whether a package here may have a program of a name; a package elsewhere may."""
+        found = self.package(package)
+        return found is None or self._may_have(found, executable)
+
+    def _is_ignored(self, package: Package, name: str) -> bool:
+        """Whether git ignores files of a name in a package."""
+        if self._ignored is None:
+            self._ignored = [
+                (folder, tuple(self._patterns(folder)))
+                for folder in {self.root, *(each.folder for each in self.packages)}
+            ]
+        return any(
+            fnmatch(name, pattern)
+            for folder, patterns in self._ignored
+            if folder in (package.folder, *package.folder.parents)
+            for pattern in patterns
+        )
+
+    def _patterns(self, folder: Path) -> Iterator[str]:
+        """Yield the names of files that git ignores in a folder."""
+        with suppress(MarsError, OSError):
+            if (folder / ".gitignore").is_file():
+                for line in self.text(folder / ".gitignore").split("\n"):
+                    pattern = line.strip().lstrip("/")
+                    if pattern and not pattern.startswith(("#", "!")) and "/" not in pattern:
+                        yield pattern
+
+    def _may_have(self, package: Package, name: str) -> bool:
+        """Whether a file of a package, or its build file, has a name or what becomes that."""
+        if package.folder not in self._contents:
+            stems = set[str]()
+            build = ""
+            for folder, folders, names in os.walk(package.folder):
+                folders[:] = [each for each in folders if not each.startswith(".")]
+                stems.update(names)
+                stems.update(each.partition(".")[0] for each in names)
+                for each in names:
+                    if each in _BUILD_FILES or each.endswith(".cmake"):
+                        with suppress(MarsError):
+                            build += self.text(Path(folder) / each)
+            build = re.sub(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}", package.name, build)
+            self._contents[package.folder] = frozenset(stems), build
+        contents, build = self._contents[package.folder]
+        if "." not in name and "console_scripts" in build and "CMakeLists.txt" not in contents:
+            # A package of Python has the programs that its build file lists, whatever its files.
+            return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build) is not None
+        stem = name.partition(".")[0]
+        if name in contents or f"{stem}.xacro" in contents or f"{stem}.urdf.xacro" in contents:
+            return True
+        is_program = "." not in name
+        if is_program and stem in contents:
+            return True
+        if re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build):
+            return True
+        # Names that a build file composes are not known.
+        return is_program and _COMPOSED.search(build) is not None
 
     def text(self, file: Path) -> str:
         r"""Return the text of a file, with `\n` for every line end.

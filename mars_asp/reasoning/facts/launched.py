@@ -1,10 +1,11 @@
 """Facts of launch trees, as `rules/launch/vocabulary.lp` documents them."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, count
 
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import FOREVER
 from mars_asp.model.graph import Endpoint, LaunchTree, Mux, Node, Relay
 from mars_asp.model.ranges import MOST
@@ -13,6 +14,18 @@ from mars_asp.spelling import nearest
 
 #: By whether a condition has to hold.
 _WANTED = ("unless", "if")
+_NUMBERED = re.compile(r"\d")
+#: Names of mux inputs that show from where the commands come.
+_SPELLINGS = {
+    "hand": re.compile(
+        r"(?i)joy|teleop|keyboard|gamepad|manual|remote|tablet|(?:^|[/_ ])(?:key|rc|web)(?:$|[/_ ])"
+    ),
+    "machine": re.compile(
+        r"(?i)nav|auto|follow|track|dock|explor|plann|patrol|mission|move_base|ai(?:$|[/_ ])"
+    ),
+    "safety": re.compile(r"(?i)stop|safe|collision|bumper|obstacle|brake|emergency|zero|halt"),
+}
+_TRUTHS = {"true": "true", "1": "true", "false": "false", "0": "false"}
 
 
 def launch_facts(trees: Iterable[LaunchTree]) -> tuple[Fact, ...]:
@@ -33,11 +46,37 @@ def _similar_names(nodes: Sequence[Node]) -> Iterator[Fact]:
     free = sorted(sent - heard.keys())
     for topic, span in heard.items():
         if topic not in sent:
-            last = topic.rpartition("/")[2]
-            near = nearest(topic, free)
             for other in free:
-                if other == near or other.rpartition("/")[2] == last:
+                if _are_alike(topic, other):
                     yield _fact_at(span, "like_named", topic, other)
+
+
+def _are_alike(topic: str, other: str) -> bool:
+    """Whether names differ by a namespace, or in one word by its spelling or a part of it."""
+    words, others = topic.split("/")[1:], other.split("/")[1:]
+    if len(words) != len(others):
+        short, long = sorted((words, others), key=len)
+        return short[-1] == long[-1] and _is_within(short, long)
+    different = [pair for pair in zip(words, others, strict=True) if pair[0] != pair[1]]
+    if len(different) != 1:
+        return False
+    [(word, another)] = different
+    parts, further = word.split("_"), another.split("_")
+    if len(parts) != len(further):
+        return _is_within(*sorted((parts, further), key=len))
+    odd = [pair for pair in zip(parts, further, strict=True) if pair[0] != pair[1]]
+    # `camera1` and `camera2` are two names, and so are `left_wheel` and `right_wheel`.
+    return (
+        len(odd) == 1
+        and not _NUMBERED.search("".join(odd[0]))
+        and nearest(odd[0][0], odd[0][1:]) is not None
+    )
+
+
+def _is_within(short: Sequence[str], long: Sequence[str]) -> bool:
+    """Whether all words of one sequence occur in the other, in the same order."""
+    remaining = iter(long)
+    return all(word in remaining for word in short)
 
 
 class _TreeFacts:
@@ -60,6 +99,16 @@ class _TreeFacts:
             yield _fact_at(span, "open_tree", path)
         for text, span in self.tree.broken:
             yield from self.with_place(span, "unreadable", text)
+        for text, span in self.tree.repeated:
+            yield from self.with_place(span, "has_twice", encodable(span.path), text)
+            yield _fact_at(span, "loads", path, encodable(span.path))
+        for each in self.tree.missing:
+            name = "lacks_program" if each.is_program else "lacks_file"
+            yield from self.with_place(each.span, name, path, each.package, each.name)
+        for variable, value in self.tree.defaults:
+            # Conditions take these for truths.
+            truth = _TRUTHS.get(value.lower(), value)
+            yield _fact_at(point(path, 1, 1), "default_of", path, variable, truth)
 
     def with_place(self, span: Span, name: str, *arguments: Term) -> Iterator[Fact]:
         """Yield a fact about something new, and the place of that."""
@@ -126,6 +175,9 @@ class _TreeFacts:
                 each.span, "selects", number, each.name, each.topic, min(each.priority, MOST)
             )
             yield from (first, *others)
+            for kind, spelling in _SPELLINGS.items():
+                if spelling.search(f"{each.name} {each.topic}"):
+                    yield _fact_at(each.span, "named_for", first.atom.arguments[0], Atom(kind))
             if each.hold_ms in {FOREVER, 0}:
                 yield _fact_at(each.span, "holds_forever", first.atom.arguments[0])
 
