@@ -266,7 +266,7 @@ def _noted(topic: Topic, path: str) -> frozenset[int]:
 
 def _led_to(topic: Topic, text: str, path: str) -> frozenset[int]:
     """Return the lines to which an answer leads by itself."""
-    inherited = topic.name.startswith("emergent_functionality")
+    inherited = topic.name.startswith(("emergent_functionality", "missing_function"))
     mounts = _mounts_below(topic, text) if inherited else frozenset[int]()
     return _lines_of(topic, path) | _noted(topic, path) | mounts
 
@@ -289,9 +289,10 @@ def _followed(name: str, named: Mapping[str, set[str]]) -> set[str]:
 
 
 def _mounts_below(topic: Topic, text: str) -> frozenset[int]:
-    """Return the mounts from the subject of a finding to the modules that its lines name."""
+    """Return the mounts from the subject of a finding to the modules that its answer names."""
     assert topic.account is not None
-    named = {each for line in topic.account.cites for each in re.findall(r"`(\w+)`", line.label)}
+    sentences = (*(line.label for line in topic.account.cites), *topic.account.notes)
+    named = {name for each in sentences for name in re.findall(r"`(\w+)`", each)}
     mounts = {
         mount[1]: (at, mount[3])
         for at, line in enumerate(text.splitlines())
