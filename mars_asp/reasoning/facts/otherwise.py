@@ -13,7 +13,7 @@ from mars_asp.model.declarations import Configuration, Module
 from mars_asp.reasoning.facts.motion import observations, postures, scene
 
 #: More motions and mounts than these are not tried one by one.
-_MOST = 40
+_MOST = 24
 #: By function, the motions that make it up together.
 _Parts: TypeAlias = Mapping[str, frozenset[Joint]]
 

@@ -43,7 +43,7 @@ _Order: TypeAlias = tuple[tuple[int, int, str], ...]
 CONCERNS = Signature("concerns", 4)
 #: How functions would be made up without a motion or mount, and the modules that have them.
 OTHERWISE = Signature("made_otherwise", 3)
-_SUPPORT, _CONTROLLED = Signature("support", 4), Signature("is_controlled_by", 3)
+_BORROWS, _EMERGENT = Signature("borrows", 4), Signature("emergent", 2)
 #: A node of a rule pack, and its kind.
 INSERTED = Signature("inserted", 2)
 #: The atoms of predicates, as far as they are true.
@@ -400,13 +400,13 @@ def told_of(
 
 def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence[TermId]]:
     """Return how several motions would make up functions without one of them or of the mounts."""
-    true = atoms_of([_SUPPORT, _CONTROLLED])
+    true = atoms_of([_BORROWS, _EMERGENT])
     if not has_mounts(project):
         return {}
     from mars_asp.reasoning.facts.otherwise import otherwise  # noqa: PLC0415 -- numpy
 
-    heirs = {as_symbol(arguments(atom)[0]).string for atom in true[_SUPPORT]}
-    heirs |= {as_symbol(arguments(atom)[1]).string for atom in true[_CONTROLLED]}
+    heirs = {as_symbol(arguments(atom)[1]).string for atom in true[_BORROWS]}
+    heirs |= {as_symbol(arguments(atom)[0]).string for atom in true[_EMERGENT]}
     result: dict[Signature, list[TermId]] = {}
     for atom in otherwise(project.configuration, project.modules, heirs):
         term = as_term(clingo.parse_term(str(atom)))
