@@ -22,7 +22,7 @@ def test_a_turn_between_two_motions_decides_which_make_up_a_function() -> None:
     ]
 
 
-def test_only_differences_are_stated() -> None:
+def test_only_differences_yield_facts() -> None:
     # Without one of the motions or of the mounts the rest do not make up the function, as is clear.
     assert {each.partition("(")[2] for each in changes(TURNED, "Claw") if "made" in each} == {
         f"{WITHOUT})"
