@@ -57,6 +57,8 @@ _STATES = re.compile(
     r"\s*(?:@(?!module_|modules|configuration|specification|sources|include)\w"
     r"|\w.* (?:uses|is)_\w+ )"
 )
+#: A sentence about all that carries a module, up to the root.
+_CARRIED = re.compile(r"^Nothing that carries `(\w+)` .*, up to `(\w+)`\.$")
 #: The modules and vertices that a mount joins.
 _MOUNT = re.compile(r"(\w+)(?: (\d+))? +is_mounted_on (\w+)(?: (\d+))?")
 
@@ -266,9 +268,13 @@ def _noted(topic: Topic, path: str) -> frozenset[int]:
 
 def _led_to(topic: Topic, text: str, path: str) -> frozenset[int]:
     """Return the lines to which an answer leads by itself."""
-    inherited = topic.name.startswith("emergent_functionality")
-    mounts = _mounts_below(topic, text) if inherited else frozenset[int]()
-    return _lines_of(topic, path) | _noted(topic, path) | mounts
+    assert topic.account is not None
+    named = {each for line in topic.account.cites for each in re.findall(r"`(\w+)`", line.label)}
+    paths = [re.search(_CARRIED, note) for note in topic.account.notes]
+    mounts = [_mounts_between(text, path[1], {path[2]}) for path in paths if path]
+    if topic.name.startswith("emergent_functionality"):
+        mounts.append(_mounts_between(text, topic.name.partition("(")[2].rstrip(")"), named))
+    return (_lines_of(topic, path) | _noted(topic, path)).union(*mounts)
 
 
 def _named(topic: Topic, names: Iterable[str]) -> set[str]:
@@ -288,20 +294,18 @@ def _followed(name: str, named: Mapping[str, set[str]]) -> set[str]:
     return found
 
 
-def _mounts_below(topic: Topic, text: str) -> frozenset[int]:
-    """Return the mounts from the subject of a finding to the modules that its lines name."""
-    assert topic.account is not None
-    named = {each for line in topic.account.cites for each in re.findall(r"`(\w+)`", line.label)}
+def _mounts_between(text: str, module: str, carriers: Set[str]) -> frozenset[int]:
+    """Return the mounts from a module to some of those that carry it."""
     mounts = {
         mount[1]: (at, mount[3])
         for at, line in enumerate(text.splitlines())
         if (mount := re.match(_MOUNT, line))
     }
-    module, found, ahead = topic.name.partition("(")[2].rstrip(")"), set[int](), set[int]()
+    found, ahead = set[int](), set[int]()
     while module in mounts and mounts[module][0] not in ahead:
         at, module = mounts[module]
         ahead.add(at)
-        if module in named:
+        if module in carriers:
             found |= ahead
     return frozenset(found)
 

@@ -43,7 +43,7 @@ def frame_facts(
     modules; see `rules/vocabulary.lp` for the predicates. The place of each fact is the mount of
     the module that it is about.
     """
-    mounts, known, heirs = _scene(configuration, modules)
+    mounts, known, heirs = scene(configuration, modules)
     functions: dict[str, list[str]] = {}
     for function, name in dict.fromkeys(asked):
         functions.setdefault(name, []).append(function)
@@ -51,14 +51,13 @@ def frame_facts(
     heirs = {name for name in (*heirs, *functions) if name in robot.carrier}
     if not heirs or not any(robot.joints.values()):
         return ()
-    rest = take_posture(robot)
-    generic = tuple(generic_posture(robot, seed) for seed in _SEEDS)
+    rest, generic = postures(robot)
     spans = {mount.mounting: mount.span for mount in reversed(mounts)}
     return tuple(
         Fact(atom, spans[name])
         for name in robot.order
         if name in heirs
-        for atom in _observations(robot, name, rest, generic, functions.get(name, ()))
+        for atom in observations(robot, name, rest, generic, functions.get(name, ()))
     )
 
 
@@ -69,7 +68,7 @@ def frames(
 
     Modules on a cycle of mounts have none.
     """
-    mounts, known, _ = _scene(configuration, modules)
+    mounts, known, _ = scene(configuration, modules)
     robot = build_robot(mounts, known)
     poses = take_posture(robot).poses
     root: dict[str, str] = {}
@@ -78,7 +77,12 @@ def frames(
     return {name: (root[name], poses[name][:3]) for name in sorted(robot.order)}
 
 
-def _scene(
+def postures(robot: Robot) -> tuple[Posture, tuple[Posture, ...]]:
+    """Return a robot at rest, and in the generic postures that are tried."""
+    return take_posture(robot), tuple(generic_posture(robot, seed) for seed in _SEEDS)
+
+
+def scene(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> tuple[list[Mount], Mapping[str, Module], set[str]]:
     """Return the mounts in the order of their identifiers, the described, and who may inherit."""
@@ -92,13 +96,14 @@ def _scene(
     return mounts, known, heirs
 
 
-def _observations(
+def observations(
     robot: Robot,
     name: str,
     rest: Posture,
     generic: tuple[Posture, ...],
     asked: Sequence[str],
 ) -> Iterator[Atom]:
+    """Yield the atoms about the carriers of one mounted module, seen in its frame."""
     ancestors = robot.ancestors(name)
     yield Atom("rooted", (name, ancestors[-1], len(ancestors)))
     providers = [ancestor for ancestor in ancestors if robot.joints[ancestor]]

@@ -27,7 +27,7 @@ from mars_asp.model.rates import as_written
 from mars_asp.reasoning.analysis import Consequence, Key
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
 from mars_asp.reasoning.facts.rates import Rates, rates_in
-from mars_asp.reasoning.project import Project, identified
+from mars_asp.reasoning.project import Project, has_mounts, identified
 from mars_asp.reasoning.questions.sharing import APART, apart
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import Node
@@ -41,6 +41,9 @@ ACCOUNT = Signature("account", 6)
 _Order: TypeAlias = tuple[tuple[int, int, str], ...]
 #: Which things a consequence concerns, by kind, subject and case.
 CONCERNS = Signature("concerns", 4)
+#: How functions would be made up without a motion or mount, and the modules that have them.
+OTHERWISE = Signature("made_otherwise", 3)
+_BORROWS, _EMERGENT = Signature("borrows", 4), Signature("emergent", 2)
 #: A node of a rule pack, and its kind.
 INSERTED = Signature("inserted", 2)
 #: The atoms of predicates, as far as they are true.
@@ -385,12 +388,30 @@ def told_of(
     if len(things) == 1 and isinstance(things[0], Node):
         price = apart(project, evidence, things[0], atoms_of)
     given = {} if price is None else {APART: (price,)}
+    if OTHERWISE in reads(rules):
+        given |= _otherwise(project, atoms_of)
     keys = list(map(key_of, things))
     found = told(rules, deciding, lambda read: {**atoms_of(read), **given}, names, set(keys))
     concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
     return [
         _told(thing, key, found, names, concerned) for thing, key in zip(things, keys, strict=True)
     ]
+
+
+def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence[TermId]]:
+    """Return how several motions would make up functions without one of them or of the mounts."""
+    true = atoms_of([_BORROWS, _EMERGENT])
+    if not has_mounts(project):
+        return {}
+    from mars_asp.reasoning.facts.otherwise import otherwise  # noqa: PLC0415 -- numpy
+
+    heirs = {as_symbol(arguments(atom)[1]).string for atom in true[_BORROWS]}
+    heirs |= {as_symbol(arguments(atom)[0]).string for atom in true[_EMERGENT]}
+    result: dict[Signature, list[TermId]] = {}
+    for atom in otherwise(project.configuration, project.modules, heirs):
+        term = as_term(clingo.parse_term(str(atom)))
+        result.setdefault(Signature(atom.name, len(atom.arguments)), []).append(term)
+    return result
 
 
 def _told(
