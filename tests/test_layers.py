@@ -61,7 +61,7 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings packs includes attributes rules analysis project sample lint "
+        "budget facts findings packs includes attributes rules analysis project launch_trees sample lint "
         "synthesis verification session cases questions"
     ),
     "reasoning/cases": "configurations places run examples",
@@ -77,7 +77,7 @@ FILES = {
         "unrealised sharing account capability needs subject stated asked alternatives "
         "annotation_edits changes "
         "behind evidence islands sayings counted preceding vicinity blame edits explain "
-        "diff failed_value near_miss repair fix why_not absences without"
+        "launch_trees diff failed_value near_miss repair fix why_not absences without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread ports graph relays cascades topics unite "
@@ -89,7 +89,7 @@ FILES = {
         "actions commands names interface catalogue cmake workspace parameters cpp_code "
         "cpp_durations source_cpp python_files python_written python_texts source_python "
         "programs glue bridges python_values conditions python_known python_nodes python_evaluate "
-        "launch_python launch_markup launch controllers muxes read"
+        "launch_python launch_markup launch_catalogue launch controllers muxes read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",

@@ -58,7 +58,7 @@ _HELPERS = {
     "rclcpp_components": "containers of components",
     "nodelet": "containers of components",
     "controller_manager": "controller managers and spawners",
-    "ros_gz_sim": "programs of the simulator behind a bridge",
+    "ros_gz_sim": "programs of the simulator that a bridge joins",
     "gazebo_ros": "programs of the simulator",
 }
 #: Packages of which each program publishes what it hears.
@@ -78,7 +78,7 @@ _HARMLESS = frozenset(
         "topics that a mux of topic_tools can select later",
         "links out of the workspace",
         # A bridge carries its topics, which is read.
-        "programs of the simulator behind a bridge",
+        "programs of the simulator that a bridge joins",
     }
 )
 _NUMBERED = re.compile(r"\d+")
