@@ -1,5 +1,6 @@
 """Options of the test suite."""
 
+import gc
 import os
 import signal
 import sys
@@ -31,6 +32,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--fuzz", type=int, default=10_000, help="how many mutated sources are extracted"
     )
+
+
+def pytest_collection_finish() -> None:
+    """Look for cycles as rarely as commands do: tests keep much, and hardly a cycle."""
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 100)
+
+
+def pytest_unconfigure() -> None:
+    gc.unfreeze()
+    gc.collect()
 
 
 @pytest.fixture
