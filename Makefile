@@ -8,7 +8,7 @@ LOCK := requirements-dev.txt
 NEWEST ?= $(firstword $(wildcard $(foreach version,14 13 12,/usr/bin/python3.$(version) \
 	/usr/local/bin/python3.$(version) $(HOME)/.pyenv/versions/3.$(version).*/bin/python)))
 
-.PHONY: demo test test-newest site lock clean
+.PHONY: demo test test-newest campaigns site lock clean
 
 demo: $(VENV)/installed
 	@echo "== explaining the paper's Level 0 robot (figure 18)"
@@ -33,6 +33,14 @@ else
 	@$(MAKE) --no-print-directory VENV=.venv-newest PYTHON=$(NEWEST) .venv-newest/installed-dev
 	@echo "== pytest with $$(.venv-newest/bin/python --version)"
 	@.venv-newest/bin/python -m pytest $(TESTS)
+endif
+
+# The tests with many more random inputs and all samples, and all mutants: hours. With `TESTS`, those
+# alone, and no mutants.
+campaigns: $(VENV)/installed-dev
+	@MARS_ASP_CAMPAIGNS=1 $(BIN)/python -m pytest $(TESTS)
+ifeq ($(TESTS),)
+	@$(BIN)/python -m tests.mutate
 endif
 
 # The documentation as a static site in `build/site`, in an environment of its own; a warning ends it.

@@ -1,12 +1,14 @@
 """Makes what would be dear to make at each start: tables of the grammar and of our own rules.
 
 A wheel carries them; an editable installation has them beside the sources, where `python
-hatch_build.py` makes them anew. They hold what explanations make of two robots that have something
-of all that rules can be given.
+hatch_build.py` makes them anew if a file that they depend on has changed. They hold what
+explanations make of two robots that have something of all that rules can be given.
 """
 
+import hashlib
 import sys
 from collections.abc import Iterator
+from importlib.metadata import version as version_of
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
@@ -15,6 +17,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 ROOT = Path(__file__).parent
 BESIDE = ROOT / "mars_asp" / "__tables__"
+#: Holds the digest of the tables beside the sources, and of all that they depend on.
+DIGEST = ROOT / "build" / "tables.digest"
 
 
 class TablesHook(BuildHookInterface[Any]):
@@ -25,12 +29,36 @@ class TablesHook(BuildHookInterface[Any]):
         if self.target_name != "wheel":
             return
         if version == "editable":
-            write(BESIDE)
+            update()
             return
-        folder = Path(mkdtemp())
-        write(folder)
+        folder = BESIDE
+        if not is_current():
+            folder = Path(mkdtemp())
+            write(folder)
         for path in folder.iterdir():
             build_data["force_include"][str(path)] = f"mars_asp/__tables__/{path.name}"
+
+
+def update() -> None:
+    """Make the tables beside the sources, unless they are current."""
+    if not is_current():
+        write(BESIDE)
+        DIGEST.parent.mkdir(exist_ok=True)
+        DIGEST.write_text(digest())
+
+
+def is_current() -> bool:
+    """Return whether the tables beside the sources would be the same if they were made anew."""
+    return DIGEST.is_file() and DIGEST.read_text() == digest()
+
+
+def digest() -> str:
+    """Return the digest of the tables beside the sources, and of all that they depend on."""
+    found = hashlib.sha256(f"{sys.version} {version_of('clingo')} {version_of('lark')}".encode())
+    paths = [Path(__file__), *(ROOT / "mars_asp").rglob("*"), *(ROOT / "rules").rglob("*")]
+    for path in sorted(path for path in paths if path.is_file() and path.suffix != ".pyc"):
+        found.update(f"\n{path.relative_to(ROOT)}\n".encode() + path.read_bytes())
+    return found.hexdigest()
 
 
 def write(folder: Path) -> None:
@@ -83,4 +111,4 @@ def tables() -> Iterator[tuple[str, bytes]]:
 
 
 if __name__ == "__main__":
-    write(BESIDE)
+    update()

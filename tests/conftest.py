@@ -1,7 +1,9 @@
 """Options of the test suite."""
 
+import gc
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +15,9 @@ from tests.support.browser import Browser
 # What commands print does not depend on where the tests run.
 for _name in ("COLUMNS", "NO_COLOR", "FORCE_COLOR"):
     os.environ.pop(_name, None)
+# The commands that tests start need not compile the package each time.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # What was started in the background ignores signals, and hands that on to the commands.
 for _signal in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
     if signal.getsignal(_signal) == signal.SIG_IGN:
@@ -27,6 +32,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--fuzz", type=int, default=10_000, help="how many mutated sources are extracted"
     )
+
+
+def pytest_collection_finish() -> None:
+    """Look for cycles as rarely as commands do: tests keep much, and hardly a cycle."""
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 100)
+
+
+def pytest_unconfigure() -> None:
+    gc.unfreeze()
+    gc.collect()
 
 
 @pytest.fixture

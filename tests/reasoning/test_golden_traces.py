@@ -13,7 +13,6 @@ import clingo
 import pytest
 from clingo import ast
 
-from mars_asp.asp.cases import find_cases
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
@@ -32,9 +31,9 @@ from mars_asp.reasoning.rules import FOLLOWING, STAGES, load_rulebook
 from mars_asp.reasoning.synthesis import derived
 from tests.support.documents import ROOT
 from tests.support.programs import atom_of
-from tests.support.rule_coverage import fired_in
+from tests.support.rule_coverage import CASES, fired_in
 
-CASES = find_cases([ROOT / "tests" / "rules"])
+pytestmark = pytest.mark.xdist_group("rules in all cases")
 #: Stages that choose; what others derive follows.
 CHOOSING = ("resolve", "can", "cost")
 

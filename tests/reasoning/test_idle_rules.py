@@ -15,6 +15,7 @@ from mars_asp.reasoning.facts.compile import given
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from mars_asp.reasoning.verification import specification_facts
+from tests.support.campaigns import seeds
 from tests.support.mutants import mutant
 from tests.support.random_configurations import (
     random_configuration,
@@ -53,7 +54,7 @@ def statements_in(written: str) -> Sequence[Piece]:
     return [each for each in pieces(written) if each.sort != "comment"]
 
 
-@pytest.mark.parametrize("number", range(18))
+@pytest.mark.parametrize("number", seeds(6, 60))
 def test_idle_rules_change_nothing(number: int) -> None:
     project = read(MAKERS[number % len(MAKERS)](number))
     for stage in DETERMINISTIC:

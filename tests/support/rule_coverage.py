@@ -2,13 +2,14 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import clingo
 
-from mars_asp.asp.cases import coverage
+from mars_asp.asp.cases import coverage, find_cases
 from mars_asp.asp.cases.coverage import LEFT_OUT, Case, Coverage, Measure, refusals, watched
-from mars_asp.asp.cases.probes import FIRED, NEAR, fired
+from mars_asp.asp.cases.probes import FIRED, NEAR, fired, probes
 from mars_asp.asp.fragments import joined
 from mars_asp.asp.messages import labelling
 from mars_asp.asp.rules.expansions import Label
@@ -20,23 +21,21 @@ from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import stages_of
 from mars_asp.reasoning.cases.run import tried
 from tests.support.cases_at_once import CHOOSING
+from tests.support.documents import ROOT
 from tests.support.side_by_side import ANY, answered, apart, together
 
+CASES = find_cases([ROOT / "tests" / "rules"])
 #: Cases in one program: more of those that choose take longer together than apart.
 _MOST, _MOST_ANY = 50, 300
 
 
-def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
+def covered(rulebook: Rulebook, rules: Sequence[Rule]) -> Coverage:
     """Run all cases at once with probes beside the rules."""
-    found = [tried(each, rulebook) for each in cases]
-    return coverage.covered(rulebook.rules, rulebook, found, _TOGETHER)
-
-
-def _together(
-    told: Mapping[str, Sequence[str]], rulebook: Rulebook, cases: Sequence[Case]
-) -> set[tuple[str, int]]:
-    paths = [case.path for case in cases]
-    return {(name, number) for _, name, number in _held(rulebook, told, paths)}
+    found = [tried(each, rulebook) for each in CASES]
+    numbers = {rule: number for number, rule in enumerate(rulebook.rules)}
+    at = {numbers[rule]: n for n, rule in enumerate(rule for rule in rules if rule.ast.body)}
+    held = {(name, at[number]) for name, number in _firings(rulebook) if number in at}
+    return coverage.covered(rules, rulebook, found, Measure(lambda *_: held, _refusing))
 
 
 def _refusing(
@@ -59,18 +58,30 @@ def _refusing(
     return found
 
 
-_TOGETHER = Measure(_together, _refusing)
-
-
-def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) -> list[list[Path]]:
+def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Iterable[Path]) -> list[list[Path]]:
     """Return the cases that fire each of some rules."""
-    told = dict[str, list[str]]()
-    for number, rule in enumerate(rules):
-        told.setdefault(rule.stage, []).append(fired(number, rule))
-    found: list[list[Path]] = [[] for _ in rules]
-    for path, _, number in sorted(_held(rulebook, told, cases)):
-        found[number].append(path)
-    return found
+    numbers = {rule: number for number, rule in enumerate(rulebook.rules)}
+    firings, wanted = _firings(rulebook), {*cases}
+    return [
+        [path for path in firings.get((FIRED, numbers[rule]), ()) if path in wanted]
+        for rule in rules
+    ]
+
+
+@cache
+def _firings(rulebook: Rulebook) -> Mapping[tuple[str, int], Sequence[Path]]:
+    """Return the cases in which each rule fires or fails by one premise, by its number.
+
+    It takes long, so that tests that need it are run by one process.
+    """
+    found: dict[str, list[str]] = {}
+    for number, rule in enumerate(rulebook.rules):
+        probed = [*probes(number, rule)] if rule.ast.body else [(FIRED, fired(number, rule))]
+        found.setdefault(rule.stage, []).extend(text for _, text in probed)
+    firings: dict[tuple[str, int], list[Path]] = {}
+    for path, name, number in _held(rulebook, found, CASES):
+        firings.setdefault((name, number), []).append(path)
+    return firings
 
 
 def _held(

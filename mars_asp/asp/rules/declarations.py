@@ -29,6 +29,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import accumulate
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
@@ -98,9 +99,9 @@ class Documented(NamedTuple):
     docstrings: tuple[Docstring, ...]
 
     @property
-    def declarations(self) -> "Iterator[Declaration]":
-        """Yield what they declare; what cannot be read declares nothing, as lint says."""
-        return declarations(self.docstrings, self.path, [])
+    def declarations(self) -> "Sequence[Declaration]":
+        """Return what they declare; what cannot be read declares nothing, as lint says."""
+        return _declared(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +166,12 @@ class Declaration:
         """Return the positions from 0 of the arguments that are of one of some sorts."""
         asked = frozenset(sorts)
         return tuple(at for at, each in enumerate(self.arguments) if each.sorts & asked)
+
+
+@lru_cache(maxsize=1000)
+def _declared(documented: Documented) -> tuple[Declaration, ...]:
+    """Return the declarations of a file; each rulebook and each slice of one reads them."""
+    return tuple(declarations(documented.docstrings, documented.path, []))
 
 
 def docstrings(written: Iterable[Piece]) -> Iterator[Docstring]:

@@ -113,8 +113,19 @@ def negates_itself(rules: Iterable[Statement]) -> bool:
         read = reads.setdefault(head, set())
         read |= rule.reads
         others |= {(head, each) for each in rest}
-    behind = {read: _behind(read, reads) for _, read in others}
+    recursive = _recursive(reads)
+    others = {pair for pair in others if recursive.keys() >= set(pair)}
+    behind = {read: _behind(read, recursive) for _, read in others}
     return any(head in behind[read] for head, read in others)
+
+
+def _recursive(reads: Mapping[Signature, Set[Signature]]) -> Mapping[Signature, Set[Signature]]:
+    """Return the predicates that depend on a recursive one, each with its dependencies."""
+    left = dict(reads)
+    while idle := [head for head, read in left.items() if left.keys().isdisjoint(read)]:
+        for head in idle:
+            del left[head]
+    return left
 
 
 def _behind(
