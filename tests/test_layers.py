@@ -61,13 +61,13 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings packs includes attributes rules analysis project launch_trees sample lint "
-        "synthesis verification session cases questions"
+        "budget facts findings packs includes attributes rules analysis project launch_trees "
+        "sample lint synthesis verification session cases questions"
     ),
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
         "identifiers ends rates loose_ends ports closed_walks compile vocabulary index parts "
-        "motion descriptions launched"
+        "motion descriptions launched otherwise"
     ),
     "reasoning/synthesis": (
         "carried_modes line_inputs derived draft exclusion inheritance_nodes control_lines "

@@ -387,7 +387,7 @@ def told_of(
     price = None
     if len(things) == 1 and isinstance(things[0], Node):
         price = apart(project, evidence, things[0], atoms_of)
-    given = {} if price is None else {APART: (price,)}
+    given: dict[Signature, Sequence[TermId]] = {} if price is None else {APART: (price,)}
     if OTHERWISE in reads(rules):
         given |= _otherwise(project, atoms_of)
     keys = list(map(key_of, things))
