@@ -33,9 +33,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 @published
 def run(arguments: argparse.Namespace) -> int:
     """Print the consequences; 1 where one is reported that is an error."""
-    rulebook = rulebook_for(arguments, JUDGING)
-    selection = Selection(arguments, rulebook)
     project = read_project(arguments, quietly=True)
+    rulebook = rulebook_for(arguments, JUDGING if project.trees else ("resolve",))
+    selection = Selection(arguments, rulebook)
     messages, _ = selection.messages(project)
     report(messages, arguments)
     analysis = judge_project(project, rulebook, arguments)
