@@ -272,9 +272,10 @@ def _where(consequence: Consequence) -> Iterator[str]:
         usual = ", as it is by default" if consequence.is_usual else ""
         yield f"It is so when {texts}{usual}."
     if len(consequence.trees) > 1:
-        named = ", ".join(f"`{tree}`" for tree in consequence.trees[:_MOST_TREES])
-        more = ", ..." if len(consequence.trees) > _MOST_TREES else ""
-        yield f"It is so of {len(consequence.trees)} launch files: {named}{more}."
+        named = [f"`{tree}`" for tree in consequence.trees[:_MOST_TREES]]
+        more = len(consequence.trees) - _MOST_TREES
+        last = f"{more} more" if more > 0 else named.pop()
+        yield f"It holds in {len(consequence.trees)} launch files: {', '.join(named)} and {last}."
 
 
 def _condition_text(condition: Condition) -> str:
