@@ -22,6 +22,8 @@ _CPP = frozenset({".cpp", ".cc", ".cxx", ".c"})
 _HEADERS = frozenset({".hpp", ".h", ".hh", ".hxx"})
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
 _REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLASS"})
+#: A source of a program or component of its own.
+_STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
 _MOST_FILES = 100
 #: Where scripts of a package stand whose installation says no more than their name.
 _SCRIPTS = ("scripts", "nodes", "src", "bin", ".")
@@ -142,6 +144,28 @@ class Programs:
         shown = [(text, self.workspace.shown(file)) for file, text in texts.items()]
         return read_cpp(shown) if shown else None
 
+    def _with_library(self, package: Package, file: Path) -> Interface | None:
+        """Return the interface of a component with the sources of its library.
+
+        Where no target has the file, these are all sources of the package that are no program.
+        """
+        targets = self._targets.get(package.name) or Targets()
+        libraries = [
+            list(self._found(package, targets.of(target)))
+            for target, sources in targets.sources.items()
+            if any(source.endswith(file.name) for source in sources)
+        ]
+        others = [each for each in libraries if file in each]
+        if not others:
+            others = [
+                [
+                    each
+                    for each in self._sources.get(package.folder, ())
+                    if each.suffix in _CPP and not _STARTS.search(self._text(each) or "")
+                ]
+            ]
+        return self._with_headers(package, [file], [each for files in others for each in files])
+
     def _included(self, package: Package, file: Path) -> list[Path]:
         """Return the headers of a package that a file of it includes."""
         return [
@@ -156,7 +180,7 @@ class Programs:
         file = self._registered.get(plugin) or self._registered.get(last)
         if file is not None:
             package = self.workspace.package_of(file)
-            return None if package is None else self._with_headers(package, [file])
+            return None if package is None else self._with_library(package, file)
         for package in self.workspace.packages:
             targets = self._targets.get(package.name)
             if targets is not None and plugin in targets.plugins:
