@@ -33,7 +33,7 @@ class Node:
     have further topics. `conditions` decide if it starts, `is_named` is whether its program cannot
     change the name; `renamed` are the topics that a launch file renames, `is_whole` whether all its
     topics are known. `package` is that of its program; `manages` are the nodes that it starts up
-    and shuts down.
+    and shuts down; `names` are those of its services, actions and parameters.
     """
 
     name: str
@@ -49,6 +49,7 @@ class Node:
     is_whole: bool = False
     package: str = ""
     manages: tuple[tuple[str, Span], ...] = ()
+    names: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)

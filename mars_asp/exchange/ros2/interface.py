@@ -30,6 +30,9 @@ class Topic:
 #: What topics are called that a program, or a client of it, names while it runs.
 AT_RUN_TIME = "topics named at run time"
 BY_CLIENTS = "topics chosen by clients"
+SERVICES = "services and actions"
+#: The endings of the names of an action and of its topics in ROS 1.
+OF_ACTION = ("", "/goal", "/cancel", "/status", "/feedback", "/result")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +41,9 @@ class Interface:
 
     `unread` is what the program does beside it, and what only a run knows. `clients` is whether
     others choose further topics while it runs, `spread` whether it is several nodes, with private
-    topics below the namespace that they are given, or else below its name.
+    topics below the namespace that they are given, or else below its name. `names` are those of
+    its services, actions and, in ROS 1, parameters, which can be renamed, too; `unnamed` is whether
+    it has further ones.
     """
 
     published: tuple[Topic, ...] = ()
@@ -48,6 +53,8 @@ class Interface:
     unread: tuple[Unread, ...] = ()
     clients: bool = False
     spread: bool = False
+    names: tuple[Topic, ...] = ()
+    unnamed: bool = False
 
 
 def rate_of(period: Fraction) -> Rate | None:

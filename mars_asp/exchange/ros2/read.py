@@ -14,7 +14,7 @@ from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, Topic
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, SERVICES, Topic
 from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
@@ -57,7 +57,7 @@ _RELAYS = frozenset({"topic_tools"})
 _MOST_NAMED = 20
 #: Sorts of unread things that can neither be a node nor give one another topic.
 _HARMLESS = frozenset(
-    {"containers of components", "services and actions", "nodes that are made but not launched"}
+    {"containers of components", SERVICES, "nodes that are made but not launched"}
 )
 _BROKEN = frozenset(
     {
@@ -468,6 +468,12 @@ class _Robot:
         published = tuple(self._ends(interface.published, started, name, values))
         subscribed = tuple(self._ends(interface.subscribed, started, name, values))
         unread = any(each.sort in (AT_RUN_TIME, BY_CLIENTS) for each in self.unread[before:])
+        names = frozenset(
+            renamed(written, started.namespace, name, started.remaps)
+            for topic in interface.names
+            for written in self._written(topic, started, values)
+        )
+        is_whole = is_source and not (unread or interface.unnamed)
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
         return Node(
@@ -482,9 +488,10 @@ class _Robot:
             renamed=self._renamed(started, name),
             # In the catalogue, a name is a habit of its program.
             is_named=not is_catalogued or bool(started.name),
-            is_whole=is_source and not (unread or interface.unread),
+            is_whole=is_whole and all(each.sort == SERVICES for each in interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),
+            names=names,
         )
 
     def _renamed(self, started: Started, name: str) -> tuple[Renaming, ...]:

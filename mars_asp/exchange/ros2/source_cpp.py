@@ -24,7 +24,14 @@ from mars_asp.exchange.ros2.cpp_code import Call, CppCode
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
 from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens
 from mars_asp.exchange.ros2.cpp_handles import joined as below
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
+from mars_asp.exchange.ros2.interface import (
+    AT_RUN_TIME,
+    OF_ACTION,
+    SERVICES,
+    Interface,
+    Topic,
+    rate_of,
+)
 from mars_asp.exchange.unread import Unread
 
 #: Limits of what is copied or searched more than once; no program comes near them.
@@ -52,12 +59,15 @@ _PARAMETERS = frozenset(
     {"declare_parameter", "get_parameter", "declare_or_get_parameter", "getParam", "param"}
     | {"declare_parameter_if_not_declared", "get_parameter_or"}
 )
+#: Methods of the node handles of ROS 1 for parameters, which a launch file may rename.
+_RENAMED = frozenset({"getParam", "getParamCached", "param", "setParam", "hasParam", "deleteParam"})
 #: All that is looked for among calls.
 _CALLED = (
     _TIMERS
     | _RATES
     | _SERVICES
     | _PARAMETERS
+    | _RENAMED
     | _TWISTS.keys()
     | _CAMERAS
     | frozenset(
@@ -96,6 +106,7 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     published: list[Topic] = []
     subscribed: list[Topic] = []
     unread: list[Unread] = []
+    named: list[Topic] = []
     rates: dict[str, Fraction | None] = {}
     for file in files:
         for name, hz in file.rates().items():
@@ -118,12 +129,20 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
                         beside = f"{topic.name.rpartition('/')[0]}/camera_info".removeprefix("/")
                         beside = f"/{beside}" if topic.name.startswith("/") else beside
                         ends.append(replace(topic, name=beside, type=_CAMERA_INFO))
+            for further, handle in file.further_names(call, values):
+                prefixed = _prefixed(further, file, handle, handles)
+                named += (each for each in prefixed if isinstance(each, Topic))
         names += file.node_names()
+    # A service with a name that only a run knows is noted, but gives no name.
+    places = {each.span for each in named}
+    unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
     return Interface(
         tuple(published),
         tuple(subscribed),
         next(iter(names), None),
         unread=tuple(unread),
+        names=tuple(named),
+        unnamed=unnamed,
     )
 
 
@@ -295,7 +314,7 @@ class _File(CppCode):
                 published, name_at = _TWISTS.get(wrapped, False), 1
                 kind = filtered["type"] if filtered else "geometry_msgs::msg::TwistStamped"
             case name if name in _SERVICES:
-                return Unread("services and actions", name, self.span(tokens[call.at]))
+                return Unread(SERVICES, name, self.span(tokens[call.at]))
             case _:
                 return None
         if name_at >= len(call.arguments):
@@ -318,6 +337,34 @@ class _File(CppCode):
         while text_at(self.tokens, opening) not in ("(", "{", ""):
             opening += 1
         return opening + 1, opening + 1 + len(call.arguments[0])
+
+    def further_names(
+        self, call: Call, values: Mapping[str, _Value]
+    ) -> Iterator[tuple[Topic, tuple[int, int]]]:
+        """Yield the name of a service, action or parameter of ROS 1, with its handle."""
+        if call.name in _RENAMED:
+            if text_at(self.tokens, call.at - 1) not in (".", "->"):
+                return
+            name_at = 0
+        elif call.name in _SERVICES:
+            is_free = text_at(self.tokens, call.at - 1) == "::"
+            takes_node = call.name in ("create_server", "create_client") and is_free
+            first = call.arguments[:1]
+            is_named = bool(first) and self.value(first[0], values).text is not None
+            is_action = call.name.startswith("Simple")
+            name_at = 1 if takes_node or (is_action and not is_named) else 0
+        else:
+            return
+        if name_at >= len(call.arguments):
+            return
+        value = self.value(call.arguments[name_at], values)
+        if value.text is None:
+            return
+        span = self.span(self.tokens[call.at])
+        topic = Topic(value.text, None, span, value.parameter)
+        ends = OF_ACTION if call.name.startswith("Simple") else ("",)
+        for end in ends:
+            yield replace(topic, name=topic.name + end), self._handle(call, name_at)
 
     def _taken(self, call: Call, kinds: Mapping[str, str]) -> str | None:
         """Return the type of message that the callback of a subscription takes."""

@@ -12,7 +12,14 @@ from itertools import islice
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
+from mars_asp.exchange.ros2.interface import (
+    AT_RUN_TIME,
+    OF_ACTION,
+    SERVICES,
+    Interface,
+    Topic,
+    rate_of,
+)
 from mars_asp.exchange.ros2.python_files import (
     Files,
     Find,
@@ -37,10 +44,19 @@ _MOST_SHOWN = 60
 _MOST_CALLS = 5000
 #: So many objects of a class are told apart.
 _MOST_MADE = 16
-_CALLS = frozenset(
-    {"create_service", "create_client", "ActionServer", "ActionClient", "Service", "ServiceProxy"}
-    | {"SimpleActionServer", "SimpleActionClient"}
-)
+#: Calls that make services and actions: the position of the name, and its keyword.
+_CALLS = {
+    "create_service": (1, "srv_name"),
+    "create_client": (1, "srv_name"),
+    "ActionServer": (2, "action_name"),
+    "ActionClient": (2, "action_name"),
+    "Service": (0, "name"),
+    "ServiceProxy": (0, "name"),
+    "SimpleActionServer": (0, "name"),
+    "SimpleActionClient": (0, "ns"),
+}
+#: Functions of rospy for parameters, which a launch file may rename.
+_PARAMETERS = frozenset({"get_param", "get_param_cached", "set_param", "has_param", "delete_param"})
 
 
 class _Found(NamedTuple):
@@ -114,6 +130,8 @@ class _Program:
             tuple(each.topic for each in found if not each.published),
             next(iter(names), None),
             unread=(*(note for part in parts for note in part.unread), *further),
+            names=tuple(name for part in parts for name in part.names),
+            unnamed=any(part.unnamed for part in parts),
         )
 
     def made_with(self, file: SourceFile, node: ast.AST) -> list[dict[str, ast.expr]]:
@@ -192,6 +210,8 @@ class _Unit(Texts):
     ) -> None:
         super().__init__(files, file, node, given=given)
         self.unread: list[Unread] = []
+        self.names: list[Topic] = []
+        self.unnamed = False
         self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
 
     def span(self, node: ast.expr) -> Span:
@@ -231,7 +251,10 @@ class _Unit(Texts):
                     is_named = isinstance(first, ast.Constant)
                     yield from self.topic(call, keeper, 1, 0 if is_named else 2, False)
                 case _ if name in _CALLS:
-                    self.note("services and actions", call, name)
+                    self.note(SERVICES, call, name)
+                    self.further(call, *_CALLS[name])
+                case _ if name in _PARAMETERS and owner == "rospy":
+                    self.further(call, 0, None)
 
     def topic(
         self, call: ast.Call, keeper: str | None, type_at: int, name_at: int, published: bool
@@ -260,6 +283,25 @@ class _Unit(Texts):
                 named_so.add(parameter or text or "")
                 topic = Topic(text or "", self.type(kind), self.span(name), parameter)
                 yield _Found(topic, keeper, published)
+        self.values = before
+
+    def further(self, call: ast.Call, name_at: int, keyword: str | None) -> None:
+        """Note the name of a service or action, or with no keyword of a parameter."""
+        named = {k.arg: k.value for k in call.keywords if k.arg}
+        name = named.get(keyword) if keyword else None
+        if name is None and name_at < len(call.args):
+            name = call.args[name_at]
+        before = self.values
+        for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
+            self.values = {**before, **bound}
+            self.steps = 0
+            text = None if name is None else self.text(name)
+            if name is not None and text is not None:
+                ends = OF_ACTION if called_name(call).startswith("Simple") else ("",)
+                parameter = self.parameter(name)
+                self.names += (Topic(text + end, None, None, parameter) for end in ends)
+            elif keyword is not None:
+                self.unnamed = True
         self.values = before
 
     def note(self, sort: str, node: ast.expr, name: str) -> None:
