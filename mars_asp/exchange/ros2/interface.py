@@ -30,6 +30,7 @@ class Topic:
 #: What topics are called that a program, or a client of it, names while it runs.
 AT_RUN_TIME = "topics named at run time"
 BY_CLIENTS = "topics chosen by clients"
+NOT_FOLLOWED = "imports of sources that are not in the workspace"
 SERVICES = "services and actions"
 #: The endings of the names of an action and of its topics in ROS 1.
 OF_ACTION = ("", "/goal", "/cancel", "/status", "/feedback", "/result")

@@ -238,7 +238,7 @@ class Programs:
                 parts = list(file.relative_to(folder).with_suffix("").parts)
                 if parts[-1] == "__init__":
                     parts.pop()
-                if len(parts) > 1 and parts[0] in ("src", "scripts", "nodes"):
+                if len(parts) > 1 and parts[0] in ("src", "scripts", "nodes", "include"):
                     found.setdefault(".".join(parts[1:]), file)
                 found.setdefault(".".join(parts), file)
         return found

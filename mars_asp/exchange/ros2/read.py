@@ -14,7 +14,7 @@ from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, SERVICES, Topic
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, NOT_FOLLOWED, SERVICES, Topic
 from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
@@ -59,6 +59,8 @@ _MOST_NAMED = 20
 _HARMLESS = frozenset(
     {"containers of components", SERVICES, "nodes that are made but not launched"}
 )
+#: Sorts of unread things with which a node may have further topics.
+_OPEN = frozenset({AT_RUN_TIME, BY_CLIENTS, NOT_FOLLOWED})
 _BROKEN = frozenset(
     {
         "launch files with errors",
@@ -467,7 +469,7 @@ class _Robot:
             name = ""
         published = tuple(self._ends(interface.published, started, name, values))
         subscribed = tuple(self._ends(interface.subscribed, started, name, values))
-        unread = any(each.sort in (AT_RUN_TIME, BY_CLIENTS) for each in self.unread[before:])
+        unread = any(each.sort in _OPEN for each in self.unread[before:])
         names = frozenset(
             renamed(written, started.namespace, name, started.remaps)
             for topic in interface.names

@@ -5,15 +5,16 @@ also into other files of the workspace. A rate is that of the timer whose callba
 """
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice
 from typing import NamedTuple
 
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import Span, point
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
+    NOT_FOLLOWED,
     OF_ACTION,
     SERVICES,
     Interface,
@@ -37,6 +38,12 @@ from mars_asp.exchange.ros2.python_written import (
 )
 from mars_asp.exchange.unread import Unread
 
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
+#: Modules of a package that are generated from its interfaces.
+_GENERATED = frozenset({"msg", "srv", "action", "cfg"})
+#: Through so many files a name is followed that each imports from the next.
+_FARTHEST = 8
 _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
 _MOST_SHOWN = 60
@@ -93,6 +100,8 @@ class _Program:
         self.start = file, function
         self.reached: dict[tuple[str, int], tuple[SourceFile, ast.AST]] = {}
         self.mentioned: dict[tuple[str, int], frozenset[str]] = {}
+        #: Full names of functions and classes that should be in the workspace and were not found.
+        self.missing: set[str] = set()
 
     def interface(self) -> Interface:
         """Return what the program publishes and hears."""
@@ -100,7 +109,7 @@ class _Program:
         entry = None if function is None else file.outer.get(function)
         if entry is None:
             for statement in file.tree.body:
-                if not isinstance(statement, ast.FunctionDef | ast.ClassDef):
+                if not isinstance(statement, _DEFINITIONS):
                     self.reach(file, statement)
         else:
             self.reach(file, entry)
@@ -125,11 +134,13 @@ class _Program:
         nodes = nodes or [each for part in parts for each in part.node_names()][:1]
         names = list(dict.fromkeys(each.name for each in nodes))
         further = (each for each in nodes if each.name != names[0])
+        place = point(file.path, 1, 1)
+        missing = (Unread(NOT_FOLLOWED, name, place) for name in sorted(self.missing))
         return Interface(
             tuple(published),
             tuple(each.topic for each in found if not each.published),
             next(iter(names), None),
-            unread=(*(note for part in parts for note in part.unread), *further),
+            unread=(*(note for part in parts for note in part.unread), *further, *missing),
             names=tuple(name for part in parts for name in part.names),
             unnamed=any(part.unnamed for part in parts),
         )
@@ -171,15 +182,43 @@ class _Program:
 
     def target(self, file: SourceFile, name: str) -> tuple[SourceFile, ast.AST] | None:
         """Return the function or class of the workspace that a name stands for."""
-        first, _, rest = name.partition(".")
+        first, *rest = name.split(".")
         if first in file.outer:
             return file, file.outer[first]
         if first in file.imports:
-            full = f"{file.imports[first]}.{rest}" if rest else file.imports[first]
-            module, _, last = full.rpartition(".")
-            found = self.files.file(module) if module else None
-            if found is not None and last in found.outer:
-                return found, found.outer[last]
+            return self.imported([*file.imports[first].split("."), *rest], first in file.relative)
+        for base in file.stars:
+            starred = self.files.file(base)
+            if starred is not None and first in starred.outer:
+                return starred, starred.outer[first]
+        return None
+
+    def imported(
+        self, full: Sequence[str], is_relative: bool, depth: int = 0
+    ) -> tuple[SourceFile, ast.AST] | None:
+        """Return the function or class of a full name, or None if it is none of the workspace.
+
+        The name is noted if its module should be in the workspace and is not.
+        """
+        for size in range(len(full), 0, -1):
+            found = self.files.file(".".join(full[:size]))
+            if found is None:
+                continue
+            is_here = is_relative or size > 1 or found.path.endswith("__init__.py")
+            if size == len(full):
+                return None
+            inner = full[size]
+            if inner in found.outer:
+                return found, found.outer[inner]
+            if inner in found.imports and depth < _FARTHEST:
+                origin = [*found.imports[inner].split("."), *full[size + 1 :]]
+                return self.imported(origin, inner in found.relative, depth + 1)
+            is_missing = found.path.endswith("__init__.py") and len(full) > size + 1
+            if is_here and is_missing and inner not in _GENERATED | found.constants.keys():
+                self.missing.add(".".join(full))
+            return None
+        if is_relative:
+            self.missing.add(".".join(full))
         return None
 
 
@@ -348,7 +387,7 @@ class _Unit(Texts):
     def bodies(self) -> tuple[ast.AST, ...]:
         """The functions in this part of the program, or all of it."""
         every = list(ast.walk(self.node))
-        return tuple(each for each in every if isinstance(each, ast.FunctionDef)) or (self.node,)
+        return tuple(each for each in every if isinstance(each, _FUNCTIONS)) or (self.node,)
 
     def functions(self, callback: ast.expr) -> list[ast.AST]:
         """Return what a callback is."""
