@@ -26,6 +26,7 @@ _MOST_COPIED = 1_000_000
 _MOST_PARAMETERS = 200
 _MOST_INITIALISERS = 4000
 _MOST_BASES = 60
+_MOST_STATEMENT = 500
 _STRING = re.compile(
     r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
 )
@@ -154,6 +155,35 @@ class CppCode:
         if text_at(self.tokens, before) == "::" and is_word(text_at(self.tokens, before - 1)):
             return text_at(self.tokens, before - 1)
         return self.class_at(body.opening)
+
+    def tests_at(self, at: int) -> Iterator[tuple[int, int, bool]]:
+        """Yield the conditions around a token: the range of each, and whether it holds there."""
+        for begin, end, first, last, holds in self._branches:
+            if begin <= at < end:
+                yield first, last, holds
+
+    @cached_property
+    def _branches(self) -> tuple[tuple[int, int, int, int, bool], ...]:
+        """The branches of `if`: their ranges, the ranges of the conditions, and which it is."""
+        found = []
+        for at, token in enumerate(self.tokens):
+            if token.text != "if" or text_at(self.tokens, at + 1) != "(":
+                continue
+            last = self.closed[at + 1]
+            end = self._statement_end(last)
+            found.append((last, end, at + 2, last - 1, True))
+            if text_at(self.tokens, end) == "else":
+                found.append((end + 1, self._statement_end(end + 1), at + 2, last - 1, False))
+        return tuple(found)
+
+    def _statement_end(self, at: int) -> int:
+        """Return the index after a statement; one that begins with `if` has no end of its own."""
+        if text_at(self.tokens, at) == "{":
+            return self.closed[at]
+        last = min(len(self.tokens), at + _MOST_STATEMENT)
+        while at < last and text_at(self.tokens, at) not in (";", "}", "if"):
+            at = self.closed.get(at, at + 1)
+        return min(at + 1, last)
 
     @cached_property
     def classes(self) -> tuple[tuple[str, int, int], ...]:

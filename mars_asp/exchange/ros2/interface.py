@@ -15,7 +15,8 @@ class Topic:
     `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
     the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
     is where the program says so, `None` where the catalogue does; `optional` is whether the program
-    works as well without it, `measured` whether it reports a motion, whatever its type.
+    works as well without it, `measured` whether it reports a motion, whatever its type. The program
+    has it only if each parameter of `switches` is true, or false if not `wanted`.
     """
 
     name: str
@@ -25,6 +26,7 @@ class Topic:
     hz: Fraction | None = None
     optional: bool = False
     measured: bool = False
+    switches: tuple[tuple[str, bool], ...] = ()
 
 
 #: What topics are called that a program, or a client of it, names while it runs.

@@ -68,6 +68,7 @@ _BROKEN = frozenset(
         "parameter files with errors",
     }
 )
+_TRUTH = ("false", "true")
 _NUMBERED = re.compile(r"\d+")
 
 
@@ -472,7 +473,7 @@ class _Robot:
         unread = any(each.sort in _OPEN for each in self.unread[before:])
         names = frozenset(
             renamed(written, started.namespace, name, started.remaps)
-            for topic in interface.names
+            for topic in (*interface.names, *interface.published, *interface.subscribed)
             for written in self._written(topic, started, values)
         )
         is_whole = is_source and not (unread or interface.unnamed)
@@ -572,6 +573,8 @@ class _Robot:
     ) -> Iterator[Endpoint]:
         """Yield the ends of topics at a node, by their full names."""
         for topic in topics:
+            if _is_off(topic, values):
+                continue
             for written in self._written(topic, started, values):
                 full = renamed(written, started.namespace, name, started.remaps)
                 if not written or not _NAME.fullmatch(full):
@@ -661,6 +664,14 @@ class _Robot:
 
 def _key(program: Program) -> tuple[str, str, bool]:
     return program.package, program.executable, program.plugin
+
+
+def _is_off(topic: Topic, values: Mapping[str, Given]) -> bool:
+    """Whether a parameter is stated with a value with which the program lacks a topic."""
+    return any(
+        name in values and values[name].is_known and values[name].text.lower() == _TRUTH[not wanted]
+        for name, wanted in topic.switches
+    )
 
 
 def _counted(number: int, thing: str) -> str:

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -118,8 +119,12 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
             if isinstance(found, Unread):
                 unread.append(found)
             elif found is not None:
+                switches = file.switches(call.at, values)
+                if found.published and found.keeper:
+                    switches |= _used_if(files, found.keeper, values)
                 hz = rates.get(found.keeper or "")
-                for topic in _prefixed(replace(found.topic, hz=hz), file, found.handle, handles):
+                made = replace(found.topic, hz=hz, switches=tuple(sorted(switches)))
+                for topic in _prefixed(made, file, found.handle, handles):
                     if isinstance(topic, Unread):
                         unread.append(topic)
                         continue
@@ -329,6 +334,28 @@ class _File(CppCode):
         topic = Topic(value.text or "", _written(kind), span, value.parameter)
         return _Found(topic, self._keeper(call), published, self._handle(call, name_at))
 
+    def switches(self, at: int, values: Mapping[str, _Value]) -> set[tuple[str, bool]]:
+        """Return the parameters that decide whether a token is reached, each with its value."""
+        found: set[tuple[str, bool]] = set()
+        for first, last, holds in self.tests_at(at):
+            parts = _conjuncts(self.tokens[first : min(last, first + _MOST_WORDS)])
+            # Of a conjunction that does not hold it is unknown which part is false.
+            for part in parts if holds or len(parts) == 1 else ():
+                negated = text_at(part, 0) == "!"
+                value = self.value(part[negated:], values)
+                if value.parameter is not None:
+                    found.add((value.parameter, holds != negated))
+        return found
+
+    @cached_property
+    def publications(self) -> dict[str, list[int]]:
+        """The tokens at which publishers publish, by the variables that keep these."""
+        found: dict[str, list[int]] = {}
+        for at, token in enumerate(self.tokens):
+            if token.text == "publish" and text_at(self.tokens, at - 1) in (".", "->"):
+                found.setdefault(text_at(self.tokens, at - 2), []).append(at)
+        return found
+
     def _handle(self, call: Call, name_at: int) -> tuple[int, int]:
         """Return the range of the handle of a call: before its name, or its first argument."""
         if not name_at:
@@ -464,6 +491,31 @@ def _prefixed(
             yield Unread(AT_RUN_TIME, topic.name, topic.span or file.span(file.tokens[0]))
         else:
             yield replace(topic, name=name)
+
+
+def _used_if(
+    files: Sequence["_File"], keeper: str, values: Mapping[str, _Value]
+) -> set[tuple[str, bool]]:
+    """Return the parameters that decide whether a publisher publishes at all."""
+    used = [file.switches(at, values) for file in files for at in file.publications.get(keeper, ())]
+    return set.intersection(*used) if used else set()
+
+
+def _conjuncts(tokens: Sequence[Token]) -> list[Sequence[Token]]:
+    """Return the parts of a condition that `&&` joins; a condition with `||` has one part."""
+    found: list[list[Token]] = [[]]
+    at = 0
+    while at < len(tokens):
+        if tokens[at].text == "||":
+            return [tokens]
+        if tokens[at].text == "&&":
+            found.append([])
+            at += 1
+            continue
+        end = closing(tokens, at) if tokens[at].text in ("(", "[", "{") else at + 1
+        found[-1] += tokens[at:end]
+        at = end
+    return [part for part in found if part]
 
 
 def _unwrapped(tokens: Sequence[Token]) -> Sequence[Token]:

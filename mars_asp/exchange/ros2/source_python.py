@@ -6,6 +6,7 @@ also into other files of the workspace. A rate is that of the timer whose callba
 
 import ast
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice
@@ -223,7 +224,7 @@ class _Program:
 
 
 def _at_rate(topic: Topic, hz: Fraction | None) -> Topic:
-    return Topic(topic.name, topic.type, topic.span, topic.parameter, hz)
+    return replace(topic, hz=hz)
 
 
 def _mentioned(part: ast.AST) -> Iterator[str]:
@@ -308,6 +309,9 @@ class _Unit(Texts):
             name = call.args[name_at]
         if name is None or kind is None:
             return
+        switches = self.switches(call)
+        if published and keeper:
+            switches |= self.used_if(keeper)
         before = self.values
         named_so: set[str] = set()
         for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
@@ -321,8 +325,18 @@ class _Unit(Texts):
             if (parameter or text or "") not in named_so:
                 named_so.add(parameter or text or "")
                 topic = Topic(text or "", self.type(kind), self.span(name), parameter)
+                topic = replace(topic, switches=tuple(sorted(switches)))
                 yield _Found(topic, keeper, published)
         self.values = before
+
+    def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
+        """Return the parameters that decide whether a publisher publishes at all."""
+        used = [
+            self.switches(call)
+            for call, _ in self.calls[:_MOST_CALLS]
+            if called_name(call) == "publish" and dotted_name(call.func) == f"{keeper}.publish"
+        ]
+        return frozenset.intersection(*used) if used else frozenset()
 
     def further(self, call: ast.Call, name_at: int, keyword: str | None) -> None:
         """Note the name of a service or action, or with no keyword of a parameter."""
