@@ -107,6 +107,10 @@ class Graph:
     relays: tuple[Relay, ...] = ()
 
 
+#: The variable of a condition of code that was not read begins so; its place follows.
+OPEN_CONDITION = "the condition at "
+
+
 @dataclass(frozen=True, slots=True)
 class StartCondition:
     """A test of a launch argument or variable: that it has a value or, if not `wanted`, has not.

@@ -6,6 +6,7 @@ from pathlib import Path
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace.tree import Unexplained
 from mars_asp.diagnostic import Span
+from mars_asp.model.graph import OPEN_CONDITION
 from mars_asp.reasoning.analysis import Consequence, diagnostic
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
@@ -68,6 +69,8 @@ def _cited(finding: Consequence, folder: Path) -> Iterator[Cited]:
     for condition in finding.conditions:
         if condition.span is not None:
             of = f"only {condition.how} `{condition.variable}` is `{condition.value}`"
+            if condition.variable.startswith(OPEN_CONDITION):
+                of = f"only {condition.how} this condition holds"
             lines.setdefault(condition.span[:2], (condition.span, of))
     for span, label in sorted(lines.values(), key=lambda line: _order(line[0], finding)):
         yield Cited(span, _where(span, folder), label)
