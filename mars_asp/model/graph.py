@@ -33,7 +33,8 @@ class Node:
     publish on further topics, `listens` whether it may subscribe to further ones. `conditions`
     decide if it starts, `is_named` is whether its program cannot change the name; `renamed` are the
     topics that a launch file renames, `is_whole` whether all its topics are known. `package` is
-    that of its program; `manages` are the nodes that it starts up and shuts down.
+    that of its program; `manages` are the nodes that it starts up and shuts down; `names` are those
+    of its services, actions and parameters.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Node:
     package: str = ""
     manages: tuple[tuple[str, Span], ...] = ()
     listens: bool = False
+    names: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +107,10 @@ class Graph:
     muxes: tuple[Mux, ...] = ()
     observed: bool = False
     relays: tuple[Relay, ...] = ()
+
+
+#: The variable of a condition of code that was not read begins so; its place follows.
+OPEN_CONDITION = "the condition at "
 
 
 @dataclass(frozen=True, slots=True)

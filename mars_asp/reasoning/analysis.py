@@ -32,6 +32,7 @@ from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.asp.solve.grounding import Grounding, unsolved
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
+from mars_asp.model.graph import OPEN_CONDITION
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.findings import (
     CONSEQUENCE,
@@ -281,6 +282,9 @@ def _where(consequence: Consequence) -> Iterator[str]:
 def _condition_text(condition: Condition) -> str:
     """Return a condition as ```use_composition` is `true` (robot.launch.py:206)``."""
     name = condition.variable
+    if name.startswith(OPEN_CONDITION):
+        verb = "holds" if condition.how == "if" else "does not hold"
+        return f"{name.rpartition(':')[0]} {verb}"
     called = f"`{name}`" if " (" not in name and " " not in name[4:] else name
     at = condition.span
     place = "" if at is None else f" ({at.path.rpartition('/')[2]}:{at.line})"

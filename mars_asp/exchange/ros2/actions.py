@@ -46,7 +46,7 @@ class Test:
     """A test for an action: that a text is a value or, if not `wanted`, is another.
 
     Without a value the text is a truth. With `branch`, it is of a branch of code, which anything
-    may take.
+    may take; with `implied`, other tests beside it imply it.
     """
 
     text: Text
@@ -54,6 +54,7 @@ class Test:
     wanted: bool
     span: Span
     branch: bool = False
+    implied: bool = False
 
 
 Tests: TypeAlias = tuple[Test, ...]

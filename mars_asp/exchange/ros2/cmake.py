@@ -1,9 +1,10 @@
 """Commands of a `CMakeLists.txt`, as far as they say which sources a program has."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import NamedTuple
 
 #: Comments and strings, brackets and words; one pattern that any text fits.
 _TOKEN = re.compile(
@@ -17,12 +18,24 @@ _LIBRARIES = frozenset({"add_library", "ament_auto_add_library", "cuda_add_libra
 _MOST_WORDS = 10_000
 
 
+class Installed(NamedTuple):
+    """Files or a folder of a package that are installed below a folder of its shared files.
+
+    `source` may be a pattern; a folder is installed by its own name, or with a slash at its end by
+    what it holds.
+    """
+
+    source: str
+    target: str
+    is_folder: bool = False
+
+
 @dataclass(slots=True)
 class Targets:
     """Sources of targets, what they link, and which of them are programs and components.
 
     `programs` are files that are installed as they are, `started` the components that programs
-    start.
+    start; `installed` are the shared files.
     """
 
     sources: dict[str, list[str]] = field(default_factory=dict)
@@ -31,6 +44,7 @@ class Targets:
     plugins: dict[str, str] = field(default_factory=dict)
     started: dict[str, str] = field(default_factory=dict)
     programs: list[str] = field(default_factory=list)
+    installed: list[Installed] = field(default_factory=list)
 
     def of(self, target: str) -> list[str]:
         """Return the sources of a target and of those of the file that it links."""
@@ -60,6 +74,7 @@ def read_cmake(text: str) -> Targets:  # noqa: C901 -- one case for each command
                 values[first] = others[:_MOST_WORDS]
             case "project":
                 values["PROJECT_NAME"] = [first]
+                values["CATKIN_PACKAGE_SHARE_DESTINATION"] = [f"share/{first}"]
             case _ if name in _EXECUTABLES:
                 targets.sources[first] = others
                 targets.executables[first] = first
@@ -86,11 +101,28 @@ def read_cmake(text: str) -> Targets:  # noqa: C901 -- one case for each command
                     others[: others.index("DESTINATION")] if "DESTINATION" in others else others
                 )
                 targets.programs += programs
+            case "install" if first in ("DIRECTORY", "FILES"):
+                targets.installed += _installed(first == "DIRECTORY", others, values)
             case "set_target_properties":
                 for key, value in pairwise(others):
                     if key == "OUTPUT_NAME":
                         targets.executables[value] = first
     return targets
+
+
+def _installed(
+    is_folder: bool, words: Sequence[str], values: Mapping[str, Sequence[str]]
+) -> Iterator[Installed]:
+    """Yield what a command installs to the shared folder of the package."""
+    if "DESTINATION" not in words[:-1]:
+        return
+    at = words.index("DESTINATION")
+    share = f"share/{' '.join(values.get('PROJECT_NAME', ()))}"
+    target = words[at + 1].rstrip("/")
+    if target == share or target.startswith(f"{share}/"):
+        for word in words[:at]:
+            source = word.removeprefix("${CMAKE_CURRENT_SOURCE_DIR}/")
+            yield Installed(source, target.removeprefix(share).lstrip("/"), is_folder)
 
 
 def _commands(text: str) -> Iterator[tuple[str, list[str]]]:

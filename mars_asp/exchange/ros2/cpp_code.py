@@ -1,8 +1,10 @@
 """The tokens of a file in C++: the calls in it, and the functions that it defines."""
 
 import re
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -23,6 +25,8 @@ _MOST_TOKENS = 400_000
 _MOST_COPIED = 1_000_000
 _MOST_PARAMETERS = 200
 _MOST_INITIALISERS = 4000
+_MOST_BASES = 60
+_MOST_STATEMENT = 500
 _STRING = re.compile(
     r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
 )
@@ -42,12 +46,16 @@ class Call(NamedTuple):
 
 @dataclass(slots=True)
 class Body:
-    """A function by its name, from the token that opens its body to behind the one that ends it."""
+    """A function by its name, from the token that opens its body to behind the one that ends it.
+
+    `opening` is the bracket of its parameters.
+    """
 
     name: str
     begin: int
     end: int
     parameters: tuple[Token, ...]
+    opening: int
 
 
 class CppCode:
@@ -125,8 +133,77 @@ class CppCode:
                     behind = _behind_initialisers(tokens, behind + 1)
                 if text_at(tokens, behind) == "{" and name not in _KEYWORDS:
                     parameters = tuple(tokens[at + 1 : min(end - 1, at + _MOST_PARAMETERS)])
-                    yield Body(name, behind, self.closed[behind], parameters)
+                    yield Body(name, behind, self.closed[behind], parameters, at)
+                    # The last initialiser of a constructor looks like a function.
+                    at = behind
             at += 1
+
+    def bodies_at(self, at: int) -> Iterator[Body]:
+        """Yield the functions around a token, the innermost first; parameters are inside."""
+        last = bisect_left(self.bodies, at, key=lambda body: body.opening)
+        return (body for body in reversed(self.bodies[:last]) if body.end > at)
+
+    def class_at(self, at: int) -> str:
+        """Return the class around a token, or an empty text if there is none."""
+        around = (each for each in reversed(self.classes) if each[1] < at < each[2])
+        return next((name for name, _, _ in around), "")
+
+    def class_of(self, body: Body) -> str:
+        """Return the class of a function, or an empty text if it has none."""
+        before = body.opening - 2
+        before -= text_at(self.tokens, before) == "~"
+        if text_at(self.tokens, before) == "::" and is_word(text_at(self.tokens, before - 1)):
+            return text_at(self.tokens, before - 1)
+        return self.class_at(body.opening)
+
+    def tests_at(self, at: int) -> Iterator[tuple[int, int, bool]]:
+        """Yield the conditions around a token: the range of each, and whether it holds there."""
+        for begin, end, first, last, holds in self._branches:
+            if begin <= at < end:
+                yield first, last, holds
+
+    @cached_property
+    def _branches(self) -> tuple[tuple[int, int, int, int, bool], ...]:
+        """The branches of `if`: their ranges, the ranges of the conditions, and which it is."""
+        found = []
+        for at, token in enumerate(self.tokens):
+            if token.text != "if" or text_at(self.tokens, at + 1) != "(":
+                continue
+            last = self.closed[at + 1]
+            end = self._statement_end(last)
+            found.append((last, end, at + 2, last - 1, True))
+            if text_at(self.tokens, end) == "else":
+                found.append((end + 1, self._statement_end(end + 1), at + 2, last - 1, False))
+        return tuple(found)
+
+    def _statement_end(self, at: int) -> int:
+        """Return the index after a statement; one that begins with `if` has no end of its own."""
+        if text_at(self.tokens, at) == "{":
+            return self.closed[at]
+        last = min(len(self.tokens), at + _MOST_STATEMENT)
+        while at < last and text_at(self.tokens, at) not in (";", "}", "if"):
+            at = self.closed.get(at, at + 1)
+        return min(at + 1, last)
+
+    @cached_property
+    def classes(self) -> tuple[tuple[str, int, int], ...]:
+        """The classes that are defined: name, first token and the index after the last."""
+        found = []
+        for at, token in enumerate(self.tokens):
+            if token.text not in ("class", "struct"):
+                continue
+            after, name = at + 1, ""
+            while is_word(text_at(self.tokens, after)):
+                word = text_at(self.tokens, after)
+                name = name if word == "final" else word
+                after += 1
+            last = after + _MOST_BASES
+            if text_at(self.tokens, after) == ":":
+                while after < last and text_at(self.tokens, after) not in ("{", ";", "(", ""):
+                    after += 1
+            if name and text_at(self.tokens, after) == "{":
+                found.append((name, after, self.closed[after]))
+        return tuple(found)
 
 
 def _closed(tokens: Sequence[Token]) -> dict[int, int]:

@@ -15,7 +15,8 @@ class Topic:
     `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
     the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
     is where the program says so, `None` where the catalogue does; `optional` is whether the program
-    works as well without it, `measured` whether it reports a motion, whatever its type.
+    works as well without it, `measured` whether it reports a motion, whatever its type. The program
+    has it only if each parameter of `switches` is true, or false if not `wanted`.
     """
 
     name: str
@@ -25,11 +26,16 @@ class Topic:
     hz: Fraction | None = None
     optional: bool = False
     measured: bool = False
+    switches: tuple[tuple[str, bool], ...] = ()
 
 
 #: What topics are called that a program, or a client of it, names while it runs.
 AT_RUN_TIME = "topics named at run time"
 BY_CLIENTS = "topics chosen by clients"
+NOT_FOLLOWED = "imports of sources that are not in the workspace"
+SERVICES = "services and actions"
+#: The endings of the names of an action and of its topics in ROS 1.
+OF_ACTION = ("", "/goal", "/cancel", "/status", "/feedback", "/result")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +44,9 @@ class Interface:
 
     `unread` is what the program does beside it, and what only a run knows. `clients` is whether
     others choose further topics while it runs, `listens` whether they choose what it subscribes to,
-    `spread` whether it is several nodes, with private
-    topics below the namespace that they are given, or else below its name.
+    `spread` whether it is several nodes, with private topics below the namespace that they are
+    given, or else below its name. `names` are those of its services, actions and, in ROS 1,
+    parameters, which can be renamed, too; `unnamed` is whether it has further ones.
     """
 
     published: tuple[Topic, ...] = ()
@@ -50,6 +57,8 @@ class Interface:
     clients: bool = False
     spread: bool = False
     listens: bool = False
+    names: tuple[Topic, ...] = ()
+    unnamed: bool = False
 
 
 def rate_of(period: Fraction) -> Rate | None:

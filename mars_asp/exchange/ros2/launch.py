@@ -205,7 +205,12 @@ class Launch:
         before = self.started
         found: list[tuple[Started, set[int]]] = []
         at: dict[Span, list[tuple[Started, set[int]]]] = {}
-        for number, actions in enumerate(readings):
+        branches: dict[int, dict[tuple[Text, Text], StartCondition]] = {}
+        for number, (actions, tests) in enumerate(zip(readings, taken, strict=True)):
+            conditions = self._branches(tests, scope, files)
+            if conditions is None:
+                continue
+            branches[number] = conditions
             self.started = []
             self._walk(actions, scope.inner(), files)
             for each in self.started:
@@ -217,26 +222,45 @@ class Launch:
                 else:
                     by.add(number)
         self.started = before
-        branches = [
-            {
-                test.text: StartCondition(
-                    text_shown(test.text), text_shown(test.value or ()), True, test.span
-                )
-                for test in tests
-            }
-            for tests in taken
-        ]
+        decided: list[tuple[Started, list[StartCondition]]] = []
         for each, by in found:
-            others = [branches[number] for number in range(len(readings)) if number not in by]
+            others = [branches[number] for number in branches if number not in by]
             first, *further = (branches[number] for number in sorted(by))
             # Those alone decide that all have in common which start it, and some other has not.
-            decided = tuple(
+            common = [
                 one
-                for at, one in first.items()
-                if all(same.get(at) == one for same in further)
-                and any(other.get(at) != one for other in others)
+                for key, one in first.items()
+                if all(same.get(key) == one for same in further)
+                and any(other.get(key) != one for other in others)
+            ]
+            decided.append((each, common))
+        unmet = {one.variable for _, every in decided for one in every if not one.wanted}
+        implied = {test.text for tests in taken for test in tests if test.implied}
+        for each, every in decided:
+            needed = (
+                one
+                for one in every
+                # What other tests imply tells apart only the nodes of the other branch.
+                if one.variable in unmet or (one.variable,) not in implied
             )
-            self.started.append(replace(each, conditions=(*each.conditions, *decided)))
+            self.started.append(replace(each, conditions=(*each.conditions, *needed)))
+
+    def _branches(
+        self, tests: Tests, scope: _Scope, files: tuple[Path, ...]
+    ) -> dict[tuple[Text, Text], StartCondition] | None:
+        """Return the tests of a reading that are open, or None if one of them fails."""
+        found: dict[tuple[Text, Text], StartCondition] = {}
+        for test in tests:
+            key = test.text, test.value or ()
+            if test.branch:
+                shown = text_shown(test.text), text_shown(test.value or ())
+                found[key] = StartCondition(*shown, test.wanted, test.span)
+                continue
+            conditions = self._conditions((test,), scope, files)
+            if conditions is None:
+                return None
+            found.update((key, one) for one in conditions)
+        return found
 
     def _include(self, action: Include, scope: _Scope, files: tuple[Path, ...]) -> None:
         written = self._shown(action.path, scope)

@@ -41,6 +41,7 @@ from mars_asp.exchange.ros2.python_nodes import (
     parameters_of,
     remaps_of,
 )
+from mars_asp.exchange.ros2.python_tests import branch_tests
 from mars_asp.exchange.ros2.python_values import (
     Call,
     Listed,
@@ -52,6 +53,7 @@ from mars_asp.exchange.ros2.python_values import (
     items_of,
     text_from,
 )
+from mars_asp.model.graph import OPEN_CONDITION
 
 _NODES = {
     "Node": False,
@@ -147,8 +149,13 @@ class _Reader(Evaluator):
         for node, (choice, _) in self.decisions.items():
             if isinstance(node, ast.expr | ast.stmt):
                 at = self.span(node)
-                name = f"the branch taken at {at.path}:{at.line}:{at.column}"
-                yield Test((name,), (str(choice),), True, at, branch=True)
+                place = f"{at.path}:{at.line}:{at.column}"
+                if node in self.tested:
+                    name = f"{OPEN_CONDITION}{place}"
+                    yield from branch_tests(self.tested[node], name, choice, at)
+                else:
+                    value = (f"number {choice + 1}",)
+                    yield Test((f"the branch taken at {place}",), value, True, at, branch=True)
 
     def reading(self, tree: ast.Module, forced: Mapping[ast.AST, int]) -> tuple[Action, ...]:
         """Return the actions of the file by the branches that are forced, and else the first.
@@ -158,6 +165,7 @@ class _Reader(Evaluator):
             Refused: these branches raise an exception.
         """
         self.forced, self.decisions, self.declarations = forced, {}, []
+        self.tested = {}
         self.globals.clear()
         with suppress(Returned, LoopLeft):
             self.run(tree.body, self.globals)

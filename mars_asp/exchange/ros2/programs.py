@@ -1,7 +1,5 @@
 """Programs of a workspace: from a package and an executable to the sources behind them."""
 
-import ast
-import configparser
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
@@ -14,6 +12,7 @@ from mars_asp.annotations.declarations.tokens import text_at, tokenise
 from mars_asp.diagnostic import MarsError
 from mars_asp.exchange.ros2.cmake import Targets, read_cmake
 from mars_asp.exchange.ros2.interface import Interface
+from mars_asp.exchange.ros2.setup_files import scripts_of_configuration, scripts_of_setup
 from mars_asp.exchange.ros2.source_cpp import read_cpp
 from mars_asp.exchange.ros2.source_python import PythonPrograms
 from mars_asp.exchange.ros2.workspace import Package, Workspace
@@ -22,6 +21,8 @@ _CPP = frozenset({".cpp", ".cc", ".cxx", ".c"})
 _HEADERS = frozenset({".hpp", ".h", ".hh", ".hxx"})
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
 _REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLASS"})
+#: A source of a program or component of its own.
+_STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
 _MOST_FILES = 100
 #: Where scripts of a package stand whose installation says no more than their name.
 _SCRIPTS = ("scripts", "nodes", "src", "bin", ".")
@@ -90,12 +91,21 @@ class Programs:
 
     def _by_name(self, package: Package, executable: str) -> Interface | None:
         """Return the interface of a script, or of the one source of a name."""
-        for folder in _SCRIPTS:
-            for suffix in ("", ".py"):
-                path = package.folder / folder / f"{executable}{suffix}"
-                found = self.workspace.find(str(path), package.folder)
-                if found is not None and found.suffix in ("", ".py"):
-                    return self._python.interface(f"file:{found}", None)
+        targets = self._targets.get(package.name)
+        installed = () if targets is None else targets.programs
+        paths = [path for path in installed if Path(path).name == executable]
+        # Programs of ROS 2 may be in the folder of the modules.
+        paths += [
+            f"{folder}/{executable}{suffix}"
+            for folder in (*_SCRIPTS, package.name)
+            for suffix in ("", ".py")
+        ]
+        for path in paths:
+            found = self.workspace.find(str(package.folder / path), package.folder)
+            if found is not None and found.suffix in ("", ".py"):
+                module = f"{package.name}.{found.stem}"
+                is_inner = self._modules.get(module) == found
+                return self._python.interface(module if is_inner else f"file:{found}", None)
         stems = [
             file
             for file in self._sources.get(package.folder, ())
@@ -142,6 +152,28 @@ class Programs:
         shown = [(text, self.workspace.shown(file)) for file, text in texts.items()]
         return read_cpp(shown) if shown else None
 
+    def _with_library(self, package: Package, file: Path) -> Interface | None:
+        """Return the interface of a component with the sources of its library.
+
+        Where no target has the file, these are all sources of the package that are no program.
+        """
+        targets = self._targets.get(package.name) or Targets()
+        libraries = [
+            list(self._found(package, targets.of(target)))
+            for target, sources in targets.sources.items()
+            if any(source.endswith(file.name) for source in sources)
+        ]
+        others = [each for each in libraries if file in each]
+        if not others:
+            others = [
+                [
+                    each
+                    for each in self._sources.get(package.folder, ())
+                    if each.suffix in _CPP and not _STARTS.search(self._text(each) or "")
+                ]
+            ]
+        return self._with_headers(package, [file], [each for files in others for each in files])
+
     def _included(self, package: Package, file: Path) -> list[Path]:
         """Return the headers of a package that a file of it includes."""
         return [
@@ -156,7 +188,7 @@ class Programs:
         file = self._registered.get(plugin) or self._registered.get(last)
         if file is not None:
             package = self.workspace.package_of(file)
-            return None if package is None else self._with_headers(package, [file])
+            return None if package is None else self._with_library(package, file)
         for package in self.workspace.packages:
             targets = self._targets.get(package.name)
             if targets is not None and plugin in targets.plugins:
@@ -214,7 +246,7 @@ class Programs:
                 parts = list(file.relative_to(folder).with_suffix("").parts)
                 if parts[-1] == "__init__":
                     parts.pop()
-                if len(parts) > 1 and parts[0] in ("src", "scripts", "nodes"):
+                if len(parts) > 1 and parts[0] in ("src", "scripts", "nodes", "include"):
                     found.setdefault(".".join(parts[1:]), file)
                 found.setdefault(".".join(parts), file)
         return found
@@ -239,10 +271,10 @@ class Programs:
             if setup is not None:
                 # A text of a thousand summands is no name.
                 with suppress(RecursionError):
-                    scripts |= dict(_of_setup(setup))
+                    scripts |= dict(scripts_of_setup(setup))
             configured = self._text(package.folder / "setup.cfg")
             if configured is not None:
-                scripts |= dict(_of_configuration(configured))
+                scripts |= dict(scripts_of_configuration(configured))
             found[package.name] = scripts
         return found
 
@@ -275,62 +307,3 @@ class Programs:
             return self.workspace.text(found)
         except MarsError:
             return None
-
-
-def _of_setup(text: str) -> Iterator[tuple[str, str]]:
-    """Yield the console scripts of a `setup.py`, which is not run."""
-    try:
-        tree = ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return
-    names = {
-        node.targets[0].id: node.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
-    }
-    for node in ast.walk(tree):
-        if isinstance(node, ast.keyword) and node.arg == "entry_points":
-            held = names.get(node.value.id) if isinstance(node.value, ast.Name) else node.value
-            if isinstance(held, ast.Dict):
-                for key, listed in zip(held.keys, held.values, strict=True):
-                    if isinstance(key, ast.Constant) and key.value == "console_scripts":
-                        yield from _scripts(listed, names)
-
-
-def _scripts(listed: ast.expr, names: dict[str, ast.expr]) -> Iterator[tuple[str, str]]:
-    for each in listed.elts if isinstance(listed, ast.List | ast.Tuple) else ():
-        text = _text_of(each, names)
-        name, sign, entry = (text or "").partition("=")
-        if sign:
-            yield name.strip(), entry.strip()
-
-
-def _text_of(node: ast.expr, names: dict[str, ast.expr]) -> str | None:
-    """Return a text that is written out, with names that stand for such."""
-    match node:
-        case ast.Constant(value=str() as value):
-            return value
-        case ast.Name(id=name) if isinstance(names.get(name), ast.Constant):
-            return _text_of(names[name], {})
-        case ast.BinOp(left=left, op=ast.Add(), right=right):
-            parts = [_text_of(left, names), _text_of(right, names)]
-        case ast.JoinedStr(values=values):
-            parts = [
-                _text_of(v.value if isinstance(v, ast.FormattedValue) else v, names) for v in values
-            ]
-        case _:
-            return None
-    return None if None in parts else "".join(filter(None, parts))
-
-
-def _of_configuration(text: str) -> Iterator[tuple[str, str]]:
-    parser = configparser.ConfigParser(interpolation=None)
-    try:
-        parser.read_string(text)
-    except configparser.Error:
-        return
-    listed = parser.get("options.entry_points", "console_scripts", fallback="")
-    for line in listed.splitlines():
-        name, sign, entry = line.partition("=")
-        if sign:
-            yield name.strip(), entry.strip()

@@ -20,6 +20,7 @@ from mars_asp.exchange.ros2.python_known import known
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
 )
+from mars_asp.exchange.ros2.python_tests import Tested, decision, tested
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
     Call,
@@ -65,6 +66,7 @@ class Evaluator:
         self.assigned: frozenset[str] = frozenset()
         self.forced: Mapping[ast.AST, int] = {}
         self.decisions: dict[ast.AST, tuple[int, int]] = {}
+        self.tested: dict[ast.AST, Tested] = {}
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
         """Return where a node of the tree stands; the tree counts columns in bytes."""
@@ -86,6 +88,22 @@ class Evaluator:
         if text.isascii():
             return offset + 1
         return len(text.encode()[:offset].decode(errors="ignore")) + 1
+
+    def branch(self, node: ast.AST, condition: ast.expr, names: Names) -> int:
+        """Return the branch of a condition: 0 if it holds, 1 if not, the reading's own if open."""
+        found = tested(
+            condition,
+            {**self.globals, **names},
+            lambda each: self.value(each, names),
+            self.span(condition),
+        )
+        holds = decision(found)
+        if holds is not None:
+            return int(not holds)
+        # One branch is taken for all rounds and calls, which may test different values.
+        if self.tested.setdefault(node, found) != found:
+            self.tested[node] = Tested()
+        return self.decided(node, 2)
 
     def decided(self, node: ast.AST, options: int) -> int:
         """Return which branch of a condition this reading takes; all are taken by some reading."""
@@ -130,8 +148,8 @@ class Evaluator:
                 raise Refused
             case ast.Break() | ast.Continue():
                 raise LoopLeft(isinstance(node, ast.Break))
-            case ast.If(body=body, orelse=orelse):
-                self.run((body, orelse)[self.decided(node, 2)], names)
+            case ast.If(test=test, body=body, orelse=orelse):
+                self.run((body, orelse)[self.branch(node, test, names)], names)
             case ast.Match(cases=cases):
                 # None of the cases may fit.
                 bodies = [*(case.body for case in cases), []]
@@ -222,8 +240,9 @@ class Evaluator:
                 for each in values:
                     found = found or self.value(each, names, depth + 1)
                 return found
-            case ast.IfExp(body=body, orelse=orelse):
-                return self.value((body, orelse)[self.decided(node, 2)], names, depth + 1)
+            case ast.IfExp(test=test, body=body, orelse=orelse):
+                chosen = (body, orelse)[self.branch(node, test, names)]
+                return self.value(chosen, names, depth + 1)
             case (
                 ast.ListComp(elt=element, generators=generators)
                 | ast.GeneratorExp(elt=element, generators=generators)
@@ -265,15 +284,14 @@ class Evaluator:
             yield dict(names)
             return
         first, *others = generators
-        if any(self.decided(condition, 2) for condition in first.ifs):
-            return
         inner = dict(names)
         for item in each_of(self.value(first.iter, names, depth)):
             self.steps += 1
             if self.steps > MOST_STEPS:
                 return
             self.assign(first.target, item, inner)
-            yield from self.scopes(others, inner, depth)
+            if not any(self.branch(condition, condition, inner) for condition in first.ifs):
+                yield from self.scopes(others, inner, depth)
 
     def elements(self, items: Sequence[ast.expr], names: Names, depth: int) -> Iterator[Value]:
         """Yield the elements of a list, those of starred ones among them, up to a bound."""

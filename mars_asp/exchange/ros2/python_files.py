@@ -6,12 +6,16 @@ from dataclasses import dataclass, field
 
 #: What opens a file of the workspace by the name of its module.
 Find = Callable[[str], "tuple[str, str] | None"]
-_MOST_FILES = 200
+_MOST_FILES = 1000
 
 
 @dataclass(slots=True)
 class SourceFile:
-    """A file: its tree, what it imports and what stands at its outer level."""
+    """A file: its tree, what it imports and what stands at its outer level.
+
+    `relative` are the imported names that are of its own package; `stars` are the modules of which
+    it imports all names.
+    """
 
     path: str
     lines: list[str]
@@ -19,6 +23,8 @@ class SourceFile:
     imports: dict[str, str] = field(default_factory=dict)
     outer: dict[str, ast.AST] = field(default_factory=dict)
     constants: dict[str, ast.expr] = field(default_factory=dict)
+    relative: set[str] = field(default_factory=set)
+    stars: list[str] = field(default_factory=list)
 
 
 class Files:
@@ -28,13 +34,15 @@ class Files:
         """Take what finds the text and shown path of a module."""
         self._find = find
         self._read: dict[str, SourceFile | None] = {}
+        self._left = _MOST_FILES
 
     def file(self, module: str) -> SourceFile | None:
         """Return a file, `None` where it is not found or not Python."""
-        if module not in self._read and len(self._read) < _MOST_FILES:
-            found = self._find(module)
+        if module not in self._read:
+            found = self._find(module) if self._left else None
+            self._left -= found is not None
             self._read[module] = None if found is None else _parsed(*found, module)
-        return self._read.get(module)
+        return self._read[module]
 
 
 def _parsed(text: str, path: str, module: str) -> SourceFile | None:
@@ -48,15 +56,24 @@ def _parsed(text: str, path: str, module: str) -> SourceFile | None:
             case ast.Import(names=names):
                 for name in names:
                     # `import a.b` binds `a`.
-                    bound = name.asname or name.name.partition(".")[0]
-                    file.imports[bound] = name.name if name.asname else bound
+                    first = name.asname or name.name.partition(".")[0]
+                    file.imports[first] = name.name if name.asname else first
             case ast.ImportFrom(module=origin, names=names, level=level):
-                above = module.split(".")[: -level or None] if level else []
+                # The file of a package is in the package itself.
+                up = level - path.endswith("__init__.py")
+                above = module.split(".")[: -up or None] if level else []
                 base = ".".join((*above, *filter(None, (origin,))))
-                file.imports.update((n.asname or n.name, f"{base}.{n.name}") for n in names)
+                bound = {n.asname or n.name: f"{base}.{n.name}" for n in names if n.name != "*"}
+                file.imports |= bound
+                file.relative |= bound.keys() if level else set()
+                file.stars += [base] * any(n.name == "*" for n in names)
     for statement in _flat(tree.body):
         match statement:
-            case ast.FunctionDef(name=defined) | ast.ClassDef(name=defined):
+            case (
+                ast.FunctionDef(name=defined)
+                | ast.AsyncFunctionDef(name=defined)
+                | ast.ClassDef(name=defined)
+            ):
                 file.outer[defined] = statement
             case ast.Assign(targets=[ast.Name(id=assigned)], value=value):
                 file.constants.setdefault(assigned, value)

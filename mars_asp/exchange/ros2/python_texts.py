@@ -60,11 +60,14 @@ class Texts:
                         self.calls.append((value, name))
         known = {id(call) for call, _ in self.calls}
         self.loops: dict[int, tuple[Loop, ...]] = {}
-        for each, loops in calls_in(node):
+        self.tests: dict[int, tuple[tuple[ast.expr, bool], ...]] = {}
+        for each, around in calls_in(node):
             if id(each) not in known:
                 self.calls.append((each, None))
-            if loops:
-                self.loops[id(each)] = loops
+            if around.loops:
+                self.loops[id(each)] = around.loops
+            if around.tests:
+                self.tests[id(each)] = around.tests
             for stated, default in declared(each, called_name(each)):
                 name = self.text(stated)
                 if name is not None:
@@ -77,7 +80,7 @@ class Texts:
         if depth > _DEEPEST or self.steps > _MOST_STEPS:
             return None
         match node:
-            case ast.Attribute(value=inner, attr="value" | "string_value"):
+            case ast.Attribute(value=inner, attr="value" | "string_value" | "bool_value"):
                 return self.parameter(inner, depth + 1)
             case ast.Call() if called_name(node) in ("get_parameter_value", "as_string", "str"):
                 if isinstance(node.func, ast.Attribute):
@@ -98,6 +101,21 @@ class Texts:
                 return None if held is None else self.parameter(held, depth + 1)
             case _:
                 return None
+
+    def switches(self, call: ast.Call) -> frozenset[tuple[str, bool]]:
+        """Return the parameters that decide whether a call is reached, each with its value."""
+        found: set[tuple[str, bool]] = set()
+        for test, holds in self.tests.get(id(call), ()):
+            is_all = isinstance(test, ast.BoolOp) and isinstance(test.op, ast.And)
+            parts = test.values if isinstance(test, ast.BoolOp) and is_all and holds else [test]
+            for part in parts:
+                negated = isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.Not)
+                inner = part.operand if isinstance(part, ast.UnaryOp) and negated else part
+                self.steps = 0
+                parameter = self.parameter(inner)
+                if parameter is not None:
+                    found.add((parameter, holds != negated))
+        return frozenset(found)
 
     def written(self, node: ast.expr) -> ast.expr | None:
         """Return what a name stands for in this part of the program."""

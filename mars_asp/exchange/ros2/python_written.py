@@ -6,6 +6,7 @@ That is in loops, in declarations of parameters, in classes and in the objects m
 import ast
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
+from typing import NamedTuple
 
 #: A loop or a part of a comprehension: its target, and what it goes over.
 Loop = tuple[ast.expr, ast.expr]
@@ -15,19 +16,34 @@ _MOST_ROUNDS = 64
 _DEEPEST = 8
 
 
-def calls_in(node: ast.AST) -> Iterator[tuple[ast.Call, tuple[Loop, ...]]]:
-    """Yield the calls in a part of a program, each with the loops around it, outermost first."""
-    waiting: list[tuple[ast.AST, tuple[Loop, ...]]] = [(node, ())]
+class Around(NamedTuple):
+    """The loops around a call, outermost first, and the tests that hold there or do not."""
+
+    loops: tuple[Loop, ...] = ()
+    tests: tuple[tuple[ast.expr, bool], ...] = ()
+
+
+def calls_in(node: ast.AST) -> Iterator[tuple[ast.Call, Around]]:
+    """Yield the calls in a part of a program, each with the statements around it."""
+    waiting: list[tuple[ast.AST, Around]] = [(node, Around())]
     while waiting:
-        each, loops = waiting.pop()
+        each, (loops, tests) = waiting.pop()
         if isinstance(each, ast.Call):
-            yield each, loops
-        within = loops
+            yield each, Around(loops, tests)
+        if isinstance(each, ast.If | ast.IfExp):
+            body = each.body if isinstance(each, ast.If) else [each.body]
+            orelse = each.orelse if isinstance(each, ast.If) else [each.orelse]
+            waiting.append((each.test, Around(loops, tests)))
+            for branch, holds in ((body, True), (orelse, False)):
+                within = Around(loops, (*tests, (each.test, holds)))
+                waiting += ((child, within) for child in branch)
+            continue
         if isinstance(each, ast.For):
-            within = (*loops, (each.target, each.iter))
+            loops = (*loops, (each.target, each.iter))
         elif isinstance(each, ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.DictComp):
-            within = (*loops, *((part.target, part.iter) for part in each.generators))
-        waiting += ((child, within) for child in ast.iter_child_nodes(each))
+            loops = (*loops, *((part.target, part.iter) for part in each.generators))
+        inside = Around(loops, tests)
+        waiting += ((child, inside) for child in ast.iter_child_nodes(each))
 
 
 def rounds(loops: Sequence[Loop], held: Held) -> Iterator[dict[str, ast.expr]]:

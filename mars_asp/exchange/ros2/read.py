@@ -14,7 +14,7 @@ from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, Topic
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, NOT_FOLLOWED, SERVICES, Topic
 from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
@@ -67,8 +67,8 @@ _MOST_NAMED = 20
 #: Sorts of unread things that can neither be a node nor give one another topic.
 _HARMLESS = frozenset(
     {
+        SERVICES,
         "containers of components",
-        "services and actions",
         "nodes that are made but not launched",
         "locks",
         "parameters",
@@ -81,6 +81,9 @@ _HARMLESS = frozenset(
         "programs of the simulator that a bridge joins",
     }
 )
+#: Sorts of unread things with which a node may have further topics.
+_OPEN = frozenset({AT_RUN_TIME, BY_CLIENTS, NOT_FOLLOWED})
+_TRUTH = ("false", "true")
 _NUMBERED = re.compile(r"\d+")
 
 
@@ -504,7 +507,13 @@ class _Robot:
             name = ""
         published = tuple(self._ends(interface.published, started, name, values))
         subscribed = tuple(self._ends(interface.subscribed, started, name, values))
-        unread = any(each.sort in (AT_RUN_TIME, BY_CLIENTS) for each in self.unread[before:])
+        unread = any(each.sort in _OPEN for each in self.unread[before:])
+        names = frozenset(
+            renamed(written, started.namespace, name, started.remaps)
+            for topic in (*interface.names, *interface.published, *interface.subscribed)
+            for written in self._written(topic, started, values)
+        )
+        is_whole = is_source and not (unread or interface.unnamed)
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
         return Node(
@@ -519,10 +528,11 @@ class _Robot:
             renamed=self._renamed(started, name),
             # In the catalogue, a name is a habit of its program.
             is_named=not is_catalogued or bool(started.name),
-            is_whole=is_source and not (unread or interface.unread),
+            is_whole=is_whole and all(each.sort == SERVICES for each in interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),
             listens=interface.listens,
+            names=names,
         )
 
     def _renamed(self, started: Started, name: str) -> tuple[Renaming, ...]:
@@ -605,6 +615,8 @@ class _Robot:
     ) -> Iterator[Endpoint]:
         """Yield the ends of topics at a node, by their full names."""
         for topic in topics:
+            if _is_off(topic, values):
+                continue
             for written in self._written(topic, started, values):
                 full = renamed(written, started.namespace, name, started.remaps)
                 if not written or not _NAME.fullmatch(full):
@@ -694,6 +706,14 @@ class _Robot:
 
 def _key(program: Program) -> tuple[str, str, bool]:
     return program.package, program.executable, program.plugin
+
+
+def _is_off(topic: Topic, values: Mapping[str, Given]) -> bool:
+    """Whether a parameter is stated with a value with which the program lacks a topic."""
+    return any(
+        name in values and values[name].is_known and values[name].text.lower() == _TRUTH[not wanted]
+        for name, wanted in topic.switches
+    )
 
 
 def _counted(number: int, thing: str) -> str:

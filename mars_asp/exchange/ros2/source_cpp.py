@@ -5,10 +5,10 @@ of the timer, or loop, whose function publishes.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
+from functools import cached_property
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -23,7 +23,16 @@ from mars_asp.annotations.declarations.tokens import (
 from mars_asp.annotations.types import representation
 from mars_asp.exchange.ros2.cpp_code import Call, CppCode
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
+from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens
+from mars_asp.exchange.ros2.cpp_handles import joined as below
+from mars_asp.exchange.ros2.interface import (
+    AT_RUN_TIME,
+    OF_ACTION,
+    SERVICES,
+    Interface,
+    Topic,
+    rate_of,
+)
 from mars_asp.exchange.unread import Unread
 
 #: Limits of what is copied or searched more than once; no program comes near them.
@@ -51,12 +60,15 @@ _PARAMETERS = frozenset(
     {"declare_parameter", "get_parameter", "declare_or_get_parameter", "getParam", "param"}
     | {"declare_parameter_if_not_declared", "get_parameter_or"}
 )
+#: Methods of the node handles of ROS 1 for parameters, which a launch file may rename.
+_RENAMED = frozenset({"getParam", "getParamCached", "param", "setParam", "hasParam", "deleteParam"})
 #: All that is looked for among calls.
 _CALLED = (
     _TIMERS
     | _RATES
     | _SERVICES
     | _PARAMETERS
+    | _RENAMED
     | _TWISTS.keys()
     | _CAMERAS
     | frozenset(
@@ -74,43 +86,68 @@ class _Value(NamedTuple):
     parameter: str | None = None
 
 
+class _Found(NamedTuple):
+    """A topic that a call makes, the variable that keeps the result, and the handle."""
+
+    topic: Topic
+    keeper: str | None
+    published: bool
+    handle: tuple[int, int]
+
+
 def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     """Return what a program of several files, each a text and its path, publishes and hears."""
     files = [_File(text, path, _CALLED, _RATES) for text, path in texts]
     values: dict[str, _Value] = {}
     kinds: dict[str, str] = {}
-    handles: set[str] = set()
     for file in files:
         values |= file.values()
         kinds |= file.callbacks()
-        handles |= file.handles()
+    handles = Handles(files, lambda file, tokens: _literal(file, tokens, values))
     published: list[Topic] = []
     subscribed: list[Topic] = []
     unread: list[Unread] = []
+    named: list[Topic] = []
     rates: dict[str, Fraction | None] = {}
     for file in files:
         for name, hz in file.rates().items():
             rates[name] = hz if rates.get(name, hz) == hz else None
     names: list[str] = []
     for file in files:
-        prefixes = file.prefixes(handles)
         for call in file.calls:
-            found = file.topic(call, values, prefixes, kinds)
+            found = file.topic(call, values, kinds)
             if isinstance(found, Unread):
                 unread.append(found)
             elif found is not None:
-                topic, keeper, is_published = found
-                hz = rates.get(keeper or "")
-                topic = Topic(topic.name, topic.type, topic.span, topic.parameter, hz)
-                ends = published if is_published else subscribed
-                ends.append(topic)
-                if call.name in _CAMERAS and topic.parameter is None:
-                    beside = f"{topic.name.rpartition('/')[0]}/camera_info".removeprefix("/")
-                    beside = f"/{beside}" if topic.name.startswith("/") else beside
-                    ends.append(replace(topic, name=beside, type=_CAMERA_INFO))
+                switches = file.switches(call.at, values)
+                if found.published and found.keeper:
+                    switches |= _used_if(files, found.keeper, values)
+                hz = rates.get(found.keeper or "")
+                made = replace(found.topic, hz=hz, switches=tuple(sorted(switches)))
+                for topic in _prefixed(made, file, found.handle, handles):
+                    if isinstance(topic, Unread):
+                        unread.append(topic)
+                        continue
+                    ends = published if found.published else subscribed
+                    ends.append(topic)
+                    if call.name in _CAMERAS and topic.parameter is None:
+                        beside = f"{topic.name.rpartition('/')[0]}/camera_info".removeprefix("/")
+                        beside = f"/{beside}" if topic.name.startswith("/") else beside
+                        ends.append(replace(topic, name=beside, type=_CAMERA_INFO))
+            for further, handle in file.further_names(call, values):
+                prefixed = _prefixed(further, file, handle, handles)
+                named += (each for each in prefixed if isinstance(each, Topic))
         names += file.node_names()
+    # A service with a name that only a run knows is noted, but gives no name.
+    places = {each.span for each in named}
+    unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
     return Interface(
-        tuple(published), tuple(subscribed), next(iter(names), None), unread=tuple(unread)
+        tuple(published),
+        tuple(subscribed),
+        next(iter(names), None),
+        unread=tuple(unread),
+        names=tuple(named),
+        unnamed=unnamed,
     )
 
 
@@ -219,43 +256,6 @@ class _File(CppCode):
         # Declarations count, too: a definition may lie elsewhere.
         return found
 
-    def handles(self) -> frozenset[str]:
-        """Return the names of the node handles that the file declares."""
-        names = (after.text for token, after in pairwise(self.tokens) if token.text == "NodeHandle")
-        return frozenset(filter(is_word, names))
-
-    def prefixes(self, handles: Set[str]) -> Mapping[str, str]:
-        """Return what node handles put before names: `~` where these are private to the node."""
-        tokens = self.tokens
-        found = dict.fromkeys(self._private_handles(), "~")
-        for at, token in enumerate(tokens):
-            if token.text in handles and text_at(tokens, at + 1) in ("(", "{"):
-                end = min(self.closed[at + 1] - 1, at + _MOST_WORDS)
-                *parent, last = split(tokens[at + 2 : end]) or [[]]
-                text = self.string(last[0]) if len(last) == 1 else None
-                if text and len(parent) < 2:
-                    above = found.get(parent[0][0].text, "") if parent and parent[0] else ""
-                    found[token.text] = f"{above}/{text}" if above else text
-        return found
-
-    def _private_handles(self) -> frozenset[str]:
-        """Return the names of node handles whose names are private to the node."""
-        tokens = self.tokens
-        found = set()
-        for at, token in enumerate(tokens):
-            if token.text.startswith('"') and self.string(token) == "~":
-                back = at - 1
-                if text_at(tokens, back) in ("(", "{") and is_word(text_at(tokens, back - 1)):
-                    name = text_at(tokens, back - 1)
-                    if name == "NodeHandle":
-                        name = text_at(tokens, back - 3 if text_at(tokens, back - 2) == "::" else 0)
-                        before = back - 4
-                        while text_at(tokens, before) in ("::", "ros", "="):
-                            before -= 1
-                        name = text_at(tokens, before)
-                    found.add(name)
-        return frozenset(found)
-
     def node_names(self) -> Iterator[str]:
         """Yield the names that the file gives its node."""
         tokens = self.tokens
@@ -276,10 +276,9 @@ class _File(CppCode):
         self,
         call: Call,
         values: Mapping[str, _Value],
-        prefixes: Mapping[str, str],
         kinds: Mapping[str, str],
-    ) -> "tuple[Topic, str | None, bool] | Unread | None":
-        """Return the topic that a call makes, what keeps it, and whether it is published."""
+    ) -> "_Found | Unread | None":
+        """Return the topic that a call makes, or None if it makes none."""
         tokens = self.tokens
         owner = text_at(tokens, call.at - 2) if text_at(tokens, call.at - 1) in (".", "->") else ""
         name_at, kind = 0, call.types[0] if call.types else None
@@ -320,7 +319,7 @@ class _File(CppCode):
                 published, name_at = _TWISTS.get(wrapped, False), 1
                 kind = filtered["type"] if filtered else "geometry_msgs::msg::TwistStamped"
             case name if name in _SERVICES:
-                return Unread("services and actions", name, self.span(tokens[call.at]))
+                return Unread(SERVICES, name, self.span(tokens[call.at]))
             case _:
                 return None
         if name_at >= len(call.arguments):
@@ -332,10 +331,67 @@ class _File(CppCode):
             last = argument[-1]
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
             return Unread(AT_RUN_TIME, shown, span)
-        text = value.text or ""
-        if owner in prefixes and not text.startswith(("/", "~")):
-            text = f"{prefixes[owner]}/{text}"
-        return Topic(text, _written(kind), span, value.parameter), self._keeper(call), published
+        topic = Topic(value.text or "", _written(kind), span, value.parameter)
+        return _Found(topic, self._keeper(call), published, self._handle(call, name_at))
+
+    def switches(self, at: int, values: Mapping[str, _Value]) -> set[tuple[str, bool]]:
+        """Return the parameters that decide whether a token is reached, each with its value."""
+        found: set[tuple[str, bool]] = set()
+        for first, last, holds in self.tests_at(at):
+            parts = _conjuncts(self.tokens[first : min(last, first + _MOST_WORDS)])
+            # Of a conjunction that does not hold it is unknown which part is false.
+            for part in parts if holds or len(parts) == 1 else ():
+                negated = text_at(part, 0) == "!"
+                value = self.value(part[negated:], values)
+                if value.parameter is not None:
+                    found.add((value.parameter, holds != negated))
+        return found
+
+    @cached_property
+    def publications(self) -> dict[str, list[int]]:
+        """The tokens at which publishers publish, by the variables that keep these."""
+        found: dict[str, list[int]] = {}
+        for at, token in enumerate(self.tokens):
+            if token.text == "publish" and text_at(self.tokens, at - 1) in (".", "->"):
+                found.setdefault(text_at(self.tokens, at - 2), []).append(at)
+        return found
+
+    def _handle(self, call: Call, name_at: int) -> tuple[int, int]:
+        """Return the range of the handle of a call: before its name, or its first argument."""
+        if not name_at:
+            return handle_tokens(self, call.at)
+        opening = call.at + 1
+        while text_at(self.tokens, opening) not in ("(", "{", ""):
+            opening += 1
+        return opening + 1, opening + 1 + len(call.arguments[0])
+
+    def further_names(
+        self, call: Call, values: Mapping[str, _Value]
+    ) -> Iterator[tuple[Topic, tuple[int, int]]]:
+        """Yield the name of a service, action or parameter of ROS 1, with its handle."""
+        if call.name in _RENAMED:
+            if text_at(self.tokens, call.at - 1) not in (".", "->"):
+                return
+            name_at = 0
+        elif call.name in _SERVICES:
+            is_free = text_at(self.tokens, call.at - 1) == "::"
+            takes_node = call.name in ("create_server", "create_client") and is_free
+            first = call.arguments[:1]
+            is_named = bool(first) and self.value(first[0], values).text is not None
+            is_action = call.name.startswith("Simple")
+            name_at = 1 if takes_node or (is_action and not is_named) else 0
+        else:
+            return
+        if name_at >= len(call.arguments):
+            return
+        value = self.value(call.arguments[name_at], values)
+        if value.text is None:
+            return
+        span = self.span(self.tokens[call.at])
+        topic = Topic(value.text, None, span, value.parameter)
+        ends = OF_ACTION if call.name.startswith("Simple") else ("",)
+        for end in ends:
+            yield replace(topic, name=topic.name + end), self._handle(call, name_at)
 
     def _taken(self, call: Call, kinds: Mapping[str, str]) -> str | None:
         """Return the type of message that the callback of a subscription takes."""
@@ -414,6 +470,52 @@ class _File(CppCode):
                     yield text_at(self.tokens, at - 2)
                 elif text in by_name and text_at(self.tokens, at + 1) == "(":
                     waiting.append(by_name[text])
+
+
+def _literal(file: CppCode, tokens: Sequence[Token], values: Mapping[str, _Value]) -> str | None:
+    """Return the text of an expression, or None if it is unknown or a parameter's."""
+    found = file.value(tokens, values) if isinstance(file, _File) else _Value(None)
+    return found.text if found.parameter is None else None
+
+
+def _prefixed(
+    topic: Topic, file: CppCode, handle: tuple[int, int], handles: Handles
+) -> Iterator[Topic | Unread]:
+    """Yield a topic by its names below each prefix that its handle can have."""
+    for prefix in handles.at(file, *handle):
+        name = below(prefix, topic.name)
+        if topic.name.startswith(("/", "~")) or not topic.name:
+            yield topic
+            return
+        if name is None:
+            yield Unread(AT_RUN_TIME, topic.name, topic.span or file.span(file.tokens[0]))
+        else:
+            yield replace(topic, name=name)
+
+
+def _used_if(
+    files: Sequence["_File"], keeper: str, values: Mapping[str, _Value]
+) -> set[tuple[str, bool]]:
+    """Return the parameters that decide whether a publisher publishes at all."""
+    used = [file.switches(at, values) for file in files for at in file.publications.get(keeper, ())]
+    return set.intersection(*used) if used else set()
+
+
+def _conjuncts(tokens: Sequence[Token]) -> list[Sequence[Token]]:
+    """Return the parts of a condition that `&&` joins; a condition with `||` has one part."""
+    found: list[list[Token]] = [[]]
+    at = 0
+    while at < len(tokens):
+        if tokens[at].text == "||":
+            return [tokens]
+        if tokens[at].text == "&&":
+            found.append([])
+            at += 1
+            continue
+        end = closing(tokens, at) if tokens[at].text in ("(", "[", "{") else at + 1
+        found[-1] += tokens[at:end]
+        at = end
+    return [part for part in found if part]
 
 
 def _unwrapped(tokens: Sequence[Token]) -> Sequence[Token]:

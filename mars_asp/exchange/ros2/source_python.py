@@ -5,14 +5,23 @@ also into other files of the workspace. A rate is that of the timer whose callba
 """
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice
 from typing import NamedTuple
 
-from mars_asp.diagnostic import Span
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
+from mars_asp.diagnostic import Span, point
+from mars_asp.exchange.ros2.interface import (
+    AT_RUN_TIME,
+    NOT_FOLLOWED,
+    OF_ACTION,
+    SERVICES,
+    Interface,
+    Topic,
+    rate_of,
+)
 from mars_asp.exchange.ros2.python_files import (
     Files,
     Find,
@@ -30,6 +39,12 @@ from mars_asp.exchange.ros2.python_written import (
 )
 from mars_asp.exchange.unread import Unread
 
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
+#: Modules of a package that are generated from its interfaces.
+_GENERATED = frozenset({"msg", "srv", "action", "cfg"})
+#: Through so many files a name is followed that each imports from the next.
+_FARTHEST = 8
 _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
 _MOST_SHOWN = 60
@@ -37,10 +52,19 @@ _MOST_SHOWN = 60
 _MOST_CALLS = 5000
 #: So many objects of a class are told apart.
 _MOST_MADE = 16
-_CALLS = frozenset(
-    {"create_service", "create_client", "ActionServer", "ActionClient", "Service", "ServiceProxy"}
-    | {"SimpleActionServer", "SimpleActionClient"}
-)
+#: Calls that make services and actions: the position of the name, and its keyword.
+_CALLS = {
+    "create_service": (1, "srv_name"),
+    "create_client": (1, "srv_name"),
+    "ActionServer": (2, "action_name"),
+    "ActionClient": (2, "action_name"),
+    "Service": (0, "name"),
+    "ServiceProxy": (0, "name"),
+    "SimpleActionServer": (0, "name"),
+    "SimpleActionClient": (0, "ns"),
+}
+#: Functions of rospy for parameters, which a launch file may rename.
+_PARAMETERS = frozenset({"get_param", "get_param_cached", "set_param", "has_param", "delete_param"})
 
 
 class _Found(NamedTuple):
@@ -77,6 +101,8 @@ class _Program:
         self.start = file, function
         self.reached: dict[tuple[str, int], tuple[SourceFile, ast.AST]] = {}
         self.mentioned: dict[tuple[str, int], frozenset[str]] = {}
+        #: Full names of functions and classes that should be in the workspace and were not found.
+        self.missing: set[str] = set()
 
     def interface(self) -> Interface:
         """Return what the program publishes and hears."""
@@ -84,7 +110,7 @@ class _Program:
         entry = None if function is None else file.outer.get(function)
         if entry is None:
             for statement in file.tree.body:
-                if not isinstance(statement, ast.FunctionDef | ast.ClassDef):
+                if not isinstance(statement, _DEFINITIONS):
                     self.reach(file, statement)
         else:
             self.reach(file, entry)
@@ -109,11 +135,15 @@ class _Program:
         nodes = nodes or [each for part in parts for each in part.node_names()][:1]
         names = list(dict.fromkeys(each.name for each in nodes))
         further = (each for each in nodes if each.name != names[0])
+        place = point(file.path, 1, 1)
+        missing = (Unread(NOT_FOLLOWED, name, place) for name in sorted(self.missing))
         return Interface(
             tuple(published),
             tuple(each.topic for each in found if not each.published),
             next(iter(names), None),
-            unread=(*(note for part in parts for note in part.unread), *further),
+            unread=(*(note for part in parts for note in part.unread), *further, *missing),
+            names=tuple(name for part in parts for name in part.names),
+            unnamed=any(part.unnamed for part in parts),
         )
 
     def made_with(self, file: SourceFile, node: ast.AST) -> list[dict[str, ast.expr]]:
@@ -153,20 +183,48 @@ class _Program:
 
     def target(self, file: SourceFile, name: str) -> tuple[SourceFile, ast.AST] | None:
         """Return the function or class of the workspace that a name stands for."""
-        first, _, rest = name.partition(".")
+        first, *rest = name.split(".")
         if first in file.outer:
             return file, file.outer[first]
         if first in file.imports:
-            full = f"{file.imports[first]}.{rest}" if rest else file.imports[first]
-            module, _, last = full.rpartition(".")
-            found = self.files.file(module) if module else None
-            if found is not None and last in found.outer:
-                return found, found.outer[last]
+            return self.imported([*file.imports[first].split("."), *rest], first in file.relative)
+        for base in file.stars:
+            starred = self.files.file(base)
+            if starred is not None and first in starred.outer:
+                return starred, starred.outer[first]
+        return None
+
+    def imported(
+        self, full: Sequence[str], is_relative: bool, depth: int = 0
+    ) -> tuple[SourceFile, ast.AST] | None:
+        """Return the function or class of a full name, or None if it is none of the workspace.
+
+        The name is noted if its module should be in the workspace and is not.
+        """
+        for size in range(len(full), 0, -1):
+            found = self.files.file(".".join(full[:size]))
+            if found is None:
+                continue
+            is_here = is_relative or size > 1 or found.path.endswith("__init__.py")
+            if size == len(full):
+                return None
+            inner = full[size]
+            if inner in found.outer:
+                return found, found.outer[inner]
+            if inner in found.imports and depth < _FARTHEST:
+                origin = [*found.imports[inner].split("."), *full[size + 1 :]]
+                return self.imported(origin, inner in found.relative, depth + 1)
+            is_missing = found.path.endswith("__init__.py") and len(full) > size + 1
+            if is_here and is_missing and inner not in _GENERATED | found.constants.keys():
+                self.missing.add(".".join(full))
+            return None
+        if is_relative:
+            self.missing.add(".".join(full))
         return None
 
 
 def _at_rate(topic: Topic, hz: Fraction | None) -> Topic:
-    return Topic(topic.name, topic.type, topic.span, topic.parameter, hz)
+    return replace(topic, hz=hz)
 
 
 def _mentioned(part: ast.AST) -> Iterator[str]:
@@ -192,6 +250,8 @@ class _Unit(Texts):
     ) -> None:
         super().__init__(files, file, node, given=given)
         self.unread: list[Unread] = []
+        self.names: list[Topic] = []
+        self.unnamed = False
         self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
 
     def span(self, node: ast.expr) -> Span:
@@ -231,7 +291,10 @@ class _Unit(Texts):
                     is_named = isinstance(first, ast.Constant)
                     yield from self.topic(call, keeper, 1, 0 if is_named else 2, False)
                 case _ if name in _CALLS:
-                    self.note("services and actions", call, name)
+                    self.note(SERVICES, call, name)
+                    self.further(call, *_CALLS[name])
+                case _ if name in _PARAMETERS and owner == "rospy":
+                    self.further(call, 0, None)
 
     def topic(
         self, call: ast.Call, keeper: str | None, type_at: int, name_at: int, published: bool
@@ -246,6 +309,9 @@ class _Unit(Texts):
             name = call.args[name_at]
         if name is None or kind is None:
             return
+        switches = self.switches(call)
+        if published and keeper:
+            switches |= self.used_if(keeper)
         before = self.values
         named_so: set[str] = set()
         for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
@@ -259,7 +325,36 @@ class _Unit(Texts):
             if (parameter or text or "") not in named_so:
                 named_so.add(parameter or text or "")
                 topic = Topic(text or "", self.type(kind), self.span(name), parameter)
+                topic = replace(topic, switches=tuple(sorted(switches)))
                 yield _Found(topic, keeper, published)
+        self.values = before
+
+    def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
+        """Return the parameters that decide whether a publisher publishes at all."""
+        used = [
+            self.switches(call)
+            for call, _ in self.calls[:_MOST_CALLS]
+            if called_name(call) == "publish" and dotted_name(call.func) == f"{keeper}.publish"
+        ]
+        return frozenset.intersection(*used) if used else frozenset()
+
+    def further(self, call: ast.Call, name_at: int, keyword: str | None) -> None:
+        """Note the name of a service or action, or with no keyword of a parameter."""
+        named = {k.arg: k.value for k in call.keywords if k.arg}
+        name = named.get(keyword) if keyword else None
+        if name is None and name_at < len(call.args):
+            name = call.args[name_at]
+        before = self.values
+        for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
+            self.values = {**before, **bound}
+            self.steps = 0
+            text = None if name is None else self.text(name)
+            if name is not None and text is not None:
+                ends = OF_ACTION if called_name(call).startswith("Simple") else ("",)
+                parameter = self.parameter(name)
+                self.names += (Topic(text + end, None, None, parameter) for end in ends)
+            elif keyword is not None:
+                self.unnamed = True
         self.values = before
 
     def note(self, sort: str, node: ast.expr, name: str) -> None:
@@ -306,7 +401,7 @@ class _Unit(Texts):
     def bodies(self) -> tuple[ast.AST, ...]:
         """The functions in this part of the program, or all of it."""
         every = list(ast.walk(self.node))
-        return tuple(each for each in every if isinstance(each, ast.FunctionDef)) or (self.node,)
+        return tuple(each for each in every if isinstance(each, _FUNCTIONS)) or (self.node,)
 
     def functions(self, callback: ast.expr) -> list[ast.AST]:
         """Return what a callback is."""

@@ -8,11 +8,13 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from fnmatch import fnmatch
+from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.ros2.cmake import Installed, read_cmake
+from mars_asp.exchange.ros2.setup_files import files_of_setup
 from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
 
@@ -68,6 +70,7 @@ class Workspace:
         self._shown: dict[Path, str] = {}
         self._ignored: list[tuple[Path, tuple[str, ...]]] | None = None
         self._contents: dict[Path, tuple[frozenset[str], str]] = {}
+        self._shared: dict[Path, list[Installed]] = {}
 
     def given(self, path: str, text: str) -> Path:
         """Return the path of a file or folder that the user names, of a file with its text.
@@ -179,7 +182,8 @@ class Workspace:
             package = self.package(match[1])
             if package is None:
                 return None
-            candidates = (package.folder / path[match.end() :],)
+            inner = path[match.end() :]
+            candidates = (package.folder / inner, *self._sources(package, inner))
         for candidate in candidates:
             try:
                 found = self._inside(candidate)
@@ -246,7 +250,7 @@ class Workspace:
                 for folder in {self.root, *(each.folder for each in self.packages)}
             ]
         return any(
-            fnmatch(name, pattern)
+            fnmatchcase(name, pattern)
             for folder, patterns in self._ignored
             if folder in (package.folder, *package.folder.parents)
             for pattern in patterns
@@ -290,6 +294,44 @@ class Workspace:
             return True
         # Names that a build file composes are not known.
         return is_program and _COMPOSED.search(build) is not None
+
+    def _sources(self, package: Package, path: str) -> Iterator[Path]:
+        """Yield the files of a package that may be installed as a path of its shared folder."""
+        folder, _, name = path.rpartition("/")
+        for source, target, is_folder in self._installed(package):
+            above, _, last = source.rpartition("/")
+            if not is_folder:
+                if folder == target and fnmatchcase(name, last):
+                    yield package.folder / above / name
+                continue
+            # Without a slash at its end a folder keeps its name.
+            below = "/".join(filter(None, (target, last)))
+            if not below or path.startswith(f"{below}/"):
+                inner = path[len(below) :].lstrip("/")
+                yield package.folder / source / inner
+
+    def _installed(self, package: Package) -> Sequence[Installed]:
+        """Return what a package says that it installs as shared files."""
+        if package.folder not in self._shared:
+            setup, build = (
+                "" if found is None else self._readable(found)
+                for found in (
+                    self.find(name, package.folder) for name in ("setup.py", "CMakeLists.txt")
+                )
+            )
+            self._shared[package.folder] = []
+            # A text of a thousand summands is no path.
+            with suppress(RecursionError):
+                self._shared[package.folder] += files_of_setup(setup, package.name)
+            self._shared[package.folder] += read_cmake(build).installed
+        return self._shared[package.folder]
+
+    def _readable(self, file: Path) -> str:
+        """Return the text of a file, or an empty one if it has errors."""
+        try:
+            return self.text(file)
+        except MarsError:
+            return ""
 
     def text(self, file: Path) -> str:
         r"""Return the text of a file, with `\n` for every line end.

@@ -6,12 +6,17 @@ from pathlib import Path
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace.tree import Unexplained
 from mars_asp.diagnostic import Span
+from mars_asp.model.graph import OPEN_CONDITION
 from mars_asp.reasoning.analysis import Consequence, diagnostic
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Explanation, Topic
 from mars_asp.reasoning.session import Evidence
+
+
+#: The order of findings, which are in the order of their places otherwise.
+_GRAVITY = {"error": 0, "warning": 1, "note": 2}
 
 
 def explain_trees(
@@ -34,7 +39,10 @@ def explain_trees(
         MarsError: rules that clingo refuses.
     """
     analysis = analyse_trees(project, rulebook)
-    chosen = [each for each in analysis.consequences if subject is None or _is_about(each, subject)]
+    chosen = sorted(
+        (each for each in analysis.consequences if subject is None or _is_about(each, subject)),
+        key=lambda finding: _GRAVITY[finding.severity],
+    )
     if subject is not None and not chosen:
         return None
     evidence = Evidence(launch_rules(rulebook), analysis.facts, analysis)
@@ -68,6 +76,8 @@ def _cited(finding: Consequence, folder: Path) -> Iterator[Cited]:
     for condition in finding.conditions:
         if condition.span is not None:
             of = f"only {condition.how} `{condition.variable}` is `{condition.value}`"
+            if condition.variable.startswith(OPEN_CONDITION):
+                of = f"only {condition.how} this condition holds"
             lines.setdefault(condition.span[:2], (condition.span, of))
     for span, label in sorted(lines.values(), key=lambda line: _order(line[0], finding)):
         yield Cited(span, _where(span, folder), label)

@@ -1,0 +1,366 @@
+"""Handles through which C++ makes topics: node handles of ROS 1 and sub-nodes of ROS 2.
+
+A handle puts a prefix before names: `~` if it is private to the node, else a namespace or nothing.
+Handles are followed from their constructors through variables, members and arguments of functions.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    is_word,
+    split,
+    text_at,
+)
+from mars_asp.exchange.ros2.cpp_code import Body, CppCode
+
+#: Functions of nodelets that return handles, and the prefixes of these.
+_GETTERS = {
+    "getPrivateNodeHandle": "~",
+    "getMTPrivateNodeHandle": "~",
+    "getNodeHandle": "",
+    "getMTNodeHandle": "",
+}
+#: Classes whose objects are handles; the last is made from another handle.
+_CLASSES = frozenset({"NodeHandle", "NodeHandlePtr", "ImageTransport"})
+_SUB_NODE = "create_sub_node"
+#: Types of parameters that may take a sub-node.
+_NODES = frozenset({"Node", "LifecycleNode"})
+_BETWEEN = frozenset({">", "&", "*", "&&", "const"})
+_MOST_WORDS = 50
+_MOST_ROUNDS = 20
+_MOST_PREFIXES = 4
+
+#: A variable: the class or function that it belongs to, and its name.
+_Key = tuple[str, str]
+#: The text of an expression, or None if it is unknown.
+Evaluate = Callable[[CppCode, Sequence[Token]], str | None]
+
+
+class _Source(NamedTuple):
+    """A value that a variable can get: the prefix of `key`, if there is one, and `suffix`."""
+
+    key: _Key | None
+    suffix: str | None
+
+
+class _Function(NamedTuple):
+    """A function that takes handles: its number in the program, and the names of its parameters."""
+
+    scope: str
+    handles: tuple[str | None, ...]
+
+
+class Handles:
+    """The handles of a program."""
+
+    def __init__(self, files: Sequence[CppCode], evaluate: Evaluate) -> None:
+        """Follow the handles of all files; `evaluate` gives the text of an expression."""
+        self._evaluate = evaluate
+        self._prefixes: dict[_Key, list[str | None]] = {}
+        self._locals: dict[str, set[str]] = {}
+        self._members: dict[str, set[str]] = {}
+        self._names: set[str] = set()
+        self._edges: dict[_Key, list[tuple[_Key, str | None]]] = {}
+        used = [file for file in files if _mentions(file)]
+        self.is_empty = not used
+        if self.is_empty:
+            return
+        every = list(files)
+        has_sub_nodes = any(_SUB_NODE in file.text for file in used)
+        for file in every:
+            self._declared(file, has_sub_nodes)
+        functions = self._functions(every)
+        for file in every:
+            self._assigned(file)
+            self._passed(file, functions)
+        self._settle()
+
+    def at(self, file: CppCode, begin: int, end: int) -> Sequence[str | None]:
+        """Return the prefixes of a handle given by tokens; one is None if it is unknown."""
+        if self.is_empty:
+            return ("",)
+        found: list[str | None] = []
+        for source in self._sources(file, begin, end):
+            if source.key is None:
+                found.append(source.suffix)
+            else:
+                found += (
+                    joined(prefix, source.suffix) for prefix in self._prefixes.get(source.key, ())
+                )
+        return list(dict.fromkeys(found)) or ("",)
+
+    # ---- Names
+
+    def _key(self, file: CppCode, at: int, name: str) -> _Key:
+        """Return the variable that a name is at a token: a local one, or else a member."""
+        around = list(file.bodies_at(at))
+        for body in around:
+            scope = _scope_of(file, body)
+            if name in self._locals.get(scope, ()):
+                return scope, name
+        classes = self._members.get(name, set())
+        # Macros look like functions, so the outermost decides.
+        owner = file.class_of(around[-1]) if around else file.class_at(at)
+        if owner in classes:
+            return owner, name
+        return min(classes) if len(classes) == 1 else "", name
+
+    def _declared(self, file: CppCode, has_sub_nodes: bool) -> None:
+        """Note the variables and members that are handles."""
+        tokens = file.tokens
+        for at, token in enumerate(tokens):
+            if token.text in _CLASSES or (has_sub_nodes and token.text in _NODES):
+                after = at + 1
+                if text_at(tokens, after) == "::" and text_at(tokens, after + 1).endswith("Ptr"):
+                    after += 2
+                while text_at(tokens, after) in _BETWEEN:
+                    after += 1
+                name = text_at(tokens, after)
+                if is_word(name):
+                    self._declare(file, after, name)
+            elif token.text in _GETTERS or token.text == _SUB_NODE:
+                back = at - 1
+                while back > at - 10 and text_at(tokens, back) not in ("=", ";", "{", "}", "("):
+                    back -= 1
+                name = text_at(tokens, back - 1)
+                if text_at(tokens, back) == "=" and is_word(name):
+                    if text_at(tokens, back - 2) in ("auto", "&", "*"):
+                        self._declare(file, back - 1, name)
+                    else:
+                        self._names.add(name)
+
+    def _declare(self, file: CppCode, at: int, name: str) -> None:
+        self._names.add(name)
+        body = next(file.bodies_at(at), None)
+        if body is None:
+            self._members.setdefault(name, set()).add(file.class_at(at))
+        else:
+            self._locals.setdefault(_scope_of(file, body), set()).add(name)
+
+    def _functions(self, files: Sequence[CppCode]) -> dict[str, list[_Function]]:
+        """Return the functions that take handles, by their names."""
+        found: dict[str, list[_Function]] = {}
+        for file in files:
+            for body in file.bodies:
+                scope = _scope_of(file, body)
+                own = self._locals.get(scope, set())
+                names = [_name_of(group) for group in split(body.parameters)]
+                handles = tuple(name if name in own else None for name in names)
+                if any(handles):
+                    found.setdefault(body.name, []).append(_Function(scope, handles))
+        return found
+
+    # ---- Values
+
+    def _assigned(self, file: CppCode) -> None:
+        """Note the values that variables get where they are declared, assigned or initialised."""
+        tokens = file.tokens
+        for at, token in enumerate(tokens):
+            if token.text not in self._names:
+                continue
+            sign = text_at(tokens, at + 1)
+            begin = at + 2
+            if sign == "=" and text_at(tokens, at + 2) != "=":
+                end = _end_of(file, begin)
+            elif sign in ("(", "{"):
+                end = min(file.closed[at + 1] - 1, at + _MOST_WORDS)
+                if _is_defined(file, at + 1):
+                    continue
+            elif sign in (".", "->") and text_at(tokens, at + 2) == "reset":
+                begin, end = at + 4, min(file.closed.get(at + 3, at + 4) - 1, at + _MOST_WORDS)
+            else:
+                continue
+            is_init = sign in ("(", "{")
+            key = self._key(file, at, token.text)
+            sources = self._made(file, begin, end) if is_init else self._sources(file, begin, end)
+            for source in sources:
+                self._flow(source, key)
+
+    def _passed(self, file: CppCode, functions: dict[str, list[_Function]]) -> None:
+        """Note the handles that are arguments of functions and constructors."""
+        tokens = file.tokens
+        objects: dict[str, str] = {}
+        for at, token in enumerate(tokens):
+            after = at + 1
+            name = objects.get(token.text, token.text)
+            if name not in functions or text_at(tokens, at - 1) in ("class", "struct"):
+                continue
+            while text_at(tokens, after) in (">", "&", "*"):
+                after += 1
+            if is_word(text_at(tokens, after)) and token.text == name:
+                # `Class object(handle)`, or a member that a constructor initialises.
+                objects[text_at(tokens, after)] = name
+                after += 1
+            if text_at(tokens, after) not in ("(", "{"):
+                continue
+            if _is_defined(file, after):
+                continue
+            arguments = list(_arguments(file, after))
+            for function in functions[name]:
+                if len(arguments) > len(function.handles):
+                    continue
+                for (begin, end), parameter in zip(arguments, function.handles, strict=False):
+                    if parameter is not None:
+                        for source in self._sources(file, begin, end):
+                            self._flow(source, (function.scope, parameter))
+
+    def _sources(self, file: CppCode, begin: int, end: int) -> Iterator[_Source]:
+        """Yield the handles that an expression can be."""
+        tokens = file.tokens
+        words = [token.text for token in tokens[begin : min(end, begin + _MOST_WORDS)]]
+        getter = next((word for word in words if word in _GETTERS), None)
+        made = next((i for i, word in enumerate(words) if word in _CLASSES), None)
+        if _SUB_NODE in words:
+            at = begin + words.index(_SUB_NODE)
+            opening = at + 1
+            parents = list(self._sources(file, begin, at - 1)) or [_Source(None, "")]
+            suffix = None
+            for first, last in list(_arguments(file, opening))[:1]:
+                suffix = self._evaluate(file, tokens[first:last])
+            for parent in parents:
+                yield _Source(parent.key, joined(parent.suffix, suffix))
+        elif made is not None:
+            opening = begin + made + 1
+            while opening < end and text_at(tokens, opening) not in ("(", "{"):
+                opening += 1
+            if opening < end:
+                yield from self._made(file, opening + 1, file.closed[opening] - 1)
+        elif getter is not None:
+            yield _Source(None, _GETTERS[getter])
+        else:
+            if words[-2:] == ["(", ")"]:
+                words = words[:-2]
+            names = [word for word in words if is_word(word)]
+            if names and names[-1] in self._names:
+                yield _Source(self._key(file, begin, names[-1]), "")
+
+    def _made(self, file: CppCode, begin: int, end: int) -> Iterator[_Source]:
+        """Yield the handles that a constructor makes from its arguments, which are given."""
+        tokens = file.tokens
+        groups = list(_arguments(file, begin - 1)) if begin < end else []
+        if not groups:
+            yield _Source(None, "")
+            return
+        parents = list(self._sources(file, *groups[0]))
+        first = None if parents else self._evaluate(file, tokens[slice(*groups[0])])
+        if first is not None:
+            yield _Source(None, first)
+            return
+        if not parents:
+            yield _Source(None, None)
+        suffix: str | None = ""
+        if len(groups) > 1:
+            suffix = self._evaluate(file, tokens[slice(*groups[1])])
+        for parent in parents:
+            yield _Source(parent.key, joined(parent.suffix, suffix))
+
+    def _flow(self, source: _Source, key: _Key) -> None:
+        if source.key is None:
+            self._add(key, source.suffix)
+        elif source.key != key:
+            self._edges.setdefault(source.key, []).append((key, source.suffix))
+
+    def _add(self, key: _Key, prefix: str | None) -> bool:
+        known = self._prefixes.setdefault(key, [])
+        if prefix in known or len(known) >= _MOST_PREFIXES:
+            return False
+        known.append(prefix)
+        return True
+
+    def _settle(self) -> None:
+        """Follow the edges to a fixpoint; a handle with no value at all is a public one."""
+        self._spread()
+        targets = {target for edges in self._edges.values() for target, _ in edges}
+        for key in self._edges:
+            if key not in targets and not self._prefixes.get(key):
+                self._add(key, "")
+        self._spread()
+
+    def _spread(self) -> None:
+        for _ in range(_MOST_ROUNDS):
+            added = False
+            for key, edges in self._edges.items():
+                for prefix in tuple(self._prefixes.get(key, ())):
+                    for target, suffix in edges:
+                        added |= self._add(target, joined(prefix, suffix))
+            if not added:
+                return
+
+
+def joined(prefix: str | None, name: str | None) -> str | None:
+    """Return a name below a prefix, or None if one of both is unknown."""
+    if prefix is None or name is None:
+        return None
+    if not prefix or name.startswith(("/", "~")):
+        return name
+    return f"{prefix}/{name}" if name else prefix
+
+
+def _mentions(file: CppCode) -> bool:
+    return any(word in file.text for word in ("NodeHandle", _SUB_NODE))
+
+
+def _scope_of(file: CppCode, body: Body) -> str:
+    return f"{file.source.path}:{body.opening}"
+
+
+def _is_defined(file: CppCode, opening: int) -> bool:
+    """Whether a bracket opens the parameters of a function that is defined there."""
+    body = next(file.bodies_at(opening + 1), None)
+    return body is not None and body.opening == opening
+
+
+def _name_of(parameter: Sequence[Token]) -> str | None:
+    """Return the name of a parameter, which is before its default."""
+    words = [token.text for token in parameter]
+    if "=" in words:
+        words = words[: words.index("=")]
+    return words[-1] if len(words) > 1 and is_word(words[-1]) else None
+
+
+def _end_of(file: CppCode, at: int) -> int:
+    """Return the index after an expression, which ends at a comma or a bracket that closes."""
+    last = min(len(file.tokens), at + _MOST_WORDS)
+    while at < last and text_at(file.tokens, at) not in (";", ",", ")", "}"):
+        at = file.closed.get(at, at + 1)
+    return min(at, last)
+
+
+def _arguments(file: CppCode, opening: int) -> Iterator[tuple[int, int]]:
+    """Yield the first index and the index after the last of each argument in a bracket."""
+    end = min(file.closed.get(opening, opening + 1) - 1, opening + _MOST_WORDS * 4)
+    begin = at = opening + 1
+    while at < end:
+        if file.tokens[at].text == ",":
+            yield begin, at
+            begin = at = at + 1
+        else:
+            at = file.closed.get(at, at + 1)
+    if begin < end:
+        yield begin, end
+
+
+def handle_tokens(file: CppCode, at: int) -> tuple[int, int]:
+    """Return the range of the expression on which a method is called, whose name is at a token."""
+    tokens = file.tokens
+    if text_at(tokens, at - 1) not in (".", "->"):
+        return at, at
+    begin = end = at - 1
+    while begin > 0:
+        text = text_at(tokens, begin - 1)
+        if text in (")", "]"):
+            last = begin
+            while begin > max(0, last - _MOST_WORDS) and file.closed.get(begin) != last:
+                begin -= 1
+        elif is_word(text) and text not in ("return", "new"):
+            begin -= 1
+            # Two words in a row are of two expressions.
+            if text_at(tokens, begin - 1) not in (".", "->", "::"):
+                break
+        elif text in (".", "->", "::"):
+            begin -= 1
+        else:
+            break
+    return begin, end

@@ -1,0 +1,142 @@
+"""Conditions of statements in launch files in Python, as tests of launch arguments."""
+
+import ast
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.ros2.actions import Argument, Test, Text, plain
+from mars_asp.exchange.ros2.conditions import tests_of
+from mars_asp.exchange.ros2.python_values import Call, Plain, Value, text_from
+
+#: Texts that mean true or false, lower case.
+_TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
+#: Methods that leave the value of an argument as it is, for a comparison.
+_SAME = frozenset({"perform", "lower", "strip"})
+_CONDITIONS = frozenset({"IfCondition", "UnlessCondition"})
+_MOST_PARTS = 20
+
+#: The value of an expression, and of a name.
+Evaluate = Callable[[ast.expr], Value]
+
+
+class Tested(NamedTuple):
+    """The tests that a condition implies, and whether they imply the condition."""
+
+    tests: tuple[Test, ...] = ()
+    is_complete: bool = False
+
+
+def tested(node: ast.expr, names: Mapping[str, Value], value: Evaluate, span: Span) -> Tested:
+    """Return the tests of launch arguments that the condition of a statement is."""
+    match node:
+        case ast.BoolOp(op=ast.And(), values=parts):
+            each = [tested(part, names, value, span) for part in parts[:_MOST_PARTS]]
+            is_complete = len(parts) == len(each) and all(part.is_complete for part in each)
+            return Tested(tuple(test for part in each for test in part.tests), is_complete)
+        case ast.UnaryOp(op=ast.Not(), operand=inner):
+            tests, is_complete = tested(inner, names, value, span)
+            if not is_complete or len(tests) != 1:
+                return Tested()
+            return Tested((replace(tests[0], wanted=not tests[0].wanted),), True)
+        case ast.Compare(left=left, ops=[operator], comparators=[right]):
+            return _compared(_text(left, names, value), operator, right, span)
+        case ast.Call(func=ast.Attribute(value=ast.Call() as made, attr="evaluate")):
+            condition = value(made) if _called(made) in _CONDITIONS else None
+            tests = tests_of(condition, span) if isinstance(condition, Call) else ()
+            tests = tuple(replace(test, span=span) for test in tests)
+            return Tested(tests, len(tests) == 1)
+        case _:
+            text = _text(node, names, value)
+            if text is None or plain(text) is not None:
+                return Tested()
+            # A text is true if it is not empty.
+            return Tested((Test(text, (), False, span),), True)
+
+
+def _compared(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Span) -> Tested:
+    """Return the test of a comparison with texts that are written out."""
+    listed = right.elts if isinstance(right, ast.Tuple | ast.List | ast.Set) else [right]
+    values = [str(each.value) for each in listed if isinstance(each, ast.Constant)]
+    is_list = isinstance(operator, ast.In | ast.NotIn)
+    if text is None or len(values) < len(listed) or is_list == (listed == [right]):
+        return Tested()
+    wanted = isinstance(operator, ast.Eq | ast.In | ast.Is)
+    if not wanted and not isinstance(operator, ast.NotEq | ast.NotIn | ast.IsNot):
+        return Tested()
+    lower = {each.lower() for each in values}
+    for truths, is_true in ((_TRUE, True), (_FALSE, False)):
+        if lower <= truths and lower & {"true", "false"}:
+            return Tested((Test(text, None, wanted == is_true, span),), True)
+    if len(values) != 1:
+        return Tested()
+    written = (values[0],) if values[0] else ()
+    return Tested((Test(text, written, wanted, span),), True)
+
+
+def _text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) -> Text | None:
+    """Return the text of a literal or an argument, or None if an expression is neither."""
+    for _ in range(_MOST_PARTS):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="perform_substitution"), args=[inner, *_]):
+                node = inner
+            case ast.Call(func=ast.Attribute(value=inner, attr=attr)) if attr in _SAME:
+                node = inner
+            case ast.Call(func=ast.Attribute(value=owner, attr="get"), args=[key, *_]):
+                return _argument(key) if _is_configurations(owner) else None
+            case _:
+                break
+    found: Value = None
+    match node:
+        case ast.Name(id=name):
+            found = names.get(name)
+        case ast.Subscript(value=owner, slice=key) if _is_configurations(owner):
+            return _argument(key)
+        case ast.Call() if _called(node) == "LaunchConfiguration":
+            found = value(node)
+    if not isinstance(found, Plain):
+        return None
+    text = text_from(found)
+    is_known = plain(text) is not None or (len(text) == 1 and isinstance(text[0], Argument))
+    return text if is_known else None
+
+
+def _is_configurations(node: ast.expr) -> bool:
+    return isinstance(node, ast.Attribute) and node.attr == "launch_configurations"
+
+
+def _argument(key: ast.expr) -> Text | None:
+    is_text = isinstance(key, ast.Constant) and isinstance(key.value, str)
+    return (Argument(str(key.value)),) if isinstance(key, ast.Constant) and is_text else None
+
+
+def _called(node: ast.Call) -> str:
+    return node.func.id if isinstance(node.func, ast.Name) else ""
+
+
+def decision(tests: Tested) -> bool | None:
+    """Return whether a condition of literals holds, or None if it depends on an argument."""
+    results = [
+        plain(test.text) == plain(test.value)
+        if test.value is not None
+        else (plain(test.text) or "").lower() in _TRUE
+        for test in tests.tests
+        if plain(test.text) is not None
+    ]
+    if not tests.is_complete or len(results) < len(tests.tests) or not results:
+        return None
+    wanted = [test.wanted for test in tests.tests]
+    return all(result == each for result, each in zip(results, wanted, strict=True))
+
+
+def branch_tests(tests: Tested, name: str, choice: int, span: Span) -> Iterator[Test]:
+    """Yield the tests for one branch of a statement; `name` is that of its condition."""
+    is_single = tests.is_complete and len(tests.tests) == 1
+    if choice == 0:
+        yield from tests.tests
+    elif is_single:
+        yield replace(tests.tests[0], wanted=not tests.tests[0].wanted)
+    if not is_single:
+        is_implied = choice == 0 and tests.is_complete
+        yield Test((name,), ("true",), choice == 0, span, branch=True, implied=is_implied)

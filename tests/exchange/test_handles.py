@@ -1,0 +1,129 @@
+"""Handles of nodes in C++: which names the topics have that are made through them."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.exchange.ros2.source_cpp import read_cpp
+
+#: A program, and the topics that it has for its node.
+HANDLES = [
+    ('void f() { ros::NodeHandle h("~"); h.advertise<A>("t", 1); }', ["~/t"]),
+    ('void f() { ros::NodeHandle h = ros::NodeHandle("~"); h.advertise<A>("t", 1); }', ["~/t"]),
+    ('void f() { ros::NodeHandle("~").advertise<A>("t", 1); }', ["~/t"]),
+    (
+        'void f() { ros::NodeHandle h("~"); ros::NodeHandle g(h, "arm"); g.advertise<A>("t", 1); }',
+        ["~/arm/t"],
+    ),
+    (
+        'void f() { ros::NodeHandle h; ros::NodeHandle g(h, "arm"); g.advertise<A>("t", 1); }',
+        ["arm/t"],
+    ),
+    ('void f(std::string s) { ros::NodeHandle h(s); h.advertise<A>("t", 1); }', []),
+    ('void f(std::string s) { ros::NodeHandle h(s); h.advertise<A>("/t", 1); }', ["/t"]),
+    ('void f() { ros::NodeHandle h = this->getPrivateNodeHandle(); h.advertise<A>("t", 1); }',
+     ["~/t"]),
+    ('void f() { auto& h = getMTPrivateNodeHandle(); h.advertise<A>("t", 1); }', ["~/t"]),
+    ('void f() { auto h = getNodeHandle(); h.advertise<A>("t", 1); }', ["t"]),
+    ('void f() { getPrivateNodeHandle().advertise<A>("t", 1); }', ["~/t"]),
+    # A local handle hides that of another function.
+    (
+        'void f() { ros::NodeHandle h("~"); }\n'
+        'void g() { ros::NodeHandle h; h.advertise<A>("t", 1); }',
+        ["t"],
+    ),
+    # Arguments of functions, constructors and methods.
+    (
+        'void f(ros::NodeHandle& n) { n.advertise<A>("t", 1); }\n'
+        "void g() { f(getPrivateNodeHandle()); }",
+        ["~/t"],
+    ),
+    (
+        "struct C { C(ros::NodeHandle& n, int i) : i_(i), n_(n) {}\n"
+        '  void init() { n_.advertise<A>("t", 1); }\n  int i_; ros::NodeHandle n_; };\n'
+        "struct N { void onInit() { ros::NodeHandle h = getPrivateNodeHandle();\n"
+        "  c_.reset(new C(h, 1)); }\n  std::shared_ptr<C> c_; };",
+        ["~/t"],
+    ),
+    (
+        'class C { public: void init(ros::NodeHandle& a, ros::NodeHandle& b); };\n'
+        'void C::init(ros::NodeHandle& a, ros::NodeHandle& b) {\n'
+        '  a.advertise<A>("t", 1); b.advertise<A>("u", 1); }\n'
+        "void f(C* c) { c->init(getPrivateNodeHandle(), getNodeHandle()); }",
+        ["~/t", "u"],
+    ),
+    # Members of one name, each of a class of its own.
+    (
+        'struct P { P() : h_("~") { h_.advertise<A>("p", 1); } ros::NodeHandle h_; };\n'
+        'struct Q { Q() { h_.advertise<A>("q", 1); } ros::NodeHandle h_; };',
+        ["~/p", "q"],
+    ),
+    (
+        "struct P { void f() { h_ = getPrivateNodeHandle(); }\n"
+        '  void g() { h_.advertise<A>("t", 1); }\n  ros::NodeHandle h_; };',
+        ["~/t"],
+    ),
+    (
+        "struct P { void f() { h_.reset(new ros::NodeHandle(\"~\")); }\n"
+        '  void g() { h_->advertise<A>("t", 1); }\n  ros::NodeHandlePtr h_; };',
+        ["~/t"],
+    ),
+    # Objects of one class that are made from two handles have both topics.
+    (
+        'void f(ros::NodeHandle n) { n.advertise<A>("t", 1); }\n'
+        'void g() { ros::NodeHandle h("~"); f(h); f(ros::NodeHandle("arm")); }',
+        ["arm/t", "~/t"],
+    ),
+    (
+        'void f() { ros::NodeHandle h("~"); image_transport::ImageTransport it(h);\n'
+        '  it.advertise("t", 1); }',
+        ["~/t"],
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "topics"), HANDLES)
+def test_topics_are_below_the_prefix_of_their_handle(text: str, topics: list[str]) -> None:
+    found = read_cpp([(text, "x.cpp")])
+    assert [topic.name for topic in found.published] == topics
+    assert bool(found.unread) == (not topics)
+
+
+def test_filters_of_messages_take_the_handle_first() -> None:
+    text = 'void f() { ros::NodeHandle h("~"); message_filters::Subscriber<A> s(h, "t", 1); }'
+    assert [topic.name for topic in read_cpp([(text, "x.cpp")]).subscribed] == ["~/t"]
+
+
+NODELET = """
+#include "mine/core.hpp"
+class Mine : public nodelet::Nodelet {
+  void onInit() override { core_.init(getPrivateNodeHandle()); }
+  Core core_;
+};
+PLUGINLIB_EXPORT_CLASS(mine::Mine, nodelet::Nodelet)
+"""
+CORE = '#include "mine/core.hpp"\nvoid Core::init(ros::NodeHandle& n) { n.advertise<A>("t", 1); }'
+BUILDS = [
+    "add_library(core src/core.cpp)\nadd_library(let src/let.cpp)\ntarget_link_libraries(let core)",
+    "add_subdirectory(src)",
+]
+
+
+@pytest.mark.parametrize("build", BUILDS)
+def test_a_nodelet_has_the_topics_of_its_library(build: str, tmp_path: Path) -> None:
+    written = {
+        "package.xml": "<package><name>mine</name></package>",
+        "CMakeLists.txt": build,
+        "src/let.cpp": NODELET,
+        "src/core.cpp": CORE,
+        "src/other.cpp": '#include "mine/core.hpp"\nint main() { node.advertise<A>("u", 1); }',
+        "include/mine/core.hpp": "struct Core { void init(ros::NodeHandle& n); };",
+        "launch/x.launch": '<launch><node pkg="nodelet" type="nodelet" name="n"'
+        ' args="standalone mine/Mine"/></launch>',
+    }
+    for name, text in written.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True, parents=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    [module] = import_ros2([("", str(tmp_path))]).configuration.declared
+    assert [(service.port) for service in module.services] == ["/n/t"]
