@@ -11,6 +11,7 @@ from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.cases import run_case
 from mars_asp.reasoning.project import load_project, project_facts
 from mars_asp.reasoning.rules import STAGES, load_rulebook
+from tests.support.campaigns import seeds
 from tests.support.random_configurations import random_configuration
 
 
@@ -148,7 +149,7 @@ def test_who_and_at_say_what_heads_by_hand_say(
     pack = tmp_path / "mine.lp"
     robot = tmp_path / "robot.mars"
     busy = 0
-    for seed in range(12):
+    for seed in seeds(5, 60):
         lines = "D0 uses_data_from W0\nD1 uses_data_from W1\n"
         robot.write_text(f"{random_configuration(seed)}\n{lines}")
         said = []

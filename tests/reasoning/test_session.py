@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -47,6 +48,7 @@ def fresh() -> Reasoner:
     return Reasoner(PROJECT, RULEBOOK)
 
 
+@cache
 def of(question: int) -> object:
     try:
         return asked(fresh(), question)
@@ -54,6 +56,7 @@ def of(question: int) -> object:
         return repr(error)
 
 
+@pytest.mark.xdist_group("session")
 @pytest.mark.parametrize("first", EVERY)
 def test_every_question_is_answered_after_any_other(first: int) -> None:
     reasoner = fresh()

@@ -12,6 +12,7 @@ from mars_asp.reasoning.project import Project, load_project
 from mars_asp.reasoning.questions.without import Broken, without
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
+from tests.support.campaigns import seeds
 from tests.support.documents import ROOT
 from tests.support.random_configurations import random_configuration, random_control
 
@@ -95,7 +96,7 @@ def test_something_breaks_without_a_node(path: Path) -> None:
 
 @pytest.mark.parametrize("kind", [random_configuration, random_control])
 def test_something_breaks_without_a_node_of_random_configurations(kind: type) -> None:
-    for seed in range(4):
+    for seed in seeds(2, 20):
         check_each_node(Project(parse_text(kind(seed), "c.mars").configuration, {}, ()))
 
 
