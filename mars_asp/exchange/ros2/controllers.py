@@ -17,7 +17,8 @@ from mars_asp.exchange.unread import Unread
 Values: TypeAlias = Callable[[Started, str], Mapping[str, Given]]
 
 _PACKAGE = "controller_manager"
-_MANAGERS = frozenset({"ros2_control_node"})
+#: Programs that run the controllers which spawners load.
+MANAGERS = frozenset({"ros2_control_node"})
 _SPAWNERS = frozenset({"spawner", "spawner.py"})
 #: Options of spawners that a value follows, by their names for us.
 _VALUES = {
@@ -66,7 +67,7 @@ def with_controllers(
     managers = {
         joined(each.namespace, each.name or _PACKAGE): each
         for each in started
-        if each.package == _PACKAGE and each.executable in _MANAGERS
+        if each.package == _PACKAGE and each.executable in MANAGERS
     }
     for each in started:
         spawned = _spawned_by(each)

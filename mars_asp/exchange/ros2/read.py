@@ -12,7 +12,7 @@ from mars_asp.exchange.graph import joined, united
 from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
-from mars_asp.exchange.ros2.controllers import with_controllers
+from mars_asp.exchange.ros2.controllers import MANAGERS, with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, NOT_FOLLOWED, SERVICES, Topic
 from mars_asp.exchange.ros2.launch import Launch, Started
@@ -64,10 +64,14 @@ _HELPERS = {
 #: Packages of which each program publishes what it hears.
 _RELAYS = frozenset({"topic_tools"})
 _MOST_NAMED = 20
+_CONTROLLER_MANAGERS = "controller managers"
 #: Sorts of unread things that can neither be a node nor give one another topic.
+
 _HARMLESS = frozenset(
     {
         SERVICES,
+        # Controllers are nodes of their own, which spawners load.
+        _CONTROLLER_MANAGERS,
         "containers of components",
         "nodes that are made but not launched",
         "locks",
@@ -312,13 +316,8 @@ class _Robot:
 
     def _is_missing(self, started: Started) -> bool:
         """Whether the package of a node is here and lacks its program."""
-        program = Program(started.package, started.executable, started.plugin)
-        return (
-            not started.plugin
-            and started.executable != ""
-            and self.programs.interface(program) is None
-            and not self.workspace.has_program(started.package, started.executable)
-        )
+        is_named = started.executable != "" and not started.plugin
+        return is_named and not self.workspace.has_program(started.package, started.executable)
 
     def _catalogue(self) -> Catalogue:
         packages = (package.folder for package in self.workspace.packages)
@@ -451,6 +450,8 @@ class _Robot:
         known = self.catalogue.interface(*_key(program))
         if started.package in _HELPERS and known is None:
             sort, called = _HELPERS[started.package], started.name or started.executable
+            if started.executable in MANAGERS:
+                sort = _CONTROLLER_MANAGERS
             self.unread.append(Unread(sort, called, started.span))
             return None
         interface, is_catalogued = self.programs.interface(program), False

@@ -14,7 +14,6 @@ from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Explanation, Topic
 from mars_asp.reasoning.session import Evidence
 
-
 #: The order of findings, which are in the order of their places otherwise.
 _GRAVITY = {"error": 0, "warning": 1, "note": 2}
 
