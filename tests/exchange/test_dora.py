@@ -10,6 +10,7 @@ from mars_asp.exchange import ports
 from mars_asp.exchange.dora import import_dora
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import parse_text, print_configuration
+from mars_asp.language.print import print_relationship
 from tests.support.documents import ROOT
 from tests.support.imported import findings_of, meaning, place, said
 
@@ -54,6 +55,11 @@ REFUSED = [
      ["4:8: error: input `i` of `a` must take an output, not `x`",
       "5:8: error: input `j` of `a` must take an output, not `dora/timer/millis/0`",
       "6:8: error: input `k` of `a` must take an output, not `dora/timer/days/1`"]),
+    (NODE + "inputs:\n    i: dora/timer/millis\n    j: dora/timer/hz/-1\n"
+     "    k: dora/timer/secs/.5\n",
+     ["4:8: error: input `i` of `a` must take an output, not `dora/timer/millis`",
+      "5:8: error: input `j` of `a` must take an output, not `dora/timer/hz/-1`",
+      "6:8: error: input `k` of `a` must take an output, not `dora/timer/secs/.5`"]),
     (NODE + "operator: 1\n",
      ["3:3: error: `a` is not one of `custom`, `operator` and `operators`"]),
     (NODE + "operators: [1, {}]\n",
@@ -69,6 +75,26 @@ def test_each_file_that_is_refused_says_all_that_is_wrong(text: str, wrong: list
         import_dora([(text, "d.yml")])
     assert [place(d) for d in caught.value.diagnostics] == wrong
     assert all(d.help for d in caught.value.diagnostics)
+
+
+@pytest.mark.parametrize(
+    ("source", "line"),
+    [
+        ("dora/timer/hz/0.5", '"dora/timer/hz/0.5".tick NotifyAtFrequency 0.5'),
+        ("dora/timer/micros/250", "dora/timer/micros/250.tick NotifyAtFrequency 4000"),
+        ("dora/timer/nanos/3000000", "dora/timer/nanos/3000000.tick NotifyAtFrequency every 3 ms"),
+        ("dora/timer/micros/300", "dora/timer/micros/300.tick"),
+        ("dora/timer/hz/1e2", "dora/timer/hz/1e2.tick"),
+        ("dora/logs", "dora/logs.out"),
+        ("dora/logs/warn/camera", "dora/logs/warn/camera.out"),
+        ("_mod/goal", "_mod/goal.out"),
+    ],
+)
+def test_a_virtual_input_is_a_source_without_a_node(source: str, line: str) -> None:
+    found = import_dora([(NODE + f"inputs:\n    i: {source}\n", "d.yml")])
+    (printed,) = map(print_relationship, found.configuration.relationships)
+    assert printed == f"a.i uses_data_from {line}"
+    assert findings_of(found) == []
 
 
 def test_more_ports_than_any_robot_has_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,7 +115,7 @@ def test_a_wire_to_nothing_is_found_at_its_line(
     assert run_here(["analyse", "--quiet", str(path)]) == 1
     found = " ".join(capsys.readouterr().out.split())
     assert "d.yml:6:12: error: undeclared_port: `camera` has no output" in found
-    assert "d.yml:7:12: error: undeclared_module: `detector` takes part" in found
+    assert "d.yml:7:12: error: undeclared_module: no node is called `detector`" in found
 
 
 # ---- Real files ----------------------------------------------------------------------------------

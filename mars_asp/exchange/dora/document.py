@@ -16,15 +16,34 @@ from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_dump
 from mars_asp.model.ranges import MOST
-from mars_asp.model.rates import Rate, every
+from mars_asp.model.rates import Rate, every, read_frequency
 
 #: The part of a file that a single operator is in a source: `webcam/op/image`.
 _ALONE = "op"
-_TIMER = re.compile(r"a?dora/timer/(?P<unit>\w+)/(?P<number>[^/]+)")
+#: Inputs that dora itself feeds: timers, logs, and the inputs of a module in its own file.
+_VIRTUAL = re.compile(r"(?:a?dora|_mod)/.+")
+_TIMER = re.compile(r"a?dora/timer(?:/(?P<unit>[^/]*))?(?:/(?P<number>.*))?")
+#: A number as Rust reads it into a float.
+_FLOAT = re.compile(r"\+?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
+#: Nanoseconds of the units of timers.
+_UNITS = {"secs": 10**9, "millis": 10**6, "micros": 10**3, "nanos": 1}
+_MOST_COUNT = 2**64 - 1
 _WIRING = frozenset(
     "id inputs outputs input_types output_types send_stdout_as send_logs_as".split()
 )
 _PARTS = ("custom", "operator", "operators")
+#: Keys for describing, building, starting, logging and restarting, which have no part in wiring.
+_RUNNING = frozenset(
+    "name description path path_sha256 source args env envs build git hub branch tag rev python"
+    " shared-library wasm conda_env cpu_affinity deploy _unstable_deploy min_log_level max_log_size"
+    " max_rotated_files restart_policy max_restarts restart_delay max_restart_delay restart_window"
+    " health_check_timeout finish_grace_secs shared_memory_pool_size".split()
+)
+_RUNNING_ALL = frozenset(
+    "communication daemon_config deploy _unstable_deploy debug _unstable_debug env"
+    " health_check_interval exit_when_nodes_finish".split()
+)
+_SETTLED = _WIRING | _RUNNING
 #: An output may carry what a node prints or logs.
 _PRINTED = ("send_stdout_as", "send_logs_as")
 #: What of an input is no source.
@@ -42,13 +61,17 @@ class Port(NamedTuple):
 
 
 class Wire(NamedTuple):
-    """What an input takes: the output of a node, or what a timer with a rate ticks."""
+    """The source of an input: the output of a node, or a virtual input that dora feeds itself.
+
+    A timer has a `rate`, unless it cannot be written.
+    """
 
     input: str
     source: str
     output: str
     span: Span
     rate: Rate | None = None
+    is_virtual: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +129,7 @@ class _Reader:
         if not isinstance(nodes, Items) or not nodes.nodes:
             self.wrong(_begin(root.span), "the dataflow has no list of nodes", "write `nodes:`")
             return
-        self.skip(pairs, frozenset({"nodes"}), "settings of the dataflow")
+        self.skip(pairs, _RUNNING_ALL | {"nodes"}, "settings of the dataflow")
         for node in nodes.nodes:
             if isinstance(node, Pairs):
                 self.node(node)
@@ -125,7 +148,7 @@ class _Reader:
         if "/" in named.text:
             self.wrong(named.span, f"the id `{named.text}` holds a `/`", "join words by `-`")
         inside = [part for part in _PARTS if part in pairs]
-        self.skip(pairs, _WIRING.union(_PARTS), "settings of nodes")
+        self.skip(pairs, _SETTLED.union(_PARTS), "settings of nodes")
         if not inside:
             self.worker(named.text, named.span, pairs)
         elif inside == ["operators"]:
@@ -136,7 +159,7 @@ class _Reader:
                     called = self.identifier(each, own, "an operator")
                     if called is not None:
                         name = f"{named.text}/{called.text}"
-                        self.skip(own, _WIRING, "settings of nodes")
+                        self.skip(own, _SETTLED, "settings of nodes")
                         self.worker(name, called.span, own)
                 else:
                     self.wrong(_begin(each.span), "an operator is not a map", "write `- id: NAME`")
@@ -147,7 +170,7 @@ class _Reader:
                 self.wrong(key.span, message, "write one of them, with a map below it")
                 return
             own = {**pairs, **_by_key(part)}
-            self.skip(_by_key(part), _WIRING, "settings of nodes")
+            self.skip(_by_key(part), _SETTLED, "settings of nodes")
             if inside == ["operator"]:
                 self.alone.add(named.text)
             self.worker(named.text, named.span, own)
@@ -285,13 +308,13 @@ class _Reader:
         }
 
     def wire(self, name: str, key: Scalar, source: Scalar) -> Wire | None:
-        """Return what an input takes; note what is no source."""
+        """Return the wire to an input; note a source that is none, and return None."""
         timer = _TIMER.fullmatch(source.text)
-        if timer is not None:
-            rate = _rate(timer["unit"], timer["number"])
-            if rate is not None:
-                return Wire(key.text, source.text, "tick", source.span, rate)
         node, _, output = source.text.rpartition("/")
+        unit, number = ("", "") if timer is None else (each or "" for each in timer.groups())
+        if _ticks(unit, number):
+            rate = _rate(unit, number)
+            return Wire(key.text, source.text, "tick", source.span, rate, is_virtual=True)
         if timer is not None or not node or not output:
             message = (
                 f"input `{key.text}` of `{name}` must take an output, not `{source.text[:60]}`"
@@ -299,6 +322,8 @@ class _Reader:
             help_text = "write `NODE/OUTPUT`, or a timer: `dora/timer/millis/20`"
             self.wrong(source.span, message, help_text)
             return None
+        if _VIRTUAL.fullmatch(source.text):
+            return Wire(key.text, source.text, "out", source.span, is_virtual=True)
         return Wire(key.text, node, output, source.span)
 
     def resolved(self, wire: Wire) -> Wire:
@@ -309,17 +334,28 @@ class _Reader:
         return wire
 
 
-def _rate(unit: str, number: str) -> Rate | None:
-    """Return the rate of a timer; `None` where it cannot be said."""
-    if not number.isascii() or not number.isdecimal() or len(number) > len(str(MOST)):
-        return None
-    count = int(number)
-    most = {"millis": MOST, "secs": MOST // 1000, "hz": MOST // 1000}.get(unit, 0)
-    if not 0 < count <= most:
-        return None
+def _ticks(unit: str, number: str) -> bool:
+    """Whether dora takes a number of a unit for the period, or in `hz` the rate, of a timer."""
     if unit == "hz":
-        return Rate(count)
-    return every(count, "ms" if unit == "millis" else "s")
+        # Above 2 GHz the period is rounded to nothing.
+        return _FLOAT.fullmatch(number) is not None and 1e-19 < float(number) < 2e9
+    is_whole = number.isascii() and number.isdecimal() and len(number) <= len(str(_MOST_COUNT))
+    return is_whole and unit in _UNITS and 0 < int(number) <= _MOST_COUNT
+
+
+def _rate(unit: str, number: str) -> Rate | None:
+    """Return the rate of a timer; None where a configuration cannot write it."""
+    if unit == "hz":
+        read = read_frequency(number)
+        return read if isinstance(read, Rate) else None
+    count = int(number)
+    if unit == "secs" and count <= MOST // 1000:
+        return every(count, "s")
+    nanos = count * _UNITS[unit]
+    if nanos % 10**6 == 0 and nanos // 10**6 <= MOST:
+        return every(nanos // 10**6, "ms")
+    is_rate = 10**9 % nanos == 0 and 10**9 // nanos <= MOST // 1000
+    return Rate(10**9 // nanos) if is_rate else None
 
 
 def _by_key(node: Node) -> dict[str, tuple[Scalar, Node]]:
