@@ -32,16 +32,17 @@ _WIRING = frozenset(
     "id inputs outputs input_types output_types send_stdout_as send_logs_as".split()
 )
 _PARTS = ("custom", "operator", "operators")
-#: Keys for describing, building, starting, logging and restarting, which have no part in wiring.
+#: Keys for describing, building, starting, logging and restarting. They do not wire a node.
 _RUNNING = frozenset(
     "name description path path_sha256 source args env envs build git hub branch tag rev python"
     " shared-library wasm conda_env cpu_affinity deploy _unstable_deploy min_log_level max_log_size"
     " max_rotated_files restart_policy max_restarts restart_delay max_restart_delay restart_window"
-    " health_check_timeout finish_grace_secs shared_memory_pool_size".split()
+    " health_check_timeout finish_grace_secs shared_memory_pool_size params"
+    " output_metadata output_framing pattern".split()
 )
 _RUNNING_ALL = frozenset(
     "communication daemon_config deploy _unstable_deploy debug _unstable_debug env"
-    " health_check_interval exit_when_nodes_finish".split()
+    " health_check_interval exit_when_nodes_finish module".split()
 )
 _SETTLED = _WIRING | _RUNNING
 #: An output may carry what a node prints or logs.
