@@ -89,3 +89,44 @@ def test_other_commands_take_the_only_dataflow_of_a_folder(
     write(tmp_path, d=GOOD)
     assert run_here(["analyse", str(tmp_path)]) == 2
     assert "the folder has 2 dataflows" in " ".join(capsys.readouterr().err.split())
+
+
+#: The settings of a node `a`, and the file that is reported as missing.
+PROGRAMS = [
+    ("path: ../x.py", "path ../x.py"),
+    ("path: ./x", "path ./x"),
+    ("path: nodes/x.py", "path nodes/x.py"),
+    ("path: there.py", None),
+    ("custom: {source: ./x.py}", "source ./x.py"),
+    ("custom: {source: python, args: x.py}", "args x.py"),
+    ("operator: {python: x.py}", "python x.py"),
+    ("operators: [{id: b, python: {source: x.py}}]", "python x.py"),
+    ("path: x.py\n  build: pip install -r needs.txt", "path x.py"),
+    ("path: x.py\n  build: make", None),
+    ("path: x.py\n  git: https://host/x", None),
+    ("path: ../target/release/x", None),
+    ("path: ./bin/x", None),
+    ("path: camera-node", None),
+    ("path: dynamic", None),
+    ("path: shell\n  args: x.py", None),
+    ("path: https://host/x.py", None),
+    ("path: $HOME/x.py", None),
+    ("path: /opt/x.py", None),
+    ("operator: {shared-library: ./x}", None),
+]
+
+
+@pytest.mark.parametrize(("settings", "missing"), PROGRAMS)
+def test_a_file_of_a_node_that_is_not_there_is_found_at_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], settings: str, missing: str | None
+) -> None:
+    (tmp_path / "there.py").touch()
+    write(tmp_path, d=f"nodes:\n- id: a\n  {settings}\n")
+    assert run_here(["check", "--quiet", "--select", "missing_file", str(tmp_path / "d.yml")]) == 0
+    output = " ".join(capsys.readouterr().err.split())
+    assert ("warning" in output) == (missing is not None)
+    if missing is not None:
+        key, path = missing.split()
+        node = "a/b" if "operators" in settings else "a"
+        assert "d.yml:3:" in output
+        assert f"warning: `{key}` of node `{node}` is `{path}`, which is not there" in output

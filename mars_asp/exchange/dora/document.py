@@ -49,6 +49,16 @@ _SETTLED = _WIRING | _RUNNING
 _PRINTED = ("send_stdout_as", "send_logs_as")
 #: What of an input is no source.
 _SETTINGS = {"queue_size": "queue sizes", "input_timeout": "timeouts of inputs"}
+#: Nodes whose files are elsewhere, or that have none.
+_ELSEWHERE = frozenset("git hub module ros2 deploy _unstable_deploy".split())
+_INTERPRETERS = ("python", "python3")
+#: A path that begins in the folder of the dataflow or is a Python file, without variables.
+_IN_REPOSITORY = re.compile(r"\.{1,2}/[^\s$~{}:]+|(?![/~])[^\s$~{}:]+\.py")
+#: Folders of built files, also those of files that are not Python.
+_BUILT = frozenset("build target dist out install venv .venv node_modules".split())
+_COMPILED = frozenset(("bin", "lib"))
+#: A build command that makes no file in the folder.
+_INSTALL = re.compile(r"\s*(?:(?:uv|python3?)\s+(?:-m\s+)?)?pip3?\s+install\b[^;&|]*")
 #: `[sample_type=f32]` behind a type.
 _PARAMETERS = re.compile(r"\[[^\]]*\]")
 
@@ -75,6 +85,18 @@ class Wire(NamedTuple):
     is_virtual: bool = False
 
 
+class Program(NamedTuple):
+    """The file of a node in the folder of its dataflow, and the key that names it.
+
+    `builds` is whether a build command of the node may make the file.
+    """
+
+    key: str
+    path: str
+    span: Span
+    builds: bool
+
+
 @dataclass(frozen=True, slots=True)
 class Worker:
     """A node, or an operator of one; all that is told of it stands here where it is `complete`."""
@@ -85,6 +107,7 @@ class Worker:
     outputs: tuple[Port, ...]
     wires: tuple[Wire, ...]
     complete: bool = True
+    program: Program | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +162,20 @@ class _Reader:
         for worker in self.workers.values():
             wires = tuple(self.resolved(wire) for wire in worker.wires)
             self.workers[worker.name] = replace(worker, wires=wires)
+        _, module = pairs.get("module", (None, None))
+        if isinstance(module, Pairs):
+            _, outputs = _by_key(module).get("outputs", (None, None))
+            self.hand_out(outputs)
+
+    def hand_out(self, outputs: Node | None) -> None:
+        """Leave out the outputs that a module gives to the dataflow that contains it."""
+        listed = outputs.nodes if isinstance(outputs, Items) else ()
+        given = {each.text for each in listed if isinstance(each, Scalar)}
+        for worker in self.workers.values():
+            given -= {wire.output for wire in worker.wires}
+        for worker in self.workers.values():
+            kept = tuple(port for port in worker.outputs if port.name not in given)
+            self.workers[worker.name] = replace(worker, outputs=kept)
 
     def node(self, node: Pairs) -> None:
         """Read a node and its operators."""
@@ -151,7 +188,7 @@ class _Reader:
         inside = [part for part in _PARTS if part in pairs]
         self.skip(pairs, _SETTLED.union(_PARTS), "settings of nodes")
         if not inside:
-            self.worker(named.text, named.span, pairs)
+            self.worker(named.text, named.span, pairs, pairs)
         elif inside == ["operators"]:
             _, operators = pairs["operators"]
             for each in operators.nodes if isinstance(operators, Items) else ():
@@ -161,7 +198,7 @@ class _Reader:
                     if called is not None:
                         name = f"{named.text}/{called.text}"
                         self.skip(own, _SETTLED, "settings of nodes")
-                        self.worker(name, called.span, own)
+                        self.worker(name, called.span, own, {**pairs, **own})
                 else:
                     self.wrong(_begin(each.span), "an operator is not a map", "write `- id: NAME`")
         else:
@@ -174,7 +211,7 @@ class _Reader:
             self.skip(_by_key(part), _SETTLED, "settings of nodes")
             if inside == ["operator"]:
                 self.alone.add(named.text)
-            self.worker(named.text, named.span, own)
+            self.worker(named.text, named.span, own, own)
 
     def identifier(
         self, node: Pairs, pairs: Mapping[str, tuple[Scalar, Node]], what: str
@@ -215,8 +252,14 @@ class _Reader:
             Unread(sort, key, at.span) for key, (at, _) in pairs.items() if key not in read
         )
 
-    def worker(self, name: str, span: Span, pairs: Mapping[str, tuple[Scalar, Node]]) -> None:
-        """Read the ports of a node or an operator."""
+    def worker(
+        self,
+        name: str,
+        span: Span,
+        pairs: Mapping[str, tuple[Scalar, Node]],
+        settings: Mapping[str, tuple[Scalar, Node]],
+    ) -> None:
+        """Read the ports of a node or an operator; `settings` are also those of its node."""
         if name in self.workers:
             first = self.workers[name].span, "the first one"
             help_text = "give each an id of its own"
@@ -234,7 +277,13 @@ class _Reader:
             if wire is not None:
                 wires.append(wire)
         self.workers[name] = Worker(
-            name, span, tuple(inputs), tuple(outputs), tuple(wires), "module" not in pairs
+            name,
+            span,
+            tuple(inputs),
+            tuple(outputs),
+            tuple(wires),
+            "module" not in pairs,
+            _program(settings),
         )
 
     def outputs(self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]) -> Iterator[Scalar]:
@@ -357,6 +406,28 @@ def _rate(unit: str, number: str) -> Rate | None:
         return every(nanos // 10**6, "ms")
     is_rate = 10**9 % nanos == 0 and 10**9 // nanos <= MOST // 1000
     return Rate(10**9 // nanos) if is_rate else None
+
+
+def _program(settings: Mapping[str, tuple[Scalar, Node]]) -> Program | None:
+    """Return the program of a node; None if it is outside of the repository or built."""
+    if settings.keys() & _ELSEWHERE:
+        return None
+    key = next((each for each in ("path", "source", "python") if each in settings), "")
+    _, value = settings.get(key, (None, None))
+    if isinstance(value, Pairs):
+        _, value = _by_key(value).get("source", (None, None))
+    if isinstance(value, Scalar) and value.text in _INTERPRETERS:
+        key = "args"
+        _, value = settings.get(key, (None, None))
+    if not isinstance(value, Scalar) or not _IN_REPOSITORY.fullmatch(value.text):
+        return None
+    is_python = value.text.endswith(".py")
+    if not (_BUILT if is_python else _BUILT | _COMPILED).isdisjoint(value.text.split("/")):
+        return None
+    _, build = settings.get("build", (None, None))
+    lines = build.text.splitlines() if isinstance(build, Scalar) else []
+    builds = not all(_INSTALL.fullmatch(line) for line in lines)
+    return Program(key, value.text, value.span, builds)
 
 
 def _by_key(node: Node) -> dict[str, tuple[Scalar, Node]]:

@@ -1,6 +1,8 @@
 """A dora dataflow as a configuration: nodes and operators as modules, timers as sensors."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange import ports
@@ -8,7 +10,15 @@ from mars_asp.exchange.dora.document import Dataflow, Wire, Worker, read_dataflo
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
-from mars_asp.model.declarations import Configuration, Data, Mode, Module, Name, Service
+from mars_asp.model.declarations import (
+    Configuration,
+    Data,
+    MissingFile,
+    Mode,
+    Module,
+    Name,
+    Service,
+)
 
 _PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
 
@@ -31,6 +41,9 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
         except MarsError as error:
             problems += error.diagnostics
     workers: dict[str, Worker] = {}
+    missing: list[MissingFile] = []
+    for (_, path), dataflow in zip(files, dataflows, strict=False):
+        missing += _missing(dataflow, Path(path))
     for worker in (worker for dataflow in dataflows for worker in dataflow.workers):
         if worker.name in workers:
             problems.append(_named_twice(worker, workers[worker.name]))
@@ -38,10 +51,27 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
     if problems:
         raise MarsError(problems)
     configuration = _configuration(tuple(workers.values()), files[0][1])
+    configuration = replace(configuration, missing=tuple(missing))
     unread: list[Unread] = [each for dataflow in dataflows for each in dataflow.unread]
     return Parsed(
         configuration, tuple(notes(unread)), tuple(map(print_module, configuration.declared))
     )
+
+
+def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
+    """Yield the programs of nodes that are not there; none of a dataflow that is no file."""
+    if not path.is_file():
+        return
+    for worker in dataflow.workers:
+        program = worker.program
+        if program is None:
+            continue
+        try:
+            is_there = (path.parent / program.path).exists()
+        except OSError:
+            is_there = False
+        if not is_there:
+            yield MissingFile(worker.name, *program)
 
 
 def _named_twice(worker: Worker, first: Worker) -> Diagnostic:

@@ -38,6 +38,7 @@ from mars_asp.reasoning.facts.identifiers import (
     ANY,
     NONE,
     PERIODIC,
+    annotations_of,
     hold_term,
     mode_term,
     numbered,
@@ -89,7 +90,9 @@ def _names(described: Mapping[str, Module]) -> Names:
 
 
 #: The predicates by which the architecture, modules, relationships and annotations are told.
-HEADING = frozenset({"architecture", "imported", "period", "muxed", "opaque"})
+HEADING = frozenset(
+    {"architecture", "imported", "period", "muxed", "opaque", "absent_file", "builds"}
+)
 MODULES = frozenset({"module", "node", "place"})
 RELATIONSHIPS = frozenset(
     "place uses_data_from is_controlled_by is_mounted_on priority stated_priority hold allocation"
@@ -220,6 +223,14 @@ class Compiler:
             self.add(mux.span, "muxed", mux.module, Atom(mux.engine))
         for name in configuration.opaque:
             self.add(name.span, "opaque", name.text)
+        annotations = sum(len(annotations_of(module)) for module in self.described.values())
+        for number, file in enumerate(
+            configuration.missing, len(configuration.relationships) + annotations + 1
+        ):
+            self.add(file.span, "absent_file", number, file.module, file.key, file.path)
+            self.place(number, file.span)
+            if file.builds:
+                self.add(file.span, "builds", file.module)
 
     def each_module(self) -> None:
         """Add the modules that the configuration names."""
