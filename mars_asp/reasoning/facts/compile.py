@@ -196,6 +196,7 @@ class Compiler:
             (self.each_module, MODULES),
             (self.relationships, RELATIONSHIPS),
             (self.annotations, ANNOTATIONS),
+            (self.missing_files, {"absent_file", "builds", "place"}),
             (self.words, {"in_words"}),
             (self.ports, PORTS),
             (self.loose_ends, {"port_name", "near"}),
@@ -223,10 +224,14 @@ class Compiler:
             self.add(mux.span, "muxed", mux.module, Atom(mux.engine))
         for name in configuration.opaque:
             self.add(name.span, "opaque", name.text)
-        annotations = sum(len(annotations_of(module)) for module in self.described.values())
-        for number, file in enumerate(
-            configuration.missing, len(configuration.relationships) + annotations + 1
-        ):
+
+    def missing_files(self) -> None:
+        """Add the files of nodes that are not there, with identifiers after all others."""
+        if not self.configuration.missing:
+            return
+        first = 1 + len(self.configuration.relationships)
+        first += sum(len(annotations_of(module)) for module in self.described.values())
+        for number, file in enumerate(self.configuration.missing, first):
             self.add(file.span, "absent_file", number, file.module, file.key, file.path)
             self.place(number, file.span)
             if file.builds:
