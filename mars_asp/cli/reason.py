@@ -251,7 +251,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
 
 
 def _dataflows(path: str) -> "Dataflows | None":
-    """Return the dataflows of dora in a folder; None if the path is no folder."""
+    """Return the dataflows of dora in a folder; None if the path is not a folder."""
     if not Path(path).is_dir():
         return None
     from mars_asp.exchange.dataflows import dataflows_in

@@ -12,7 +12,7 @@ from mars_asp.exchange.recognise import key_pattern, recognised
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language.parse import read_text
 
-#: Folders of builds, packages and templates. Hidden ones and virtual environments are skipped, too.
+#: Folders of builds, packages and templates; hidden ones and virtual environments are skipped.
 _SKIPPED = frozenset("build target node_modules __pycache__ venv template templates".split())
 #: A folder with packages of ROS up to this depth is a workspace of ROS.
 _NEAR = 2

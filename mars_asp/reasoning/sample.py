@@ -122,8 +122,7 @@ Command watch();
 def samples() -> tuple[Project, ...]:
     """Return the robots."""
     ranked, flat = load_project("ranked.mars", text=_RANKED), load_project("flat.mars", text=_FLAT)
-    # No line of ours says that a mux or no file is there, or that a node was not read; files of
-    # others do.
+    # Only foreign files have muxes, missing files and nodes that were not read.
     mux = Muxed("Platform", "twist_mux", ranked.configuration.span)
     node = ranked.configuration.modules[0]
     read = replace(ranked.configuration, muxes=(mux,), opaque=(node,), format="twist_mux")

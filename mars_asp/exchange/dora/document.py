@@ -85,7 +85,7 @@ class Wire(NamedTuple):
     is_virtual: bool = False
 
 
-class Program(NamedTuple):
+class NodeFile(NamedTuple):
     """The file of a node in the folder of its dataflow, and the key that names it.
 
     `builds` is whether a build command of the node may make the file.
@@ -107,7 +107,7 @@ class Worker:
     outputs: tuple[Port, ...]
     wires: tuple[Wire, ...]
     complete: bool = True
-    program: Program | None = None
+    program: NodeFile | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -408,7 +408,7 @@ def _rate(unit: str, number: str) -> Rate | None:
     return Rate(10**9 // nanos) if is_rate else None
 
 
-def _program(settings: Mapping[str, tuple[Scalar, Node]]) -> Program | None:
+def _program(settings: Mapping[str, tuple[Scalar, Node]]) -> NodeFile | None:
     """Return the program of a node; None if it is outside of the repository or built."""
     if settings.keys() & _ELSEWHERE:
         return None
@@ -427,7 +427,7 @@ def _program(settings: Mapping[str, tuple[Scalar, Node]]) -> Program | None:
     _, build = settings.get("build", (None, None))
     lines = build.text.splitlines() if isinstance(build, Scalar) else []
     builds = not all(_INSTALL.fullmatch(line) for line in lines)
-    return Program(key, value.text, value.span, builds)
+    return NodeFile(key, value.text, value.span, builds)
 
 
 def _by_key(node: Node) -> dict[str, tuple[Scalar, Node]]:

@@ -59,7 +59,7 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
 
 
 def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
-    """Yield the programs of nodes that are not there; none of a dataflow that is no file."""
+    """Yield the programs of nodes that are not there; none if the dataflow is not a file."""
     if not path.is_file():
         return
     for worker in dataflow.workers:

@@ -15,7 +15,7 @@ from mars_asp.reasoning.questions.explain import Explanation, Topic
 from mars_asp.reasoning.session import Evidence
 
 #: Labels that compare a place with the first one.
-_AGAIN = re.compile(r"\b(?:too|again|same)\b")
+_AGAIN = re.compile(r"\b(?:too|as well|again|same)\b")
 
 
 def explain_trees(
