@@ -53,7 +53,7 @@ _SETTINGS = {"queue_size": "queue sizes", "input_timeout": "timeouts of inputs"}
 _ELSEWHERE = frozenset("git hub module ros2 deploy _unstable_deploy".split())
 _INTERPRETERS = ("python", "python3")
 #: A path that begins in the folder of the dataflow or is a Python file, without variables.
-_IN_REPOSITORY = re.compile(r"\.{1,2}/[^\s$~{}:]+|(?![/~])[^\s$~{}:]+\.py")
+_IN_REPOSITORY = re.compile(r"\.{1,2}/[^\s$~{}:\\]+|(?![/~])[^\s$~{}:\\]+\.py")
 #: Folders of built files, also those of files that are not Python.
 _BUILT = frozenset("build target dist out install venv .venv node_modules".split())
 _COMPILED = frozenset(("bin", "lib"))
