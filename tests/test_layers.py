@@ -80,8 +80,8 @@ FILES = {
         "launch_trees diff failed_value near_miss repair fix why_not absences without"
     ),
     "exchange": (
-        "recognise lift yaml_document elements unread ports graph relays cascades topics unite "
-        "urdf twist_mux rosgraph dora ros2 foreign"
+        "recognise lift yaml_document elements unread dataflows ports graph relays cascades topics "
+        "unite urdf twist_mux rosgraph dora ros2 foreign"
     ),
     "exchange/dora": "document read",
     "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",

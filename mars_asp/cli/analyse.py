@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
         for line in _text(analysis, selected, coloured, width, is_told):
             print(line)
         if is_told:
-            for line in _closing(analysis, selected, arguments, width):
+            for line in _closing(project, analysis, selected, arguments, width):
                 print(line)
     return status
 
@@ -149,7 +149,11 @@ def _text(
 
 
 def _closing(
-    analysis: Analysis, selected: Selected, arguments: argparse.Namespace, width: int
+    project: Project,
+    analysis: Analysis,
+    selected: Selected,
+    arguments: argparse.Namespace,
+    width: int,
 ) -> Iterator[str]:
     """Yield how to go on, and what could not be checked."""
     if selected.has_errors:
@@ -157,5 +161,7 @@ def _closing(
         yield f"For edits that remove the errors: {command('explain', arguments, '--repair')}"
     if analysis.unchecked:
         names = ", ".join(f"`{name}`" for name in analysis.unchecked)
-        told = visible(f"no annotations found for {names}, so these were not checked")
-        yield from wrapped(told, width, further="  ")
+        lacking = f"no annotations found for {names}"
+        if project.format == "dora":
+            lacking = f"other files list the outputs of {names}"
+        yield from wrapped(visible(f"{lacking}, so these were not checked"), width, further="  ")

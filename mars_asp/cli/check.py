@@ -167,18 +167,23 @@ def check(
     selection = Selection(arguments, rules(JUDGING))
     checked = []
     edited: dict[object, tuple[str, bytes]] = {}
-    for name, *further in robots(arguments, _each_once(arguments.files)):
+    is_complete = True
+    for robot in robots(arguments, _each_once(arguments.files)):
+        name, *further = robot.paths
         one = Checked(name, tuple(further))
         checked.append(one)
         try:
             _check(one, rules, selection, arguments, edited, seen)
         except MarsError as error:
             one.report(map(Result, error.diagnostics), arguments)
-            one.status = 2
+            # Others of the folder are judged all the same.
+            one.status = 1 if robot.is_found else 2
+            is_complete = False
+        one.report(map(Result, robot.notes), arguments)
     for one in checked:
         if one.written:
             replace_files(one.written)
-    remarks = map(Result, selection.end(all(one.status < 2 for one in checked)))
+    remarks = map(Result, selection.end(is_complete and all(one.status < 2 for one in checked)))
     return checked, list(remarks)
 
 

@@ -19,6 +19,7 @@ from mars_asp.cli.reason import (
     JUDGING,
     STANDARD_INPUT,
     add_file,
+    analyse_project,
     one_of_several,
     read_project,
     rulebook_for,
@@ -140,8 +141,8 @@ def run(arguments: argparse.Namespace) -> int:
         from mars_asp.cli.repair import run_repair
 
         return run_repair(project, arguments, subject)
-    if project.trees and arguments.only != "nodes":
-        status = _explain_trees(project, arguments, subject)
+    if (project.trees or project.format == "dora") and arguments.only != "nodes":
+        status = _explain_findings(project, arguments, subject)
         if status is not None:
             return status
     rulebook = rulebook_for(arguments, ("resolve", "account"))
@@ -209,21 +210,29 @@ def _print_topics(
         sys.stdout.writelines(f"{line}\n" for line in lines)
 
 
-def _explain_trees(
+def _explain_findings(
     project: Project, arguments: argparse.Namespace, subject: str | None
 ) -> int | None:
-    """Print the findings in launch trees; return None if the subject is none of theirs."""
-    from mars_asp.reasoning.questions.launch_trees import explain_trees
+    """Print the findings in launch trees or a dataflow; return None if none has the subject."""
+    from mars_asp.reasoning.questions import launch_trees
 
     rulebook = rulebook_for(arguments, JUDGING)
     selection = Selection(arguments, rulebook)
     traced = _wants_traces(arguments)
-    answer = explain_trees(project, rulebook, subject, arguments.every, traced)
+    if project.trees:
+        of, every = "what is launched", arguments.every
+        answer = launch_trees.explain_trees(project, rulebook, subject, every, traced)
+    else:
+        of = "the dataflow"
+        analysis = analyse_project(project, rulebook, arguments)
+        answer = launch_trees.explain_findings(
+            project, analysis, rulebook, subject, every=arguments.every, traced=traced
+        )
     if answer is None:
         return None
     report(selection.messages(project)[0], arguments)
     topics, has_errors = _reported(answer, selection, project)
-    closing = [] if topics or arguments.quiet else ["nothing found in what is launched"]
+    closing = [] if topics or arguments.quiet else [f"nothing found in {of}"]
     if arguments.output is not None:
         _write_page(project, None, topics, (), closing, arguments.output)
     else:

@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.lines import remember
@@ -13,7 +14,7 @@ from mars_asp.cli.settings import settings_for
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.foreign import File, read_foreign
-from mars_asp.exchange.recognise import dataflows_in, recognised
+from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
 from mars_asp.model.declarations import PackKind
@@ -30,6 +31,9 @@ from mars_asp.reasoning.project import (
     with_kinds,
 )
 from mars_asp.reasoning.rules import brought_by, load_rulebook
+
+if TYPE_CHECKING:
+    from mars_asp.exchange.dataflows import Dataflows
 
 STANDARD_INPUT = "-"
 #: The stages of rules that judge a robot.
@@ -177,7 +181,10 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
         path = SHOWN_INPUT
         text = read_input(path)
     if text is None and Path(path).is_dir():
-        return File(path, "", "ros2")
+        dataflow = _only_dataflow(path)
+        if dataflow is None:
+            return File(path, "", "ros2")
+        path = dataflow
     if text is None:
         # What comes through a pipe comes once.
         streamed: dict[str, str] = vars(arguments).setdefault("streamed", {})
@@ -191,22 +198,65 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
     return File(path, text, arguments.from_format or recognised(text))
 
 
-def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[list[str]]:
-    """Return the files of each robot: those of others are one, at the place of the first."""
-    found: list[list[str]] = []
+def _only_dataflow(path: str) -> str | None:
+    """Return the dataflow of dora in a folder; None where there is none.
+
+    Raises:
+        MarsError: there are several.
+    """
+    dataflows = _dataflows(path)
+    if dataflows is None or not dataflows.files:
+        return None
+    first, *others = map(str, dataflows.files)
+    if others:
+        number = len(dataflows.files)
+        message = f"the folder has {number} dataflows, and each is a robot of its own"
+        named = ", ".join(f"`{each}`" for each in (first, *others[:2]))
+        help_text = f"name one of them: {named}{', ...' if number > 3 else ''}"
+        raise MarsError((Diagnostic("dora", "error", message, point(path, 1, 1), (), help_text),))
+    return first
+
+
+class RobotFiles(NamedTuple):
+    """The files of a robot; `is_found` is whether they were found in a folder.
+
+    `notes` are about that folder.
+    """
+
+    paths: list[str]
+    is_found: bool = False
+    notes: tuple[Diagnostic, ...] = ()
+
+
+def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFiles]:
+    """Return the files of each robot: those of others are one, at the place of the first.
+
+    Each dataflow of dora in a folder is a robot of its own.
+    """
+    found: list[RobotFiles] = []
     foreign: list[str] = []
     for path in paths:
-        dataflows = dataflows_in(Path(path)) if Path(path).is_dir() else ()
-        if dataflows:
-            found += ([str(each)] for each in dataflows)
+        dataflows = _dataflows(path)
+        if dataflows is not None and dataflows.files:
+            found += (RobotFiles([str(each)], is_found=True) for each in dataflows.files)
+            found[-1] = found[-1]._replace(notes=dataflows.notes)
             continue
         if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
-            found.append([path])
+            found.append(RobotFiles([path]))
         else:
             if not foreign:
-                found.append(foreign)
+                found.append(RobotFiles(foreign))
             foreign.append(path)
     return found
+
+
+def _dataflows(path: str) -> "Dataflows | None":
+    """Return the dataflows of dora in a folder; None if the path is not a folder."""
+    if not Path(path).is_dir():
+        return None
+    from mars_asp.exchange.dataflows import dataflows_in
+
+    return dataflows_in(Path(path))
 
 
 def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:

@@ -2,15 +2,9 @@
 
 import re
 from collections.abc import Mapping
-from itertools import chain
-from pathlib import Path
 
-from mars_asp.diagnostic import MarsError
-from mars_asp.language.parse import read_text
 from mars_asp.model.declarations import FOREIGN
 
-#: How deep in a folder dataflows and packages are sought.
-_NEAR = ("", "*/", "*/*/")
 #: The formats of robots that can stand where a `.mars` file does.
 FORMATS = ("mars", *FOREIGN)
 #: Others' files show what they are in so many characters, and none takes long to be looked at.
@@ -23,7 +17,7 @@ _MUX = (
 )
 
 
-def _key(names: str) -> str:
+def key_pattern(names: str) -> str:
     """Return what finds a key of YAML or JSON, at whichever depth."""
     begin = r"(?m)(?:^|[{,])[ \t]{0,200}(?:-[ \t]{1,8}){0,8}"
     return rf"{begin}[\"']?(?:{names})[\"']?[ \t]{{0,8}}:"
@@ -47,7 +41,7 @@ _LAUNCH = rf"(?m)^def generate_launch_description\b|^launch:|{_root('launch')}"
 #: What begins a document of URDF, expanded or not.
 _URDF = _root("robot")
 _NODES = r"(?m)(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:"
-_ID = _key("id")
+_ID = key_pattern("id")
 #: The kinds of dumps of a graph, each by what it alone says.
 _DUMPS: Mapping[str, tuple[str, ...]] = {
     "dot": (
@@ -56,8 +50,8 @@ _DUMPS: Mapping[str, tuple[str, ...]] = {
     ),
     "topic_info": (r"(?m)^[ \t]{0,40}(?:Publisher|Subscri(?:ber|ption)) count:",),
     "node_info": (r"(?m)^[ \t]{1,40}(?:Publishers|Subscribers):[ \t]*$",),
-    "rosdiscover": (_key("fullname"), _key("pubs|subs")),
-    "caret": (_NODES, _key("node_name")),
+    "rosdiscover": (key_pattern("fullname"), key_pattern("pubs|subs")),
+    "caret": (_NODES, key_pattern("node_name")),
 }
 
 
@@ -68,21 +62,6 @@ def dump_of(text: str) -> str | None:
         (kind for kind, signs in _DUMPS.items() if all(re.search(sign, head) for sign in signs)),
         None,
     )
-
-
-def dataflows_in(folder: Path) -> list[Path]:
-    """Return the dataflows of dora in a folder without packages of ROS, up to some depth."""
-    if next(chain(*(folder.glob(f"{at}package.xml") for at in _NEAR)), None) is not None:
-        return []
-    files = chain(*(folder.glob(f"{at}*.y*ml") for at in _NEAR))
-    return [file for file in sorted({*files}) if file.is_file() and _is_dataflow(file)]
-
-
-def _is_dataflow(file: Path) -> bool:
-    try:
-        return recognised(read_text(file)) == "dora"
-    except MarsError:
-        return False
 
 
 def is_launch(text: str) -> bool:

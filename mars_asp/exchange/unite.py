@@ -22,6 +22,7 @@ def united(parts: Sequence[Parsed]) -> Parsed:
         muxes=tuple(mux for each in every for mux in each.muxes),
         relays=tuple(relay for each in every for relay in each.relays),
         opaque=_each_once(name for each in every for name in each.opaque),
+        missing=tuple(file for each in every for file in each.missing),
     )
     warnings = tuple(warning for part in parts for warning in part.warnings)
     return Parsed(

@@ -291,6 +291,17 @@ class PackNode:
 
 
 @dataclass(frozen=True, slots=True)
+class MissingFile:
+    """A file that a key of a node names and that is not there; `builds` as the node may make it."""
+
+    module: str
+    key: str
+    path: str
+    span: Span
+    builds: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Configuration:
     """A configuration or a specification, which has the same body.
 
@@ -302,7 +313,7 @@ class Configuration:
     what the file is in, where it is no `.mars` file: then the architecture is taken for granted;
     `origin` is that of the files it was imported from, be it before it was saved as a `.mars` file.
     `kinds` are those of nodes that rule packs bring, `attributed` its own lines about attributes of
-    modules.
+    modules, `missing` the files of its nodes that are not there.
     """
 
     path: str
@@ -326,6 +337,7 @@ class Configuration:
     origin: str | None = None
     kinds: tuple[PackKind, ...] = ()
     attributed: tuple[Attributed, ...] = ()
+    missing: tuple[MissingFile, ...] = ()
 
     def node_kind(self, name: str) -> str | None:
         """Return the kind of node that a name stands for in a specification, if any."""

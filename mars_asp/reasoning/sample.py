@@ -12,7 +12,7 @@ from typing import NamedTuple
 from mars_asp.asp.cache import made_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.diagnostic import Span
-from mars_asp.model.declarations import Muxed
+from mars_asp.model.declarations import MissingFile, Muxed
 from mars_asp.reasoning.project import Project, load_project, project_facts
 
 _RANKED = """\
@@ -122,11 +122,12 @@ Command watch();
 def samples() -> tuple[Project, ...]:
     """Return the robots."""
     ranked, flat = load_project("ranked.mars", text=_RANKED), load_project("flat.mars", text=_FLAT)
-    # No line of ours says that a mux is there, or that a node was not read; files of others do.
+    # Only foreign files have muxes, missing files and nodes that were not read.
     mux = Muxed("Platform", "twist_mux", ranked.configuration.span)
     node = ranked.configuration.modules[0]
     read = replace(ranked.configuration, muxes=(mux,), opaque=(node,), format="twist_mux")
-    read = replace(read, origin="twist_mux")
+    missing = MissingFile(node.text, "path", "./camera.py", node.span, builds=True)
+    read = replace(read, origin="twist_mux", missing=(missing,))
     muxed = replace(ranked, configuration=read)
     return muxed, flat, load_project("ports.mars", text=_PORTS)
 

@@ -1,5 +1,7 @@
 """Dataflows of dora: files with what they say beside them, and files that are refused."""
 
+import json
+import re
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ from mars_asp.exchange import ports
 from mars_asp.exchange.dora import import_dora
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import parse_text, print_configuration
+from mars_asp.language.print import print_relationship
 from tests.support.documents import ROOT
 from tests.support.imported import findings_of, meaning, place, said
 
@@ -54,6 +57,11 @@ REFUSED = [
      ["4:8: error: input `i` of `a` must take an output, not `x`",
       "5:8: error: input `j` of `a` must take an output, not `dora/timer/millis/0`",
       "6:8: error: input `k` of `a` must take an output, not `dora/timer/days/1`"]),
+    (NODE + "inputs:\n    i: dora/timer/millis\n    j: dora/timer/hz/-1\n"
+     "    k: dora/timer/secs/.5\n",
+     ["4:8: error: input `i` of `a` must take an output, not `dora/timer/millis`",
+      "5:8: error: input `j` of `a` must take an output, not `dora/timer/hz/-1`",
+      "6:8: error: input `k` of `a` must take an output, not `dora/timer/secs/.5`"]),
     (NODE + "operator: 1\n",
      ["3:3: error: `a` is not one of `custom`, `operator` and `operators`"]),
     (NODE + "operators: [1, {}]\n",
@@ -69,6 +77,33 @@ def test_each_file_that_is_refused_says_all_that_is_wrong(text: str, wrong: list
         import_dora([(text, "d.yml")])
     assert [place(d) for d in caught.value.diagnostics] == wrong
     assert all(d.help for d in caught.value.diagnostics)
+
+
+@pytest.mark.parametrize(
+    ("source", "line"),
+    [
+        ("dora/timer/hz/0.5", '"dora/timer/hz/0.5".tick NotifyAtFrequency 0.5'),
+        ("dora/timer/micros/250", "dora/timer/micros/250.tick NotifyAtFrequency 4000"),
+        ("dora/timer/nanos/3000000", "dora/timer/nanos/3000000.tick NotifyAtFrequency every 3 ms"),
+        ("dora/timer/micros/300", "dora/timer/micros/300.tick"),
+        ("dora/timer/hz/1e2", "dora/timer/hz/1e2.tick"),
+        ("dora/logs", "dora/logs.out"),
+        ("dora/logs/warn/camera", "dora/logs/warn/camera.out"),
+        ("_mod/goal", "_mod/goal.out"),
+    ],
+)
+def test_a_virtual_input_is_a_source_without_a_node(source: str, line: str) -> None:
+    found = import_dora([(NODE + f"inputs:\n    i: {source}\n", "d.yml")])
+    (printed,) = map(print_relationship, found.configuration.relationships)
+    assert printed == f"a.i uses_data_from {line}"
+    assert findings_of(found) == []
+
+
+def test_an_output_of_a_module_is_taken_outside_of_its_file() -> None:
+    text = "module: {inputs: [goal], outputs: [path]}\n" + NODE
+    text += "inputs: {goal: _mod/goal}\n  outputs: [path, state]\n"
+    (module, _) = import_dora([(text, "m.yml")]).configuration.declared
+    assert [service.port for service in module.services if service.port] == ["state"]
 
 
 def test_more_ports_than_any_robot_has_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,7 +124,57 @@ def test_a_wire_to_nothing_is_found_at_its_line(
     assert run_here(["analyse", "--quiet", str(path)]) == 1
     found = " ".join(capsys.readouterr().out.split())
     assert "d.yml:6:12: error: undeclared_port: `camera` has no output" in found
-    assert "d.yml:7:12: error: undeclared_module: `detector` takes part" in found
+    assert "d.yml:7:12: error: undeclared_module: no node is called `detector`" in found
+
+
+#: A dataflow with a finding of each kind.
+FOUND = """nodes:
+- id: camera
+  path: ./camera.py
+  inputs: {tick: planner/tick}
+  outputs: [image, depth]
+  output_types: {image: std/media/v1/Image}
+- id: planner
+  inputs: {image: camera/image, pose: locator/pose, map: view/map}
+  outputs: [path, state, tick]
+- id: view
+  inputs: {image: camera/image, path: planner/pth}
+  input_types: {image: std/media/v1/Audio}
+- id: simulator
+"""
+KINDS = {
+    "missing_file", "data_cycle", "undeclared_module", "undeclared_port", "data_divergence",
+    "no_conversion", "unused_output", "unused_module",
+}  # fmt: skip
+#: Words of configurations, which files of dora do not have.
+OURS = re.compile(r"@|`?uses_data_from|clause|at most one|\bmodules?\b|annotation|Splitter|_name")
+
+
+@pytest.mark.parametrize("kind", [None, *sorted(KINDS)])
+@pytest.mark.parametrize("options", [[], ["--repair"]])
+def test_explanations_are_in_the_words_of_dataflows(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str | None, options: list[str]
+) -> None:
+    path = tmp_path / "d.yml"
+    path.write_text(FOUND, encoding="utf-8")
+    run_here(["explain", str(path), *([kind] if kind else []), *options])
+    output = capsys.readouterr().out.replace("undeclared_module", "").replace("unused_module", "")
+    assert OURS.search(output.replace(str(tmp_path), "")) is None
+    if not kind and not options:
+        run_here(["analyse", str(path), "--format", "json"])
+        found = json.loads(capsys.readouterr().out)["consequences"]
+        assert {each["kind"] for each in found} >= KINDS
+        severe = {each["kind"] for each in found if each["severity"] == "error"}
+        assert severe == {"undeclared_module", "undeclared_port"}
+
+
+def test_a_dataflow_without_findings_is_explained_in_a_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "d.yml"
+    path.write_text("nodes:\n- id: a\n  inputs: {t: dora/timer/hz/1}\n", encoding="utf-8")
+    assert run_here(["explain", str(path)]) == 0
+    assert capsys.readouterr().out.strip() == "nothing found in the dataflow"
 
 
 # ---- Real files ----------------------------------------------------------------------------------

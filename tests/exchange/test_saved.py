@@ -47,7 +47,11 @@ def rules() -> Rulebook:
 
 
 def findings(configuration: Configuration, format: str | None = None) -> list[tuple[object, ...]]:
-    """All that analysis says of a configuration, without places."""
+    """All that analysis says of a configuration, without places.
+
+    Paths of programs are not part of a `.mars` file.
+    """
+    configuration = replace(configuration, missing=())
     project = described(Parsed(configuration, ()), "", format=format)
     found = analyse(project_facts(project), rules(), configuration.span).consequences
     return sorted((c.kind, c.subject, c.participants, c.severity, c.message) for c in found)

@@ -16,19 +16,49 @@ from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_dump
 from mars_asp.model.ranges import MOST
-from mars_asp.model.rates import Rate, every
+from mars_asp.model.rates import Rate, every, read_frequency
 
 #: The part of a file that a single operator is in a source: `webcam/op/image`.
 _ALONE = "op"
-_TIMER = re.compile(r"a?dora/timer/(?P<unit>\w+)/(?P<number>[^/]+)")
+#: Inputs that dora itself feeds: timers, logs, and the inputs of a module in its own file.
+_VIRTUAL = re.compile(r"(?:a?dora|_mod)/.+")
+_TIMER = re.compile(r"a?dora/timer(?:/(?P<unit>[^/]*))?(?:/(?P<number>.*))?")
+#: A number as Rust reads it into a float.
+_FLOAT = re.compile(r"\+?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
+#: Nanoseconds of the units of timers.
+_UNITS = {"secs": 10**9, "millis": 10**6, "micros": 10**3, "nanos": 1}
+_MOST_COUNT = 2**64 - 1
 _WIRING = frozenset(
     "id inputs outputs input_types output_types send_stdout_as send_logs_as".split()
 )
 _PARTS = ("custom", "operator", "operators")
+#: Keys for describing, building, starting, logging and restarting. They do not wire a node.
+_RUNNING = frozenset(
+    "name description path path_sha256 source args env envs build git hub branch tag rev python"
+    " shared-library wasm conda_env cpu_affinity deploy _unstable_deploy min_log_level max_log_size"
+    " max_rotated_files restart_policy max_restarts restart_delay max_restart_delay restart_window"
+    " health_check_timeout finish_grace_secs shared_memory_pool_size params"
+    " output_metadata output_framing pattern".split()
+)
+_RUNNING_ALL = frozenset(
+    "communication daemon_config deploy _unstable_deploy debug _unstable_debug env"
+    " health_check_interval exit_when_nodes_finish module".split()
+)
+_SETTLED = _WIRING | _RUNNING
 #: An output may carry what a node prints or logs.
 _PRINTED = ("send_stdout_as", "send_logs_as")
 #: What of an input is no source.
 _SETTINGS = {"queue_size": "queue sizes", "input_timeout": "timeouts of inputs"}
+#: Nodes whose files are elsewhere, or that have none.
+_ELSEWHERE = frozenset("git hub module ros2 deploy _unstable_deploy".split())
+_INTERPRETERS = ("python", "python3")
+#: A path that begins in the folder of the dataflow or is a Python file, without variables.
+_IN_REPOSITORY = re.compile(r"\.{1,2}/[^\s$~{}:\\]+|(?![/~])[^\s$~{}:\\]+\.py")
+#: Folders of built files, also those of files that are not Python.
+_BUILT = frozenset("build target dist out install venv .venv node_modules".split())
+_COMPILED = frozenset(("bin", "lib"))
+#: A build command that makes no file in the folder.
+_INSTALL = re.compile(r"\s*(?:(?:uv|python3?)\s+(?:-m\s+)?)?pip3?\s+install\b[^;&|]*")
 #: `[sample_type=f32]` behind a type.
 _PARAMETERS = re.compile(r"\[[^\]]*\]")
 
@@ -42,13 +72,29 @@ class Port(NamedTuple):
 
 
 class Wire(NamedTuple):
-    """What an input takes: the output of a node, or what a timer with a rate ticks."""
+    """The source of an input: the output of a node, or a virtual input that dora feeds itself.
+
+    A timer has a `rate`, unless it cannot be written.
+    """
 
     input: str
     source: str
     output: str
     span: Span
     rate: Rate | None = None
+    is_virtual: bool = False
+
+
+class NodeFile(NamedTuple):
+    """The file of a node in the folder of its dataflow, and the key that names it.
+
+    `builds` is whether a build command of the node may make the file.
+    """
+
+    key: str
+    path: str
+    span: Span
+    builds: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +107,7 @@ class Worker:
     outputs: tuple[Port, ...]
     wires: tuple[Wire, ...]
     complete: bool = True
+    program: NodeFile | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +153,7 @@ class _Reader:
         if not isinstance(nodes, Items) or not nodes.nodes:
             self.wrong(_begin(root.span), "the dataflow has no list of nodes", "write `nodes:`")
             return
-        self.skip(pairs, frozenset({"nodes"}), "settings of the dataflow")
+        self.skip(pairs, _RUNNING_ALL | {"nodes"}, "settings of the dataflow")
         for node in nodes.nodes:
             if isinstance(node, Pairs):
                 self.node(node)
@@ -115,6 +162,20 @@ class _Reader:
         for worker in self.workers.values():
             wires = tuple(self.resolved(wire) for wire in worker.wires)
             self.workers[worker.name] = replace(worker, wires=wires)
+        _, module = pairs.get("module", (None, None))
+        if isinstance(module, Pairs):
+            _, outputs = _by_key(module).get("outputs", (None, None))
+            self.hand_out(outputs)
+
+    def hand_out(self, outputs: Node | None) -> None:
+        """Leave out the outputs that a module gives to the dataflow that contains it."""
+        listed = outputs.nodes if isinstance(outputs, Items) else ()
+        given = {each.text for each in listed if isinstance(each, Scalar)}
+        for worker in self.workers.values():
+            given -= {wire.output for wire in worker.wires}
+        for worker in self.workers.values():
+            kept = tuple(port for port in worker.outputs if port.name not in given)
+            self.workers[worker.name] = replace(worker, outputs=kept)
 
     def node(self, node: Pairs) -> None:
         """Read a node and its operators."""
@@ -125,9 +186,9 @@ class _Reader:
         if "/" in named.text:
             self.wrong(named.span, f"the id `{named.text}` holds a `/`", "join words by `-`")
         inside = [part for part in _PARTS if part in pairs]
-        self.skip(pairs, _WIRING.union(_PARTS), "settings of nodes")
+        self.skip(pairs, _SETTLED.union(_PARTS), "settings of nodes")
         if not inside:
-            self.worker(named.text, named.span, pairs)
+            self.worker(named.text, named.span, pairs, pairs)
         elif inside == ["operators"]:
             _, operators = pairs["operators"]
             for each in operators.nodes if isinstance(operators, Items) else ():
@@ -136,8 +197,8 @@ class _Reader:
                     called = self.identifier(each, own, "an operator")
                     if called is not None:
                         name = f"{named.text}/{called.text}"
-                        self.skip(own, _WIRING, "settings of nodes")
-                        self.worker(name, called.span, own)
+                        self.skip(own, _SETTLED, "settings of nodes")
+                        self.worker(name, called.span, own, {**pairs, **own})
                 else:
                     self.wrong(_begin(each.span), "an operator is not a map", "write `- id: NAME`")
         else:
@@ -147,10 +208,10 @@ class _Reader:
                 self.wrong(key.span, message, "write one of them, with a map below it")
                 return
             own = {**pairs, **_by_key(part)}
-            self.skip(_by_key(part), _WIRING, "settings of nodes")
+            self.skip(_by_key(part), _SETTLED, "settings of nodes")
             if inside == ["operator"]:
                 self.alone.add(named.text)
-            self.worker(named.text, named.span, own)
+            self.worker(named.text, named.span, own, own)
 
     def identifier(
         self, node: Pairs, pairs: Mapping[str, tuple[Scalar, Node]], what: str
@@ -191,8 +252,14 @@ class _Reader:
             Unread(sort, key, at.span) for key, (at, _) in pairs.items() if key not in read
         )
 
-    def worker(self, name: str, span: Span, pairs: Mapping[str, tuple[Scalar, Node]]) -> None:
-        """Read the ports of a node or an operator."""
+    def worker(
+        self,
+        name: str,
+        span: Span,
+        pairs: Mapping[str, tuple[Scalar, Node]],
+        settings: Mapping[str, tuple[Scalar, Node]],
+    ) -> None:
+        """Read the ports of a node or an operator; `settings` are also those of its node."""
         if name in self.workers:
             first = self.workers[name].span, "the first one"
             help_text = "give each an id of its own"
@@ -210,7 +277,13 @@ class _Reader:
             if wire is not None:
                 wires.append(wire)
         self.workers[name] = Worker(
-            name, span, tuple(inputs), tuple(outputs), tuple(wires), "module" not in pairs
+            name,
+            span,
+            tuple(inputs),
+            tuple(outputs),
+            tuple(wires),
+            "module" not in pairs,
+            _program(settings),
         )
 
     def outputs(self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]) -> Iterator[Scalar]:
@@ -285,13 +358,13 @@ class _Reader:
         }
 
     def wire(self, name: str, key: Scalar, source: Scalar) -> Wire | None:
-        """Return what an input takes; note what is no source."""
+        """Return the wire to an input; note a source that is none, and return None."""
         timer = _TIMER.fullmatch(source.text)
-        if timer is not None:
-            rate = _rate(timer["unit"], timer["number"])
-            if rate is not None:
-                return Wire(key.text, source.text, "tick", source.span, rate)
         node, _, output = source.text.rpartition("/")
+        unit, number = ("", "") if timer is None else (each or "" for each in timer.groups())
+        if _ticks(unit, number):
+            rate = _rate(unit, number)
+            return Wire(key.text, source.text, "tick", source.span, rate, is_virtual=True)
         if timer is not None or not node or not output:
             message = (
                 f"input `{key.text}` of `{name}` must take an output, not `{source.text[:60]}`"
@@ -299,6 +372,8 @@ class _Reader:
             help_text = "write `NODE/OUTPUT`, or a timer: `dora/timer/millis/20`"
             self.wrong(source.span, message, help_text)
             return None
+        if _VIRTUAL.fullmatch(source.text):
+            return Wire(key.text, source.text, "out", source.span, is_virtual=True)
         return Wire(key.text, node, output, source.span)
 
     def resolved(self, wire: Wire) -> Wire:
@@ -309,17 +384,50 @@ class _Reader:
         return wire
 
 
-def _rate(unit: str, number: str) -> Rate | None:
-    """Return the rate of a timer; `None` where it cannot be said."""
-    if not number.isascii() or not number.isdecimal() or len(number) > len(str(MOST)):
-        return None
-    count = int(number)
-    most = {"millis": MOST, "secs": MOST // 1000, "hz": MOST // 1000}.get(unit, 0)
-    if not 0 < count <= most:
-        return None
+def _ticks(unit: str, number: str) -> bool:
+    """Whether dora takes a number of a unit for the period, or in `hz` the rate, of a timer."""
     if unit == "hz":
-        return Rate(count)
-    return every(count, "ms" if unit == "millis" else "s")
+        # Above 2 GHz the period is rounded to nothing.
+        return _FLOAT.fullmatch(number) is not None and 1e-19 < float(number) < 2e9
+    is_whole = number.isascii() and number.isdecimal() and len(number) <= len(str(_MOST_COUNT))
+    return is_whole and unit in _UNITS and 0 < int(number) <= _MOST_COUNT
+
+
+def _rate(unit: str, number: str) -> Rate | None:
+    """Return the rate of a timer; None where a configuration cannot write it."""
+    if unit == "hz":
+        read = read_frequency(number)
+        return read if isinstance(read, Rate) else None
+    count = int(number)
+    if unit == "secs" and count <= MOST // 1000:
+        return every(count, "s")
+    nanos = count * _UNITS[unit]
+    if nanos % 10**6 == 0 and nanos // 10**6 <= MOST:
+        return every(nanos // 10**6, "ms")
+    is_rate = 10**9 % nanos == 0 and 10**9 // nanos <= MOST // 1000
+    return Rate(10**9 // nanos) if is_rate else None
+
+
+def _program(settings: Mapping[str, tuple[Scalar, Node]]) -> NodeFile | None:
+    """Return the program of a node; None if it is outside of the repository or built."""
+    if settings.keys() & _ELSEWHERE:
+        return None
+    key = next((each for each in ("path", "source", "python") if each in settings), "")
+    _, value = settings.get(key, (None, None))
+    if isinstance(value, Pairs):
+        _, value = _by_key(value).get("source", (None, None))
+    if isinstance(value, Scalar) and value.text in _INTERPRETERS:
+        key = "args"
+        _, value = settings.get(key, (None, None))
+    if not isinstance(value, Scalar) or not _IN_REPOSITORY.fullmatch(value.text):
+        return None
+    is_python = value.text.endswith(".py")
+    if not (_BUILT if is_python else _BUILT | _COMPILED).isdisjoint(value.text.split("/")):
+        return None
+    _, build = settings.get("build", (None, None))
+    lines = build.text.splitlines() if isinstance(build, Scalar) else []
+    builds = not all(_INSTALL.fullmatch(line) for line in lines)
+    return NodeFile(key, value.text, value.span, builds)
 
 
 def _by_key(node: Node) -> dict[str, tuple[Scalar, Node]]:

@@ -1,14 +1,24 @@
 """A dora dataflow as a configuration: nodes and operators as modules, timers as sensors."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange import ports
 from mars_asp.exchange.dora.document import Dataflow, Wire, Worker, read_dataflow
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
-from mars_asp.model.declarations import Configuration, Data, Mode, Module, Name, Service
+from mars_asp.model.declarations import (
+    Configuration,
+    Data,
+    MissingFile,
+    Mode,
+    Module,
+    Name,
+    Service,
+)
 
 _PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
 
@@ -17,7 +27,8 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
     """Return the configuration of the dataflows of one robot, each a text and its path.
 
     Each input is a line that names both ports; a timer is a sensor by its own name that delivers at
-    its rate. Notes list what was not read.
+    its rate, and any other virtual input of dora is a source by its own name. Notes list the keys
+    that were not read.
 
     Raises:
         MarsError: all that is wrong with the files.
@@ -30,6 +41,9 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
         except MarsError as error:
             problems += error.diagnostics
     workers: dict[str, Worker] = {}
+    missing: list[MissingFile] = []
+    for (_, path), dataflow in zip(files, dataflows, strict=False):
+        missing += _missing(dataflow, Path(path))
     for worker in (worker for dataflow in dataflows for worker in dataflow.workers):
         if worker.name in workers:
             problems.append(_named_twice(worker, workers[worker.name]))
@@ -37,10 +51,27 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
     if problems:
         raise MarsError(problems)
     configuration = _configuration(tuple(workers.values()), files[0][1])
+    configuration = replace(configuration, missing=tuple(missing))
     unread: list[Unread] = [each for dataflow in dataflows for each in dataflow.unread]
     return Parsed(
         configuration, tuple(notes(unread)), tuple(map(print_module, configuration.declared))
     )
+
+
+def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
+    """Yield the programs of nodes that are not there; none if the dataflow is not a file."""
+    if not path.is_file():
+        return
+    for worker in dataflow.workers:
+        program = worker.program
+        if program is None:
+            continue
+        try:
+            is_there = (path.parent / program.path).exists()
+        except OSError:
+            is_there = False
+        if not is_there:
+            yield MissingFile(worker.name, *program)
 
 
 def _named_twice(worker: Worker, first: Worker) -> Diagnostic:
@@ -50,12 +81,12 @@ def _named_twice(worker: Worker, first: Worker) -> Diagnostic:
 
 
 def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
-    timers: dict[str, Wire] = {}
+    virtual: dict[str, Wire] = {}
     for wire in (wire for worker in workers for wire in worker.wires):
-        if wire.rate is not None:
-            timers.setdefault(wire.source, wire)
+        if wire.is_virtual:
+            virtual.setdefault(wire.source, wire)
     names = [Name(worker.name, worker.span) for worker in workers]
-    names += [Name(name, wire.span) for name, wire in timers.items()]
+    names += [Name(name, wire.span) for name, wire in virtual.items()]
     return Configuration(
         path,
         point(path, 1, 1),
@@ -65,7 +96,7 @@ def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
         relationships=tuple(_line(w.name, wire) for w in workers for wire in w.wires),
         declared=(
             *(_module(worker) for worker in workers if worker.complete),
-            *(_timer(name, wire.span, wire) for name, wire in timers.items()),
+            *(_source(name, wire) for name, wire in virtual.items()),
         ),
     )
 
@@ -84,7 +115,11 @@ def _module(worker: Worker) -> Module:
     return Module(worker.name, worker.span, services, named=worker.span)
 
 
-def _timer(name: str, span: Span, wire: Wire) -> Module:
-    """Return the sensor that a timer is."""
-    service = Service("Sense", span, "tick", modes=(_PERIODIC,), hz=wire.rate, port=wire.output)
-    return Module(name, span, (service,), named=span)
+def _source(name: str, wire: Wire) -> Module:
+    """Return the module of a virtual input: a sensor for a timer with a rate."""
+    if wire.rate is None:
+        service = ports.output(wire.output, None, wire.span, None)
+    else:
+        modes = (_PERIODIC,)
+        service = Service("Sense", wire.span, "tick", modes=modes, hz=wire.rate, port=wire.output)
+    return Module(name, wire.span, (service,), named=wire.span)

@@ -38,6 +38,7 @@ from mars_asp.reasoning.facts.identifiers import (
     ANY,
     NONE,
     PERIODIC,
+    annotations_of,
     hold_term,
     mode_term,
     numbered,
@@ -89,7 +90,9 @@ def _names(described: Mapping[str, Module]) -> Names:
 
 
 #: The predicates by which the architecture, modules, relationships and annotations are told.
-HEADING = frozenset({"architecture", "imported", "period", "muxed", "opaque"})
+HEADING = frozenset(
+    {"architecture", "imported", "period", "muxed", "opaque", "absent_file", "builds"}
+)
 MODULES = frozenset({"module", "node", "place"})
 RELATIONSHIPS = frozenset(
     "place uses_data_from is_controlled_by is_mounted_on priority stated_priority hold allocation"
@@ -193,6 +196,7 @@ class Compiler:
             (self.each_module, MODULES),
             (self.relationships, RELATIONSHIPS),
             (self.annotations, ANNOTATIONS),
+            (self.missing_files, {"absent_file", "builds", "place"}),
             (self.words, {"in_words"}),
             (self.ports, PORTS),
             (self.loose_ends, {"port_name", "near"}),
@@ -220,6 +224,18 @@ class Compiler:
             self.add(mux.span, "muxed", mux.module, Atom(mux.engine))
         for name in configuration.opaque:
             self.add(name.span, "opaque", name.text)
+
+    def missing_files(self) -> None:
+        """Add the files of nodes that are not there, with identifiers after all others."""
+        if not self.configuration.missing:
+            return
+        first = 1 + len(self.configuration.relationships)
+        first += sum(len(annotations_of(module)) for module in self.described.values())
+        for number, file in enumerate(self.configuration.missing, first):
+            self.add(file.span, "absent_file", number, file.module, file.key, file.path)
+            self.place(number, file.span)
+            if file.builds:
+                self.add(file.span, "builds", file.module)
 
     def each_module(self) -> None:
         """Add the modules that the configuration names."""

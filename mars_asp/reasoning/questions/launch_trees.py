@@ -1,5 +1,6 @@
-"""Explanations of findings in launch trees: their places, their conditions and their traces."""
+"""Explanations of findings in files of others: their places, their conditions and their traces."""
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -7,7 +8,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace.tree import Unexplained
 from mars_asp.diagnostic import Span
 from mars_asp.model.graph import OPEN_CONDITION
-from mars_asp.reasoning.analysis import Consequence, diagnostic
+from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.account import Account, Cited
@@ -16,6 +17,8 @@ from mars_asp.reasoning.session import Evidence
 
 #: The order of findings, which are in the order of their places otherwise.
 _GRAVITY = {"error": 0, "warning": 1, "note": 2}
+#: Labels that compare a place with the first one.
+_AGAIN = re.compile(r"\b(?:too|as well|again|same)\b")
 
 
 def explain_trees(
@@ -38,13 +41,28 @@ def explain_trees(
         MarsError: rules that clingo refuses.
     """
     analysis = analyse_trees(project, rulebook)
+    return explain_findings(
+        project, analysis, launch_rules(rulebook), subject, every=every, traced=traced
+    )
+
+
+def explain_findings(
+    project: Project,
+    analysis: Analysis,
+    rules: Rulebook,
+    subject: str | None,
+    *,
+    every: bool,
+    traced: bool,
+) -> Explanation | None:
+    """Explain the findings of an analysis by `rules`, as `explain_trees` does."""
     chosen = sorted(
         (each for each in analysis.consequences if subject is None or _is_about(each, subject)),
         key=lambda finding: _GRAVITY[finding.severity],
     )
     if subject is not None and not chosen:
         return None
-    evidence = Evidence(launch_rules(rulebook), analysis.facts, analysis)
+    evidence = Evidence(rules, analysis.facts, analysis)
     traces = evidence.explainer.why([each.atom for each in chosen], every) if traced else {}
     folder = Path(project.configuration.path)
     topics = []
@@ -71,6 +89,8 @@ def _is_about(finding: Consequence, subject: str) -> bool:
 def _cited(finding: Consequence, folder: Path) -> Iterator[Cited]:
     """Yield the places of a finding, then those of its conditions."""
     labels = dict(finding.labels)
+    if _AGAIN.search(labels.get(finding.spans[0], "") if finding.spans else ""):
+        del labels[finding.spans[0]]
     lines = {span[:2]: (span, labels.get(span, "")) for span in reversed(finding.spans)}
     for condition in finding.conditions:
         if condition.span is not None:
@@ -100,4 +120,5 @@ def _notes(finding: Consequence) -> Sequence[str]:
     """Return what a finding leads to, where it holds, and what to do."""
     shown = diagnostic(finding)
     advice = finding.help and f"{finding.help[:1].upper()}{finding.help[1:].rstrip('.')}."
+    advice = advice and advice.replace("?.", "?")
     return [text for text in (shown.effect, advice) if text]

@@ -11,11 +11,18 @@ import pytest
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.trace.document import trace_json
+from mars_asp.exchange.dora import import_dora
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import ANNOTATIONS, WIRING
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import kinds_of
-from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
+from mars_asp.reasoning.project import (
+    Project,
+    described,
+    load_project,
+    project_facts,
+    project_lookup,
+)
 from mars_asp.reasoning.questions.behind import for_resolution, names_read
 from mars_asp.reasoning.questions.evidence import Slice, slice_for
 from mars_asp.reasoning.questions.explain import explain
@@ -127,8 +134,10 @@ def test_facts_of_some_predicates_are_those_of_all(tmp_path: Path) -> None:
     saved.write_text(IMPORTED)
     paths = [*CONFIGURATIONS, *(ROOT / "tests" / "specifications").rglob("*.mars"), rare, saved]
     paths += [ROOT / "tests" / "mixed.mars", ROOT / "tests" / "swapped.mars"]
-    for path in paths:
-        project = load_project(str(path))
+    dataflow = tmp_path / "dataflow.yml"
+    dataflow.write_text("nodes:\n- id: a\n  path: ./a\n- id: b\n  path: ./b\n  build: make\n")
+    foreign = described(import_dora([(dataflow.read_text(), str(dataflow))]), "")
+    for project in (*(load_project(str(path)) for path in paths), foreign):
         facts = project_facts(project)
         for name in {fact.atom.name for fact in facts}:
             seen.add(name)
