@@ -43,7 +43,7 @@ class Diagnostic:
     names in backticks and no full stop, stating what is the case; `effect` is a sentence on what
     will happen; `help` says what to do; `labels` are other places that help, each with words of its
     own or none; `excerpt` is the line of the file at `span`, empty where that shows nothing. `kind`
-    is that of what rules find, `launch_files` are the launch trees in which it holds.
+    is the kind of a finding, `launch_files` are the launch trees in which it holds.
     """
 
     code: str

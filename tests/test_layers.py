@@ -179,14 +179,14 @@ def test_the_drawing_shows_the_real_imports(update_golden: bool) -> None:
 
 
 def test_the_engine_knows_no_robots() -> None:
-    told = [
+    found = [
         f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
         for path in sorted((HOUSE / "asp").rglob("*"))
         if path.suffix in (".py", ".md", ".lp")
         for number, line in enumerate(path.read_text().splitlines(), 1)
         if OURS.search(line)
     ]
-    assert told == []
+    assert found == []
 
 
 def test_tests_stand_as_the_packages_stand() -> None:
@@ -207,13 +207,13 @@ def test_tests_of_the_engine_use_no_robot() -> None:
         for name in imported(path)
         if of_mars.match(name)
     ]
-    told = [
+    found = [
         f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
         for path in sorted((TESTS / "asp").rglob("*.py"))
         for number, line in enumerate(path.read_text().splitlines(), 1)
         if OURS.search(line)
     ]
-    assert wrong + told == []
+    assert wrong + found == []
 
 
 #: Who walks clingo's trees: the reader of rules, and those who write further rules from them.

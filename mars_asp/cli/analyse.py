@@ -16,7 +16,7 @@ from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.selection import Selected, Selection, add_selection, hidden_text
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
-from mars_asp.reasoning.analysis import Analysis, Condition, Consequence, diagnostic
+from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
 from mars_asp.reasoning.findings import SEVERITIES
 from mars_asp.reasoning.project import Project, has_mounts
 
@@ -106,17 +106,15 @@ def consequence_json(consequence: Consequence) -> dict[str, object]:
         "locations": [location_json(span) for span in consequence.spans],
         "rule": {"id": rule.id, "path": rule.span.path, "line": rule.span.line},
         "launch_files": list(consequence.trees),
-        "conditions": [_condition_json(each) for each in consequence.conditions],
-    }
-
-
-def _condition_json(condition: Condition) -> dict[str, object]:
-    """Return a condition of a launch argument with the keys of the contract."""
-    return {
-        "variable": condition.variable,
-        "value": condition.value,
-        "how": condition.how,
-        "location": None if condition.span is None else location_json(condition.span),
+        "conditions": [
+            {
+                "variable": each.variable,
+                "value": each.value,
+                "how": each.how,
+                "location": None if each.span is None else location_json(each.span),
+            }
+            for each in consequence.conditions
+        ],
     }
 
 

@@ -220,7 +220,7 @@ def _explain_findings(
     selection = Selection(arguments, rulebook)
     traced = _wants_traces(arguments)
     if project.trees:
-        of, every = "what is launched", arguments.every
+        of, every = "the launch files", arguments.every
         answer = launch_trees.explain_trees(project, rulebook, subject, every, traced)
     else:
         of = "the dataflow"

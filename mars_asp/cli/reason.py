@@ -97,7 +97,7 @@ def read_project(
         arguments: The words of the command.
         path: The file, if not those of the command.
         quietly: Whether the verb reports the messages itself, as far as they are selected. Other
-            verbs take all launch trees for one robot, and that is a message, too.
+            verbs take all launch trees for one robot, which is a message.
 
     Raises:
         MarsError: what is wrong with its files.
@@ -118,7 +118,7 @@ def one_of_several(project: Project) -> Iterator[Diagnostic]:
     """Yield the note that several launch trees were taken for one robot, if they were."""
     if len(project.trees) > 1:
         number = len(project.trees)
-        message = f"what {number} launch files start was taken for one robot"
+        message = f"the nodes of {number} launch files were taken for one robot"
         help_text = "`--launch LAUNCHFILE` takes one of them; `check -v` lists them"
         span = project.configuration.span
         yield Diagnostic("launch", "note", message, span, help=help_text, excerpt="", kind="launch")

@@ -149,9 +149,9 @@ class Selection:
         return selected._replace(shown=())
 
     def messages(self, project: Project) -> tuple[tuple[Diagnostic, ...], Counter[str]]:
-        """Return the messages on reading a project that are reported, and what hides how many.
+        """Return the reported messages on reading a project, and how many each filter hides.
 
-        Errors are always reported, and so is what has no kind.
+        Errors are always reported, and so are messages without a kind.
 
         Raises:
             MarsError: the settings of its folder, or their baseline, are wrong.

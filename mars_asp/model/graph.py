@@ -137,7 +137,7 @@ class Renaming:
 
 
 @dataclass(frozen=True, slots=True)
-class Missing:
+class AbsentFile:
     """A file or, if `is_program`, a program that a launch file names and its package lacks."""
 
     name: str
@@ -162,7 +162,7 @@ class LaunchTree:
     relays: tuple[Relay, ...] = ()
     unread: tuple[Span, ...] = ()
     broken: tuple[tuple[str, Span], ...] = ()
-    missing: tuple[Missing, ...] = ()
+    missing: tuple[AbsentFile, ...] = ()
     defaults: tuple[tuple[str, str], ...] = ()
     repeated: tuple[tuple[str, Span], ...] = ()
 

@@ -52,7 +52,7 @@ _MOST_TREES = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
+class LaunchCondition:
     """A launch argument that must have a value, or must not if `how` is `unless`.
 
     `span` is where a launch file states it.
@@ -84,7 +84,7 @@ class Consequence:
     labels: tuple[tuple[Span, str], ...] = ()
     effect: str | None = None
     trees: tuple[str, ...] = ()
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[LaunchCondition, ...] = ()
     #: Whether the conditions hold with the stated defaults of the launch arguments.
     is_usual: bool = False
 
@@ -279,7 +279,7 @@ def _where(consequence: Consequence) -> Iterator[str]:
         yield f"It holds in {len(consequence.trees)} launch files: {', '.join(named)} and {last}."
 
 
-def _condition_text(condition: Condition) -> str:
+def _condition_text(condition: LaunchCondition) -> str:
     """Return a condition as ```use_composition` is `true` (robot.launch.py:206)``."""
     name = condition.variable
     if name.startswith(OPEN_CONDITION):
@@ -291,7 +291,7 @@ def _condition_text(condition: Condition) -> str:
     return f"{called} is {'' if condition.how == 'if' else 'not '}`{condition.value}`{place}"
 
 
-def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[Condition]]:
+def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCondition]]:
     """Return the conditions of findings, each with the line that states it."""
     rows = _collect(analysis.grounding.control, ("condition_at", 7), wanted)
     if not rows:
@@ -299,13 +299,13 @@ def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[Conditio
     stated = {
         fact.atom.arguments: fact.span for fact in analysis.facts if fact.atom.name == "starts_if"
     }
-    found: dict[Key, list[Condition]] = {}
+    found: dict[Key, list[LaunchCondition]] = {}
     for key, tests in rows.items():
         for test in tests:
             variable, value, how = map(written, test[:3])
             node = as_symbol(test[3]).number
             span = stated.get((node, variable, value, Atom(how)))
-            found.setdefault(key, []).append(Condition(variable, value, how, span))
+            found.setdefault(key, []).append(LaunchCondition(variable, value, how, span))
     return {
         key: sorted(each, key=lambda condition: (condition.variable, condition.value))
         for key, each in found.items()

@@ -59,12 +59,12 @@ _BUILT = frozenset("build target dist out install venv .venv node_modules".split
 _COMPILED = frozenset(("bin", "lib"))
 #: A build command that makes no file in the folder.
 _INSTALL = re.compile(r"\s*(?:(?:uv|python3?)\s+(?:-m\s+)?)?pip3?\s+install\b[^;&|]*")
-#: `[sample_type=f32]` behind a type.
+#: `[sample_type=f32]` after a type.
 _PARAMETERS = re.compile(r"\[[^\]]*\]")
 
 
 class Port(NamedTuple):
-    """An input or output: its name, its type where that is stated, and where it stands."""
+    """An input or output: its name, its type if that is stated, and its location."""
 
     name: str
     type: str | None
@@ -99,7 +99,7 @@ class NodeFile(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """A node, or an operator of one; all that is told of it stands here where it is `complete`."""
+    """A node, or an operator of one; `complete` is whether the file states all of it."""
 
     name: str
     span: Span

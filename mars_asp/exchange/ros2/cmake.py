@@ -22,7 +22,7 @@ class Installed(NamedTuple):
     """Files or a folder of a package that are installed below a folder of its shared files.
 
     `source` may be a pattern; a folder is installed by its own name, or with a slash at its end by
-    what it holds.
+    its content.
     """
 
     source: str

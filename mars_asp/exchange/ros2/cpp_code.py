@@ -46,7 +46,7 @@ class Call(NamedTuple):
 
 @dataclass(slots=True)
 class Body:
-    """A function by its name, from the token that opens its body to behind the one that ends it.
+    """A function by its name, from the token that opens its body to after the closing one.
 
     `opening` is the bracket of its parameters.
     """

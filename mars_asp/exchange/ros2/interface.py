@@ -43,10 +43,10 @@ class Interface:
     """The topics of a program, the name that it gives its node, and whether it is a guard.
 
     `unread` is what the program does beside it, and what only a run knows. `clients` is whether
-    others choose further topics while it runs, `listens` whether they choose what it subscribes to,
+    others choose further topics while it runs, `listens` whether they choose its subscriptions,
     `spread` whether it is several nodes, with private topics below the namespace that they are
     given, or else below its name. `names` are those of its services, actions and, in ROS 1,
-    parameters, which can be renamed, too; `unnamed` is whether it has further ones.
+    parameters, which can also be renamed; `unnamed` is whether it has further ones.
     """
 
     published: tuple[Topic, ...] = ()

@@ -35,7 +35,7 @@ from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
-from mars_asp.model.graph import Missing, StartCondition
+from mars_asp.model.graph import AbsentFile, StartCondition
 
 #: What launch files are called that are included and not found.
 NOT_HERE = "included launch files that are not in the workspace"
@@ -119,7 +119,7 @@ class Launch:
         self.started: list[Started] = []
         self.unread: list[Unread] = []
         self.reached: set[Path] = set()
-        self.missing: dict[Missing, None] = {}
+        self.missing: dict[AbsentFile, None] = {}
         #: Parameter files that are passed to launch files which are not here.
         self.passed: dict[Path, None] = {}
         #: The first default of each launch argument that users may set.
@@ -298,7 +298,7 @@ class Launch:
         span, started, unread = action.span, self.started, self.unread
         self.started, self.unread = [], []
         self._enter(self._read(file), action, scope, (*files, file))
-        self.started = [*started, *(_moved(each, span) for each in self.started)]
+        self.started = [*started, *(_at_include(each, span) for each in self.started)]
         # Its own default files are not here, and name no topics.
         kept = (each for each in self.unread if each.sort != _NO_PARAMETERS)
         self.unread = [*unread, *(each._replace(span=span) for each in kept)]
@@ -326,7 +326,7 @@ class Launch:
         lacking = None if path is None else self.workspace.lacking(path)
         if lacking is not None:
             package, name = lacking
-            self.missing[Missing(name, package, span)] = None
+            self.missing[AbsentFile(name, package, span)] = None
 
     def _pass(
         self, argument: Parameter, scope: _Scope, within: _Scope, files: tuple[Path, ...]
@@ -558,7 +558,7 @@ class Launch:
         return whole or "..."
 
 
-def _moved(started: Started, span: Span) -> Started:
+def _at_include(started: Started, span: Span) -> Started:
     """Return a node of a catalogued file as if the line that includes it stated all of it."""
     shown = started.span.path
     return replace(

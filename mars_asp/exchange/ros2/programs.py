@@ -269,7 +269,7 @@ class Programs:
             scripts: dict[str, str] = {}
             setup = self._text(package.folder / "setup.py")
             if setup is not None:
-                # A text of a thousand summands is no name.
+                # A name with very many summands is not read.
                 with suppress(RecursionError):
                     scripts |= dict(scripts_of_setup(setup))
             configured = self._text(package.folder / "setup.cfg")

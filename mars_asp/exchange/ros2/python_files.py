@@ -11,7 +11,7 @@ _MOST_FILES = 1000
 
 @dataclass(slots=True)
 class SourceFile:
-    """A file: its tree, what it imports and what stands at its outer level.
+    """A file: its tree, its imports and the names at its outer level.
 
     `relative` are the imported names that are of its own package; `stars` are the modules of which
     it imports all names.

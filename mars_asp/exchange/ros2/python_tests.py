@@ -41,21 +41,21 @@ def tested(node: ast.expr, names: Mapping[str, Value], value: Evaluate, span: Sp
                 return Tested()
             return Tested((replace(tests[0], wanted=not tests[0].wanted),), True)
         case ast.Compare(left=left, ops=[operator], comparators=[right]):
-            return _compared(_text(left, names, value), operator, right, span)
+            return _comparison_of(_tested_text(left, names, value), operator, right, span)
         case ast.Call(func=ast.Attribute(value=ast.Call() as made, attr="evaluate")):
             condition = value(made) if _called(made) in _CONDITIONS else None
             tests = tests_of(condition, span) if isinstance(condition, Call) else ()
             tests = tuple(replace(test, span=span) for test in tests)
             return Tested(tests, len(tests) == 1)
         case _:
-            text = _text(node, names, value)
+            text = _tested_text(node, names, value)
             if text is None or plain(text) is not None:
                 return Tested()
             # A text is true if it is not empty.
             return Tested((Test(text, (), False, span),), True)
 
 
-def _compared(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Span) -> Tested:
+def _comparison_of(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Span) -> Tested:
     """Return the test of a comparison with texts that are written out."""
     listed = right.elts if isinstance(right, ast.Tuple | ast.List | ast.Set) else [right]
     values = [str(each.value) for each in listed if isinstance(each, ast.Constant)]
@@ -75,7 +75,7 @@ def _compared(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Spa
     return Tested((Test(text, written, wanted, span),), True)
 
 
-def _text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) -> Text | None:
+def _tested_text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) -> Text | None:
     """Return the text of a literal or an argument, or None if an expression is neither."""
     for _ in range(_MOST_PARTS):
         match node:
@@ -84,7 +84,7 @@ def _text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) -> Text |
             case ast.Call(func=ast.Attribute(value=inner, attr=attr)) if attr in _SAME:
                 node = inner
             case ast.Call(func=ast.Attribute(value=owner, attr="get"), args=[key, *_]):
-                return _argument(key) if _is_configurations(owner) else None
+                return _launch_argument(key) if _is_configurations(owner) else None
             case _:
                 break
     found: Value = None
@@ -92,7 +92,7 @@ def _text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) -> Text |
         case ast.Name(id=name):
             found = names.get(name)
         case ast.Subscript(value=owner, slice=key) if _is_configurations(owner):
-            return _argument(key)
+            return _launch_argument(key)
         case ast.Call() if _called(node) == "LaunchConfiguration":
             found = value(node)
     if not isinstance(found, Plain):
@@ -106,7 +106,7 @@ def _is_configurations(node: ast.expr) -> bool:
     return isinstance(node, ast.Attribute) and node.attr == "launch_configurations"
 
 
-def _argument(key: ast.expr) -> Text | None:
+def _launch_argument(key: ast.expr) -> Text | None:
     is_text = isinstance(key, ast.Constant) and isinstance(key.value, str)
     return (Argument(str(key.value)),) if isinstance(key, ast.Constant) and is_text else None
 

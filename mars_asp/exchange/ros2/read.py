@@ -37,10 +37,10 @@ from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
 from mars_asp.model.graph import (
+    AbsentFile,
     Endpoint,
     Graph,
     LaunchTree,
-    Missing,
     Mux,
     Node,
     Relay,
@@ -287,8 +287,11 @@ class _Robot:
             if isinstance(each, Unread):
                 self.unread.append(each)
                 continue
-            if self._is_missing(each):
-                missing[Missing(each.executable, each.package, each.span, is_program=True)] = None
+            is_named = each.executable != "" and not each.plugin
+            if is_named and not self.workspace.has_program(each.package, each.executable):
+                missing[AbsentFile(each.executable, each.package, each.span, is_program=True)] = (
+                    None
+                )
             match self._node(each):
                 case Mux() as mux:
                     muxes.append(mux)
@@ -313,11 +316,6 @@ class _Robot:
             tuple(launch.defaults.items()),
             tuple((text, span) for span, text in self.repeated.items() if span not in known),
         )
-
-    def _is_missing(self, started: Started) -> bool:
-        """Whether the package of a node is here and lacks its program."""
-        is_named = started.executable != "" and not started.plugin
-        return is_named and not self.workspace.has_program(started.package, started.executable)
 
     def _catalogue(self) -> Catalogue:
         packages = (package.folder for package in self.workspace.packages)

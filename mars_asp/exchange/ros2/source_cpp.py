@@ -24,7 +24,7 @@ from mars_asp.annotations.types import representation
 from mars_asp.exchange.ros2.cpp_code import Call, CppCode
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
 from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens
-from mars_asp.exchange.ros2.cpp_handles import joined as below
+from mars_asp.exchange.ros2.cpp_handles import join_prefix as below
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
     OF_ACTION,
@@ -86,7 +86,7 @@ class _Value(NamedTuple):
     parameter: str | None = None
 
 
-class _Found(NamedTuple):
+class _TopicCall(NamedTuple):
     """A topic that a call makes, the variable that keeps the result, and the handle."""
 
     topic: Topic
@@ -277,7 +277,7 @@ class _File(CppCode):
         call: Call,
         values: Mapping[str, _Value],
         kinds: Mapping[str, str],
-    ) -> "_Found | Unread | None":
+    ) -> "_TopicCall | Unread | None":
         """Return the topic that a call makes, or None if it makes none."""
         tokens = self.tokens
         owner = text_at(tokens, call.at - 2) if text_at(tokens, call.at - 1) in (".", "->") else ""
@@ -332,7 +332,7 @@ class _File(CppCode):
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
             return Unread(AT_RUN_TIME, shown, span)
         topic = Topic(value.text or "", _written(kind), span, value.parameter)
-        return _Found(topic, self._keeper(call), published, self._handle(call, name_at))
+        return _TopicCall(topic, self._keeper(call), published, self._handle(call, name_at))
 
     def switches(self, at: int, values: Mapping[str, _Value]) -> set[tuple[str, bool]]:
         """Return the parameters that decide whether a token is reached, each with its value."""
@@ -482,7 +482,7 @@ def _prefixed(
     topic: Topic, file: CppCode, handle: tuple[int, int], handles: Handles
 ) -> Iterator[Topic | Unread]:
     """Yield a topic by its names below each prefix that its handle can have."""
-    for prefix in handles.at(file, *handle):
+    for prefix in handles.prefixes_at(file, *handle):
         name = below(prefix, topic.name)
         if topic.name.startswith(("/", "~")) or not topic.name:
             yield topic

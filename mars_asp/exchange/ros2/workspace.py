@@ -183,7 +183,7 @@ class Workspace:
             if package is None:
                 return None
             inner = path[match.end() :]
-            candidates = (package.folder / inner, *self._sources(package, inner))
+            candidates = (package.folder / inner, *self._installed_from(package, inner))
         for candidate in candidates:
             try:
                 found = self._inside(candidate)
@@ -194,13 +194,14 @@ class Workspace:
         return None
 
     def catalogued(self, path: str) -> Path | None:
-        """Return the file that states what a launch file of a package elsewhere starts, if any."""
+        """Return the catalogued form of a launch file of another package, or None."""
         match = _SHARE.match(path)
         inside = "" if match is None else path[match.end() :]
         if match is None or not inside or ".." in Path(inside).parts or self.package(match[1]):
             return None
         name = Path(match[1]) / f"{inside}.yaml"
-        own = (each / OWN_LAUNCH_FILES for each in (self.root, *self._folders))
+        roots = (self.root, *(package.folder for package in self.packages))
+        own = (each / OWN_LAUNCH_FILES for each in roots)
         for folder in (*own, _CATALOGUE):
             file = folder / name
             if folder == _CATALOGUE and file.is_file():
@@ -212,10 +213,6 @@ class Workspace:
             if found is not None and found.is_file():
                 return found
         return None
-
-    @property
-    def _folders(self) -> Iterator[Path]:
-        return (package.folder for package in self.packages)
 
     def lacking(self, path: str) -> tuple[str, str] | None:
         """Return the package and the path in it of a file that the package does not have.
@@ -230,7 +227,7 @@ class Workspace:
         inside = path[match.end() :]
         name = inside.rpartition("/")[2]
         is_file = _FILE_NAME.fullmatch(name) is not None and "$(" not in inside
-        # Maps are made by users, and what git ignores is made by programs.
+        # Maps are made by users, and files that git ignores by programs.
         if not is_file or _OF_MAPS.search(inside) or self._is_ignored(package, name):
             return None
         if self._may_have(package, name):
@@ -266,7 +263,7 @@ class Workspace:
                         yield pattern
 
     def _may_have(self, package: Package, name: str) -> bool:
-        """Whether a file of a package, or its build file, has a name or what becomes that."""
+        """Whether a package has a file of a name or its template, or its build file names it."""
         if package.folder not in self._contents:
             stems = set[str]()
             build = ""
@@ -295,7 +292,7 @@ class Workspace:
         # Names that a build file composes are not known.
         return is_program and _COMPOSED.search(build) is not None
 
-    def _sources(self, package: Package, path: str) -> Iterator[Path]:
+    def _installed_from(self, package: Package, path: str) -> Iterator[Path]:
         """Yield the files of a package that may be installed as a path of its shared folder."""
         folder, _, name = path.rpartition("/")
         for source, target, is_folder in self._installed(package):
@@ -311,7 +308,7 @@ class Workspace:
                 yield package.folder / source / inner
 
     def _installed(self, package: Package) -> Sequence[Installed]:
-        """Return what a package says that it installs as shared files."""
+        """Return the shared files that a package installs."""
         if package.folder not in self._shared:
             setup, build = (
                 "" if found is None else self._readable(found)
@@ -320,7 +317,7 @@ class Workspace:
                 )
             )
             self._shared[package.folder] = []
-            # A text of a thousand summands is no path.
+            # A path with very many summands is not read.
             with suppress(RecursionError):
                 self._shared[package.folder] += files_of_setup(setup, package.name)
             self._shared[package.folder] += read_cmake(build).installed

@@ -29,7 +29,7 @@ def explain_trees(
     Args:
         project: A project with launch trees.
         rulebook: The rules, those of the stage `launch` among them.
-        subject: What the findings are about: their kind, `KIND(NAME)`, a node, a topic, or
+        subject: The subject of the findings: their kind, `KIND(NAME)`, a node, a topic, or
             `FILE:LINE`; all if it is None.
         every: Whether steps of traces have all derivations.
         traced: Whether topics have traces.
@@ -69,7 +69,7 @@ def explain_findings(
     for each in chosen:
         title = f"{each.kind}({each.subject})"
         trace = traces.get(each.atom) or Unexplained(title, "no trace was requested")
-        account = Account(each.message, tuple(_cited(each, folder)), tuple(_notes(each)))
+        account = Account(each.message, tuple(_finding_lines(each, folder)), tuple(_notes(each)))
         topics.append(
             Topic(title, title, "consequence", each.severity, each.rule.id, (), account, trace)
         )
@@ -86,7 +86,7 @@ def _is_about(finding: Consequence, subject: str) -> bool:
     )
 
 
-def _cited(finding: Consequence, folder: Path) -> Iterator[Cited]:
+def _finding_lines(finding: Consequence, folder: Path) -> Iterator[Cited]:
     """Yield the places of a finding, then those of its conditions."""
     labels = dict(finding.labels)
     if _AGAIN.search(labels.get(finding.spans[0], "") if finding.spans else ""):
@@ -98,14 +98,12 @@ def _cited(finding: Consequence, folder: Path) -> Iterator[Cited]:
             if condition.variable.startswith(OPEN_CONDITION):
                 of = f"only {condition.how} this condition holds"
             lines.setdefault(condition.span[:2], (condition.span, of))
-    for span, label in sorted(lines.values(), key=lambda line: _order(line[0], finding)):
+    # The places of the finding keep their order, and those of the conditions follow.
+    order = {span: number for number, span in enumerate(finding.spans)}
+    for span, label in sorted(
+        lines.values(), key=lambda line: (order.get(line[0], len(order)), line)
+    ):
         yield Cited(span, _where(span, folder), label)
-
-
-def _order(span: Span, finding: Consequence) -> tuple[int, Span]:
-    """Return what orders a line: the places of the finding as they are, then its conditions."""
-    at = finding.spans.index(span) if span in finding.spans else len(finding.spans)
-    return at, span
 
 
 def _where(span: Span, folder: Path) -> str:
@@ -117,7 +115,7 @@ def _where(span: Span, folder: Path) -> str:
 
 
 def _notes(finding: Consequence) -> Sequence[str]:
-    """Return what a finding leads to, where it holds, and what to do."""
+    """Return the effect of a finding, its conditions and launch files, and the advice."""
     shown = diagnostic(finding)
     advice = finding.help and f"{finding.help[:1].upper()}{finding.help[1:].rstrip('.')}."
     advice = advice and advice.replace("?.", "?")
