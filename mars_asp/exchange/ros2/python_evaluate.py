@@ -23,9 +23,12 @@ from mars_asp.exchange.ros2.python_nodes import (
 from mars_asp.exchange.ros2.python_tests import Tested, decision, tested
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
+    Absent,
     Call,
+    Defined,
     Listed,
     Local,
+    Made,
     Mapped,
     Names,
     Plain,
@@ -127,19 +130,21 @@ class Evaluator:
         match node:
             case ast.FunctionDef(name=name):
                 names[name] = Local(node, names)
+            case ast.ClassDef(name=name):
+                names[name] = Defined(node)
             case ast.Assign(targets=targets, value=value):
                 found = self.value(value, names)
                 for target in targets:
                     self.assign(target, found, names)
             case ast.AnnAssign(target=target, value=ast.expr() as value):
                 self.assign(target, self.value(value, names), names)
-            case ast.AugAssign(target=ast.Name(id=name), op=ast.Add(), value=value):
+            case ast.AugAssign(target=target, op=ast.Add(), value=value):
                 added = self.value(value, names)
-                before = names.get(name, self.globals.get(name))
+                before = self.value(target, names)
                 if isinstance(before, Listed) and isinstance(added, Listed):
                     before.items += added.items[: MOST_ITEMS - len(before.items)]
                 else:
-                    names[name] = summed(before, added)
+                    self.assign(target, summed(before, added), names)
             case ast.Expr(value=value):
                 self.value(value, names)
             case ast.Return(value=value):
@@ -192,6 +197,10 @@ class Evaluator:
                 for index, each in enumerate(targets):
                     part = items[index] if index < len(items) else None
                     self.assign(each, part, names)
+            case ast.Attribute(value=inner, attr=attribute):
+                owner = self.value(inner, names)
+                if isinstance(owner, Made):
+                    owner.attributes[attribute] = value
             case ast.Subscript(value=ast.Name(id=name), slice=key):
                 before = names.get(name)
                 if isinstance(before, Mapped):
@@ -214,6 +223,8 @@ class Evaluator:
                 return Plain((str(value),), self.span(node))
             case ast.Constant(value=str() as value):
                 return Plain(text_of(value), self.span(node))
+            case ast.Constant(value=None):
+                return Absent()
             case ast.Name(id="__file__"):
                 return Plain((Here(), "/."), self.span(node))
             case ast.Name(id=name):
@@ -268,6 +279,8 @@ class Evaluator:
                 owner = self.value(value, names, depth + 1)
                 if attribute == "parent" and isinstance(owner, Plain):
                     return Plain(folder_of(owner.text), owner.span)
+                if isinstance(owner, Made | Defined):
+                    return self.attribute(owner, attribute)
                 return None
             case ast.Call():
                 return self.call(node, names, depth)
@@ -373,10 +386,15 @@ class Evaluator:
             function = names.get(name, self.globals.get(name))
             if isinstance(function, Local):
                 return self.call_local(function, arguments, named)
+            if isinstance(function, Defined):
+                return self.made(function, arguments, named)
             name = self.called.get(name, name)
         else:
             return None
-        call = Call(name, arguments, named, span)
+        # An action that is given `None` is as if nothing were given.
+        kept = {key: each for key, each in named.items() if not isinstance(each, Absent)}
+        given = tuple(None if isinstance(each, Absent) else each for each in arguments)
+        call = Call(name, given, kept, span)
         if name == "DeclareLaunchArgument":
             self.declarations += declared_by(call)
         result = known(call)
@@ -400,6 +418,16 @@ class Evaluator:
             if func.attr in ("add_action", "add_entity") and isinstance(inner, Listed):
                 inner.items.append(first)
             return None
+        if isinstance(owner, Made | Defined):
+            found = self.member(owner if isinstance(owner, Defined) else owner.of, func.attr)
+            if not isinstance(found, ast.FunctionDef):
+                return None
+            marks = _marks(found)
+            is_bound = "classmethod" in marks or (
+                isinstance(owner, Made) and "staticmethod" not in marks
+            )
+            bound: tuple[Value, ...] = (owner,) if is_bound else ()
+            return self.call_local(Local(found, self.globals), (*bound, *arguments), named)
         match owner, func.attr:
             case Listed(), "append":
                 owner.items += [first][: MOST_ITEMS - len(owner.items)]
@@ -424,6 +452,50 @@ class Evaluator:
                 return Plain(path_of(text, *map(text_from, arguments)), span)
             case _:
                 return _NOT_DONE
+
+    def made(self, of: Defined, arguments: Sequence[Value], named: Mapping[str, Value]) -> Value:
+        """Return the object that a class of the file makes."""
+        made = Made(of)
+        entry = self.member(of, "__init__")
+        if isinstance(entry, ast.FunctionDef):
+            self.call_local(Local(entry, self.globals), (made, *arguments), named)
+        else:
+            fields = (each for each in of.of.body if isinstance(each, ast.AnnAssign))
+            keys = [each.target.id for each in fields if isinstance(each.target, ast.Name)]
+            made.attributes.update({**dict(zip(keys, arguments, strict=False)), **named})
+        return made
+
+    def attribute(self, owner: Made | Defined, name: str) -> Value:
+        """Return an attribute of an object or class, or None if it is not known."""
+        if isinstance(owner, Made) and name in owner.attributes:
+            return owner.attributes[name]
+        found = self.member(owner if isinstance(owner, Defined) else owner.of, name)
+        if isinstance(found, ast.FunctionDef):
+            is_property = "property" in _marks(found) and isinstance(owner, Made)
+            return (
+                self.call_local(Local(found, self.globals), (owner,), {}) if is_property else None
+            )
+        return None if found is None else self.value(found, self.globals)
+
+    def member(self, of: Defined, name: str) -> ast.FunctionDef | ast.expr | None:
+        """Return the function or value that a class or one of its bases in the file has."""
+        waiting, seen = [of.of], set[str]()
+        while waiting:
+            node = waiting.pop(0)
+            seen.add(node.name)
+            for statement in node.body:
+                match statement:
+                    case ast.FunctionDef(name=defined) if defined == name:
+                        return statement
+                    case ast.Assign(targets=[ast.Name(id=defined)], value=value):
+                        if defined == name:
+                            return value
+                    case ast.AnnAssign(target=ast.Name(id=defined), value=ast.expr() as value):
+                        if defined == name:
+                            return value
+            bases = (self.globals.get(each.id) for each in node.bases if isinstance(each, ast.Name))
+            waiting += (b.of for b in bases if isinstance(b, Defined) and b.of.name not in seen)
+        return None
 
     def call_local(
         self, function: Local, arguments: Sequence[Value], named: Mapping[str, Value]
@@ -463,6 +535,11 @@ class Evaluator:
         finally:
             self.depth -= 1
         return None
+
+
+def _marks(function: ast.FunctionDef) -> set[str]:
+    """Return the names of the decorators of a function."""
+    return {each.id for each in function.decorator_list if isinstance(each, ast.Name)}
 
 
 class Leaving(Exception):  # noqa: N818 -- no error, but a way out

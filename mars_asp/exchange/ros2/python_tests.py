@@ -8,10 +8,12 @@ from typing import NamedTuple
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import Argument, Test, Text, plain
 from mars_asp.exchange.ros2.conditions import tests_of
-from mars_asp.exchange.ros2.python_values import Call, Plain, Value, text_from
+from mars_asp.exchange.ros2.python_values import Absent, Call, Plain, Value, text_from
 
 #: Texts that mean true or false, lower case.
 _TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
+#: Texts of literals that need not be texts, so that their truth is unknown.
+_AMBIGUOUS = frozenset({"True", "False", "0", "0.0"})
 #: Methods that leave the value of an argument as it is, for a comparison.
 _SAME = frozenset({"perform", "lower", "strip"})
 _CONDITIONS = frozenset({"IfCondition", "UnlessCondition"})
@@ -40,6 +42,21 @@ def tested(node: ast.expr, names: Mapping[str, Value], value: Evaluate, span: Sp
             if not is_complete or len(tests) != 1:
                 return Tested()
             return Tested((replace(tests[0], wanted=not tests[0].wanted),), True)
+        case ast.Compare(
+            left=ast.Name(id=name),
+            ops=[ast.Is() | ast.IsNot() | ast.Eq() | ast.NotEq() as sign],
+            comparators=[ast.Constant(value=None)],
+        ):
+            is_absent = isinstance(names.get(name), Absent)
+            if not is_absent and not isinstance(names.get(name), Plain):
+                return Tested()
+            return _literal(is_absent == isinstance(sign, ast.Is | ast.Eq), span)
+        case ast.Name(id=name) if isinstance(names.get(name), Absent):
+            return _literal(False, span)
+        case ast.Compare(left=ast.Name(id=name), ops=[operator], comparators=[ast.Constant()]) if (
+            isinstance(names.get(name), Absent) and isinstance(operator, ast.Eq | ast.NotEq)
+        ):
+            return _literal(isinstance(operator, ast.NotEq), span)
         case ast.Compare(left=left, ops=[operator], comparators=[right]):
             return _compared(_text(left, names, value), operator, right, span)
         case ast.Call(func=ast.Attribute(value=ast.Call() as made, attr="evaluate")):
@@ -49,10 +66,15 @@ def tested(node: ast.expr, names: Mapping[str, Value], value: Evaluate, span: Sp
             return Tested(tests, len(tests) == 1)
         case _:
             text = _text(node, names, value)
-            if text is None or plain(text) is not None:
+            if text is None or plain(text) in _AMBIGUOUS:
                 return Tested()
             # A text is true if it is not empty.
             return Tested((Test(text, (), False, span),), True)
+
+
+def _literal(holds: bool, span: Span) -> Tested:
+    """Return the test of a condition that is known."""
+    return Tested((Test(("true",), None, holds, span),), True)
 
 
 def _compared(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Span) -> Tested:
@@ -60,7 +82,12 @@ def _compared(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Spa
     listed = right.elts if isinstance(right, ast.Tuple | ast.List | ast.Set) else [right]
     values = [str(each.value) for each in listed if isinstance(each, ast.Constant)]
     is_list = isinstance(operator, ast.In | ast.NotIn)
-    if text is None or len(values) < len(listed) or is_list == (listed == [right]):
+    if (
+        text is None
+        or len(values) < len(listed)
+        or "None" in values
+        or is_list == (listed == [right])
+    ):
         return Tested()
     wanted = isinstance(operator, ast.Eq | ast.In | ast.Is)
     if not wanted and not isinstance(operator, ast.NotEq | ast.NotIn | ast.IsNot):
@@ -93,6 +120,8 @@ def _text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) -> Text |
             found = names.get(name)
         case ast.Subscript(value=owner, slice=key) if _is_configurations(owner):
             return _argument(key)
+        case ast.Attribute(value=ast.Name() | ast.Attribute()):
+            found = value(node)
         case ast.Call() if _called(node) == "LaunchConfiguration":
             found = value(node)
     if not isinstance(found, Plain):
