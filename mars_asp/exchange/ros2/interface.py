@@ -46,7 +46,7 @@ class Interface:
     others choose further topics while it runs, `spread` whether it is several nodes, with private
     topics below the namespace that they are given, or else below its name. `names` are those of
     its services, actions and, in ROS 1, parameters, which can be renamed, too; `unnamed` is whether
-    it has further ones.
+    it has further ones. `namespace` is what it gives its node if the launch file gives it none.
     """
 
     published: tuple[Topic, ...] = ()
@@ -58,6 +58,7 @@ class Interface:
     spread: bool = False
     names: tuple[Topic, ...] = ()
     unnamed: bool = False
+    namespace: str = ""
 
 
 def rate_of(period: Fraction) -> Rate | None:

@@ -420,6 +420,8 @@ class _Robot:
         if interface is None:
             interface = self.catalogue.interface(*_key(program))
             is_catalogued = interface is not None
+        if interface is not None and interface.namespace and started.namespace == "/":
+            started = replace(started, namespace=name_in("/", interface.namespace))
         name = (
             started.name
             or (interface and interface.node)

@@ -110,9 +110,9 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     named: list[Topic] = []
     rates: dict[str, Fraction | None] = {}
     for file in files:
-        for name, hz in file.rates().items():
-            rates[name] = hz if rates.get(name, hz) == hz else None
-    names: list[str] = []
+        for keeper, hz in file.rates().items():
+            rates[keeper] = hz if rates.get(keeper, hz) == hz else None
+    names: list[tuple[str, str]] = []
     for file in files:
         for call in file.calls:
             found = file.topic(call, values, kinds)
@@ -141,13 +141,15 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     # A service with a name that only a run knows is noted, but gives no name.
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
+    name, namespace = next(iter(names), (None, ""))
     return Interface(
         tuple(published),
         tuple(subscribed),
-        next(iter(names), None),
+        name,
         unread=tuple(unread),
         names=tuple(named),
         unnamed=unnamed,
+        namespace=namespace,
     )
 
 
@@ -256,8 +258,8 @@ class _File(CppCode):
         # Declarations count, too: a definition may lie elsewhere.
         return found
 
-    def node_names(self) -> Iterator[str]:
-        """Yield the names that the file gives its node."""
+    def node_names(self) -> Iterator[tuple[str, str]]:
+        """Yield the names that the file gives its node, each with its namespace."""
         tokens = self.tokens
         for call in self.calls:
             if call.name in ("Node", "LifecycleNode", "make_shared", "init"):
@@ -265,10 +267,12 @@ class _File(CppCode):
                 is_ros = call.name != "init" or text_at(tokens, call.at - 2) == "ros"
                 position = 2 if call.name == "init" else 0
                 if is_node and is_ros and position < len(call.arguments):
-                    argument = call.arguments[position]
-                    name = self.string(argument[0]) if len(argument) == 1 else None
+                    name, *others = (
+                        self.string(each[0]) if len(each) == 1 else None
+                        for each in call.arguments[position:]
+                    )
                     if name:
-                        yield name
+                        yield name, next(iter(others), None) or ""
 
     # ---- Topics
 

@@ -144,6 +144,7 @@ class _Program:
             unread=(*(note for part in parts for note in part.unread), *further, *missing),
             names=tuple(name for part in parts for name in part.names),
             unnamed=any(part.unnamed for part in parts),
+            namespace=next((part.namespace for part in parts if part.namespace), ""),
         )
 
     def made_with(self, file: SourceFile, node: ast.AST) -> list[dict[str, ast.expr]]:
@@ -252,6 +253,8 @@ class _Unit(Texts):
         self.unread: list[Unread] = []
         self.names: list[Topic] = []
         self.unnamed = False
+        #: The namespace that the program gives its node, after `node_names`.
+        self.namespace = ""
         self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
 
     def span(self, node: ast.expr) -> Span:
@@ -457,6 +460,11 @@ class _Unit(Texts):
                 given = call.args[1] if len(call.args) > 1 else given
             if (name == "__init__" and is_super) or is_init or name in ("init_node", "create_node"):
                 text = None if given is None else self.text(given)
+                if "namespace" in named and not self.namespace:
+                    space = self.text(named["namespace"])
+                    self.namespace = space or ""
+                    if space is None:
+                        self.note(AT_RUN_TIME, named["namespace"], "namespace")
                 if text and given is not None:
                     yield Unread("further nodes of one program", text, self.span(given))
 
