@@ -31,6 +31,7 @@ _BETWEEN = frozenset({">", "&", "*", "&&", "const"})
 _MOST_WORDS = 50
 _MOST_ROUNDS = 20
 _MOST_PREFIXES = 4
+_MOST_OVERLOADS = 16
 
 #: A variable: the class or function that it belongs to, and its name.
 _Key = tuple[str, str]
@@ -198,7 +199,7 @@ class Handles:
             if _is_defined(file, after):
                 continue
             arguments = list(_arguments(file, after))
-            for function in functions[name]:
+            for function in functions[name][:_MOST_OVERLOADS]:
                 if len(arguments) > len(function.handles):
                     continue
                 for (begin, end), parameter in zip(arguments, function.handles, strict=False):

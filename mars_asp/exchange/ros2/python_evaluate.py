@@ -6,6 +6,7 @@ branch, the first where nothing forces another; who reads sees to it that each i
 """
 
 import ast
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from mars_asp.diagnostic import Span
@@ -96,7 +97,7 @@ class Evaluator:
         """Return the branch of a condition: 0 if it holds, 1 if not, the reading's own if open."""
         found = tested(
             condition,
-            {**self.globals, **names},
+            ChainMap(names, self.globals),
             lambda each: self.value(each, names),
             self.span(condition),
         )
@@ -483,6 +484,7 @@ class Evaluator:
         while waiting:
             node = waiting.pop(0)
             seen.add(node.name)
+            self.steps += len(node.body) // _ITEMS_A_STEP
             for statement in node.body:
                 match statement:
                     case ast.FunctionDef(name=defined) if defined == name:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -104,6 +104,7 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
         values |= file.values()
         kinds |= file.callbacks()
     handles = Handles(files, lambda file, tokens: _literal(file, tokens, values))
+    used_if = cache(lambda keeper: _used_if(files, keeper, values))
     published: list[Topic] = []
     subscribed: list[Topic] = []
     unread: list[Unread] = []
@@ -121,7 +122,7 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
             elif found is not None:
                 switches = file.switches(call.at, values)
                 if found.published and found.keeper:
-                    switches |= _used_if(files, found.keeper, values)
+                    switches |= used_if(found.keeper)
                 hz = rates.get(found.keeper or "")
                 made = replace(found.topic, hz=hz, switches=tuple(sorted(switches)))
                 for topic in _prefixed(made, file, found.handle, handles):
@@ -501,8 +502,9 @@ def _used_if(
     files: Sequence["_File"], keeper: str, values: Mapping[str, _Value]
 ) -> set[tuple[str, bool]]:
     """Return the parameters that decide whether a publisher publishes at all."""
-    used = [file.switches(at, values) for file in files for at in file.publications.get(keeper, ())]
-    return set.intersection(*used) if used else set()
+    places = [(file, at) for file in files for at in file.publications.get(keeper, ())]
+    used = [file.switches(at, values) for file, at in places[:_MOST_FOLLOWED]]
+    return set.intersection(*used) if 0 < len(places) <= _MOST_FOLLOWED else set()
 
 
 def _conjuncts(tokens: Sequence[Token]) -> list[Sequence[Token]]:

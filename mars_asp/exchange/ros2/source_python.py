@@ -334,12 +334,20 @@ class _Unit(Texts):
 
     def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
         """Return the parameters that decide whether a publisher publishes at all."""
-        used = [
-            self.switches(call)
-            for call, _ in self.calls[:_MOST_CALLS]
-            if called_name(call) == "publish" and dotted_name(call.func) == f"{keeper}.publish"
-        ]
-        return frozenset.intersection(*used) if used else frozenset()
+        calls = self.publications.get(keeper, [])
+        used = [self.switches(call) for call in calls[:_MOST_FOLLOWED]]
+        is_known = 0 < len(calls) <= _MOST_FOLLOWED
+        return frozenset.intersection(*used) if is_known else frozenset()
+
+    @cached_property
+    def publications(self) -> dict[str, list[ast.Call]]:
+        """The calls that publish, by the names that keep the publishers."""
+        found: dict[str, list[ast.Call]] = {}
+        for call, _ in self.calls[:_MOST_CALLS]:
+            if called_name(call) == "publish":
+                keeper = dotted_name(call.func).rpartition(".")[0]
+                found.setdefault(keeper, []).append(call)
+        return found
 
     def further(self, call: ast.Call, name_at: int, keyword: str | None) -> None:
         """Note the name of a service or action, or with no keyword of a parameter."""
