@@ -47,7 +47,7 @@ class Call(NamedTuple):
 
 @dataclass(slots=True)
 class Body:
-    """A function by its name, from the token that opens its body to behind the one that ends it.
+    """A function by its name: the token that opens its body, and the index after its last.
 
     `opening` is the bracket of its parameters.
     """
@@ -100,13 +100,13 @@ class CppCode:
     # ---- Places and texts
 
     def span(self, token: Token, length: int | None = None) -> Span:
-        """Return where a token stands."""
+        """Return the location of a token."""
         line, column = self.source.position(self.source.within(0, self.text, token.offset))
         end = column + (len(token.text) if length is None else length)
         return Span(self.source.path, line, column, line, end)
 
     def string(self, token: Token) -> str | None:
-        """Return what a token that is a string holds."""
+        """Return the text of a token, or None if it is no string."""
         begin = token.offset
         match = _STRING.fullmatch(self.text[begin : begin + len(token.text)])
         if match is None:

@@ -64,7 +64,8 @@ class Handles:
         self._members: dict[str, set[str]] = {}
         self._names: set[str] = set()
         self._edges: dict[_Key, list[tuple[_Key, str | None]]] = {}
-        used = [file for file in files if _mentions(file)]
+        words = "NodeHandle", _SUB_NODE
+        used = [file for file in files if any(word in file.text for word in words)]
         self.is_empty = not used
         if self.is_empty:
             return
@@ -78,23 +79,23 @@ class Handles:
             self._passed(file, functions)
         self._settle()
 
-    def at(self, file: CppCode, begin: int, end: int) -> Sequence[str | None]:
+    def prefixes(self, file: CppCode, begin: int, end: int) -> Sequence[str | None]:
         """Return the prefixes of a handle given by tokens; one is None if it is unknown."""
         if self.is_empty:
             return ("",)
         found: list[str | None] = []
-        for source in self._sources(file, begin, end):
+        for source in self._handle_sources(file, begin, end):
             if source.key is None:
                 found.append(source.suffix)
             else:
                 found += (
-                    joined(prefix, source.suffix) for prefix in self._prefixes.get(source.key, ())
+                    below(prefix, source.suffix) for prefix in self._prefixes.get(source.key, ())
                 )
         return list(dict.fromkeys(found)) or ("",)
 
     # ---- Names
 
-    def _key(self, file: CppCode, at: int, name: str) -> _Key:
+    def _variable(self, file: CppCode, at: int, name: str) -> _Key:
         """Return the variable that a name is at a token: a local one, or else a member."""
         around = list(file.bodies_at(at))
         for body in around:
@@ -174,8 +175,10 @@ class Handles:
             else:
                 continue
             is_init = sign in ("(", "{")
-            key = self._key(file, at, token.text)
-            sources = self._made(file, begin, end) if is_init else self._sources(file, begin, end)
+            key = self._variable(file, at, token.text)
+            sources = (
+                self._made(file, begin, end) if is_init else self._handle_sources(file, begin, end)
+            )
             for source in sources:
                 self._flow(source, key)
 
@@ -204,10 +207,10 @@ class Handles:
                     continue
                 for (begin, end), parameter in zip(arguments, function.handles, strict=False):
                     if parameter is not None:
-                        for source in self._sources(file, begin, end):
+                        for source in self._handle_sources(file, begin, end):
                             self._flow(source, (function.scope, parameter))
 
-    def _sources(self, file: CppCode, begin: int, end: int) -> Iterator[_Source]:
+    def _handle_sources(self, file: CppCode, begin: int, end: int) -> Iterator[_Source]:
         """Yield the handles that an expression can be."""
         tokens = file.tokens
         words = [token.text for token in tokens[begin : min(end, begin + _MOST_WORDS)]]
@@ -216,12 +219,12 @@ class Handles:
         if _SUB_NODE in words:
             at = begin + words.index(_SUB_NODE)
             opening = at + 1
-            parents = list(self._sources(file, begin, at - 1)) or [_Source(None, "")]
+            parents = list(self._handle_sources(file, begin, at - 1)) or [_Source(None, "")]
             suffix = None
             for first, last in list(_arguments(file, opening))[:1]:
                 suffix = self._evaluate(file, tokens[first:last])
             for parent in parents:
-                yield _Source(parent.key, joined(parent.suffix, suffix))
+                yield _Source(parent.key, below(parent.suffix, suffix))
         elif made is not None:
             opening = begin + made + 1
             while opening < end and text_at(tokens, opening) not in ("(", "{"):
@@ -235,7 +238,7 @@ class Handles:
                 words = words[:-2]
             names = [word for word in words if is_word(word)]
             if names and names[-1] in self._names:
-                yield _Source(self._key(file, begin, names[-1]), "")
+                yield _Source(self._variable(file, begin, names[-1]), "")
 
     def _made(self, file: CppCode, begin: int, end: int) -> Iterator[_Source]:
         """Yield the handles that a constructor makes from its arguments, which are given."""
@@ -244,7 +247,7 @@ class Handles:
         if not groups:
             yield _Source(None, "")
             return
-        parents = list(self._sources(file, *groups[0]))
+        parents = list(self._handle_sources(file, *groups[0]))
         first = None if parents else self._evaluate(file, tokens[slice(*groups[0])])
         if first is not None:
             yield _Source(None, first)
@@ -255,7 +258,7 @@ class Handles:
         if len(groups) > 1:
             suffix = self._evaluate(file, tokens[slice(*groups[1])])
         for parent in parents:
-            yield _Source(parent.key, joined(parent.suffix, suffix))
+            yield _Source(parent.key, below(parent.suffix, suffix))
 
     def _flow(self, source: _Source, key: _Key) -> None:
         if source.key is None:
@@ -285,22 +288,18 @@ class Handles:
             for key, edges in self._edges.items():
                 for prefix in tuple(self._prefixes.get(key, ())):
                     for target, suffix in edges:
-                        added |= self._add(target, joined(prefix, suffix))
+                        added |= self._add(target, below(prefix, suffix))
             if not added:
                 return
 
 
-def joined(prefix: str | None, name: str | None) -> str | None:
+def below(prefix: str | None, name: str | None) -> str | None:
     """Return a name below a prefix, or None if one of both is unknown."""
     if prefix is None or name is None:
         return None
     if not prefix or name.startswith(("/", "~")):
         return name
     return f"{prefix}/{name}" if name else prefix
-
-
-def _mentions(file: CppCode) -> bool:
-    return any(word in file.text for word in ("NodeHandle", _SUB_NODE))
 
 
 def _scope_of(file: CppCode, body: Body) -> str:

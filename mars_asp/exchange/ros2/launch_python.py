@@ -43,12 +43,12 @@ from mars_asp.exchange.ros2.python_nodes import (
 )
 from mars_asp.exchange.ros2.python_tests import branch_tests
 from mars_asp.exchange.ros2.python_values import (
-    Absent,
     Call,
     Listed,
     Local,
     Mapped,
     Names,
+    NoneValue,
     Plain,
     Value,
     items_of,
@@ -317,7 +317,9 @@ class _Reader(Evaluator):
         arguments = tuple(self.elements(node.args, names, 0))
         values = ((each.arg, self.value(each.value, names)) for each in node.keywords)
         named = {
-            key: value for key, value in values if key is not None and not isinstance(value, Absent)
+            key: value
+            for key, value in values
+            if key is not None and not isinstance(value, NoneValue)
         }
         return Call(self.name_of(node), arguments, named, self.span(node))
 

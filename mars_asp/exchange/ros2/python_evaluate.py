@@ -24,14 +24,14 @@ from mars_asp.exchange.ros2.python_nodes import (
 from mars_asp.exchange.ros2.python_tests import Tested, decision, tested
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
-    Absent,
     Call,
-    Defined,
+    LaunchClass,
+    LaunchObject,
     Listed,
     Local,
-    Made,
     Mapped,
     Names,
+    NoneValue,
     Plain,
     Value,
     each_of,
@@ -73,11 +73,11 @@ class Evaluator:
         self.tested: dict[ast.AST, Tested] = {}
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
-        """Return where a node of the tree stands; the tree counts columns in bytes."""
+        """Return the location of a node of the tree, which counts columns in bytes."""
         line = node.lineno
         column = self.column(line, node.col_offset)
         if isinstance(node, ast.Call):
-            # What a call is about stands on its first line.
+            # The name of a call is on its first line.
             func = node.func
             end = func.end_col_offset or func.col_offset
             last = func.end_lineno or line
@@ -132,7 +132,7 @@ class Evaluator:
             case ast.FunctionDef(name=name):
                 names[name] = Local(node, names)
             case ast.ClassDef(name=name):
-                names[name] = Defined(node)
+                names[name] = LaunchClass(node)
             case ast.Assign(targets=targets, value=value):
                 found = self.value(value, names)
                 for target in targets:
@@ -200,7 +200,7 @@ class Evaluator:
                     self.assign(each, part, names)
             case ast.Attribute(value=inner, attr=attribute):
                 owner = self.value(inner, names)
-                if isinstance(owner, Made):
+                if isinstance(owner, LaunchObject):
                     owner.attributes[attribute] = value
             case ast.Subscript(value=ast.Name(id=name), slice=key):
                 before = names.get(name)
@@ -215,7 +215,7 @@ class Evaluator:
     def value(  # noqa: C901 -- one case for each sort of expression
         self, node: ast.expr, names: Names, depth: int = 0
     ) -> Value:
-        """Return what an expression stands for, `None` where only a run would know."""
+        """Return the value of an expression, or None if only a run would know it."""
         self.steps += 1
         if self.steps > MOST_STEPS or depth > _DEEPEST:
             return None
@@ -225,7 +225,7 @@ class Evaluator:
             case ast.Constant(value=str() as value):
                 return Plain(text_of(value), self.span(node))
             case ast.Constant(value=None):
-                return Absent()
+                return NoneValue()
             case ast.Name(id="__file__"):
                 return Plain((Here(), "/."), self.span(node))
             case ast.Name(id=name):
@@ -280,7 +280,7 @@ class Evaluator:
                 owner = self.value(value, names, depth + 1)
                 if attribute == "parent" and isinstance(owner, Plain):
                     return Plain(folder_of(owner.text), owner.span)
-                if isinstance(owner, Made | Defined):
+                if isinstance(owner, LaunchObject | LaunchClass):
                     return self.attribute(owner, attribute)
                 return None
             case ast.Call():
@@ -387,14 +387,14 @@ class Evaluator:
             function = names.get(name, self.globals.get(name))
             if isinstance(function, Local):
                 return self.call_local(function, arguments, named)
-            if isinstance(function, Defined):
-                return self.made(function, arguments, named)
+            if isinstance(function, LaunchClass):
+                return self.instance(function, arguments, named)
             name = self.called.get(name, name)
         else:
             return None
         # An action that is given `None` is as if nothing were given.
-        kept = {key: each for key, each in named.items() if not isinstance(each, Absent)}
-        given = tuple(None if isinstance(each, Absent) else each for each in arguments)
+        kept = {key: each for key, each in named.items() if not isinstance(each, NoneValue)}
+        given = tuple(None if isinstance(each, NoneValue) else each for each in arguments)
         call = Call(name, given, kept, span)
         if name == "DeclareLaunchArgument":
             self.declarations += declared_by(call)
@@ -419,13 +419,13 @@ class Evaluator:
             if func.attr in ("add_action", "add_entity") and isinstance(inner, Listed):
                 inner.items.append(first)
             return None
-        if isinstance(owner, Made | Defined):
-            found = self.member(owner if isinstance(owner, Defined) else owner.of, func.attr)
+        if isinstance(owner, LaunchObject | LaunchClass):
+            found = self.member(owner if isinstance(owner, LaunchClass) else owner.of, func.attr)
             if not isinstance(found, ast.FunctionDef):
                 return None
-            marks = _marks(found)
+            marks = _decorators(found)
             is_bound = "classmethod" in marks or (
-                isinstance(owner, Made) and "staticmethod" not in marks
+                isinstance(owner, LaunchObject) and "staticmethod" not in marks
             )
             bound: tuple[Value, ...] = (owner,) if is_bound else ()
             return self.call_local(Local(found, self.globals), (*bound, *arguments), named)
@@ -454,9 +454,11 @@ class Evaluator:
             case _:
                 return _NOT_DONE
 
-    def made(self, of: Defined, arguments: Sequence[Value], named: Mapping[str, Value]) -> Value:
+    def instance(
+        self, of: LaunchClass, arguments: Sequence[Value], named: Mapping[str, Value]
+    ) -> Value:
         """Return the object that a class of the file makes."""
-        made = Made(of)
+        made = LaunchObject(of)
         entry = self.member(of, "__init__")
         if isinstance(entry, ast.FunctionDef):
             self.call_local(Local(entry, self.globals), (made, *arguments), named)
@@ -466,19 +468,19 @@ class Evaluator:
             made.attributes.update({**dict(zip(keys, arguments, strict=False)), **named})
         return made
 
-    def attribute(self, owner: Made | Defined, name: str) -> Value:
+    def attribute(self, owner: LaunchObject | LaunchClass, name: str) -> Value:
         """Return an attribute of an object or class, or None if it is not known."""
-        if isinstance(owner, Made) and name in owner.attributes:
+        if isinstance(owner, LaunchObject) and name in owner.attributes:
             return owner.attributes[name]
-        found = self.member(owner if isinstance(owner, Defined) else owner.of, name)
+        found = self.member(owner if isinstance(owner, LaunchClass) else owner.of, name)
         if isinstance(found, ast.FunctionDef):
-            is_property = "property" in _marks(found) and isinstance(owner, Made)
+            is_property = "property" in _decorators(found) and isinstance(owner, LaunchObject)
             return (
                 self.call_local(Local(found, self.globals), (owner,), {}) if is_property else None
             )
         return None if found is None else self.value(found, self.globals)
 
-    def member(self, of: Defined, name: str) -> ast.FunctionDef | ast.expr | None:
+    def member(self, of: LaunchClass, name: str) -> ast.FunctionDef | ast.expr | None:
         """Return the function or value that a class or one of its bases in the file has."""
         waiting, seen = [of.of], set[str]()
         while waiting:
@@ -496,7 +498,7 @@ class Evaluator:
                         if defined == name:
                             return value
             bases = (self.globals.get(each.id) for each in node.bases if isinstance(each, ast.Name))
-            waiting += (b.of for b in bases if isinstance(b, Defined) and b.of.name not in seen)
+            waiting += (b.of for b in bases if isinstance(b, LaunchClass) and b.of.name not in seen)
         return None
 
     def call_local(
@@ -539,7 +541,7 @@ class Evaluator:
         return None
 
 
-def _marks(function: ast.FunctionDef) -> set[str]:
+def _decorators(function: ast.FunctionDef) -> set[str]:
     """Return the names of the decorators of a function."""
     return {each.id for each in function.decorator_list if isinstance(each, ast.Name)}
 

@@ -63,7 +63,7 @@ class Local:
 
 
 @dataclass(frozen=True, slots=True)
-class Absent:
+class NoneValue:
     """The value `None`, which is false; an unknown value is no object at all."""
 
     def __bool__(self) -> bool:
@@ -72,17 +72,17 @@ class Absent:
 
 
 @dataclass(frozen=True, slots=True)
-class Defined:
+class LaunchClass:
     """A class of the file."""
 
     of: ast.ClassDef
 
 
 @dataclass(slots=True, eq=False)
-class Made:
+class LaunchObject:
     """An object of a class of the file, with its attributes."""
 
-    of: Defined
+    of: LaunchClass
     attributes: "Names" = field(default_factory=dict)
 
 
@@ -112,7 +112,17 @@ class File:
 
 
 Value: TypeAlias = (
-    Plain | File | Rewritten | Call | Listed | Mapped | Local | Defined | Made | Absent | None
+    Plain
+    | File
+    | Rewritten
+    | Call
+    | Listed
+    | Mapped
+    | Local
+    | LaunchClass
+    | LaunchObject
+    | NoneValue
+    | None
 )
 Names: TypeAlias = dict[str, Value]
 

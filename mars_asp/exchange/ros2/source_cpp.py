@@ -1,7 +1,7 @@
-"""What programs in C++ publish and hear, by their tokens: rclcpp and roscpp.
+"""Interfaces of programs in C++, by their tokens: rclcpp and roscpp.
 
-Comments, strings and dead code are told from code by the lexer of annotated sources. A rate is that
-of the timer, or loop, whose function publishes.
+The lexer of annotated sources leaves out comments, strings and dead code. A rate is that of the
+timer, or loop, whose function publishes.
 """
 
 import re
@@ -23,8 +23,7 @@ from mars_asp.annotations.declarations.tokens import (
 from mars_asp.annotations.types import representation
 from mars_asp.exchange.ros2.cpp_code import Call, CppCode
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
-from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens
-from mars_asp.exchange.ros2.cpp_handles import joined as below
+from mars_asp.exchange.ros2.cpp_handles import Handles, below, handle_tokens
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
     OF_ACTION,
@@ -86,7 +85,7 @@ class _Value(NamedTuple):
     parameter: str | None = None
 
 
-class _Found(NamedTuple):
+class _TopicCall(NamedTuple):
     """A topic that a call makes, the variable that keeps the result, and the handle."""
 
     topic: Topic
@@ -96,14 +95,19 @@ class _Found(NamedTuple):
 
 
 def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
-    """Return what a program of several files, each a text and its path, publishes and hears."""
+    """Return the interface of a program of several files, each a text and its path."""
     files = [_File(text, path, _CALLED, _RATES) for text, path in texts]
     values: dict[str, _Value] = {}
     kinds: dict[str, str] = {}
     for file in files:
         values |= file.values()
         kinds |= file.callbacks()
-    handles = Handles(files, lambda file, tokens: _literal(file, tokens, values))
+
+    def literal(file: CppCode, tokens: Sequence[Token]) -> str | None:
+        found = file.value(tokens, values) if isinstance(file, _File) else _Value(None)
+        return found.text if found.parameter is None else None
+
+    handles = Handles(files, literal)
     used_if = cache(lambda keeper: _used_if(files, keeper, values))
     published: list[Topic] = []
     subscribed: list[Topic] = []
@@ -256,7 +260,7 @@ class _File(CppCode):
                 kind = _message(groups[0])
                 if kind is not None:
                     found[body.name] = kind
-        # Declarations count, too: a definition may lie elsewhere.
+        # A definition may be in another file, so declarations count.
         return found
 
     def node_names(self) -> Iterator[tuple[str, str]]:
@@ -282,7 +286,7 @@ class _File(CppCode):
         call: Call,
         values: Mapping[str, _Value],
         kinds: Mapping[str, str],
-    ) -> "_Found | Unread | None":
+    ) -> "_TopicCall | Unread | None":
         """Return the topic that a call makes, or None if it makes none."""
         tokens = self.tokens
         owner = text_at(tokens, call.at - 2) if text_at(tokens, call.at - 1) in (".", "->") else ""
@@ -337,7 +341,7 @@ class _File(CppCode):
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
             return Unread(AT_RUN_TIME, shown, span)
         topic = Topic(value.text or "", _written(kind), span, value.parameter)
-        return _Found(topic, self._keeper(call), published, self._handle(call, name_at))
+        return _TopicCall(topic, self._keeper(call), published, self._handle(call, name_at))
 
     def switches(self, at: int, values: Mapping[str, _Value]) -> set[tuple[str, bool]]:
         """Return the parameters that decide whether a token is reached, each with its value."""
@@ -477,17 +481,11 @@ class _File(CppCode):
                     waiting.append(by_name[text])
 
 
-def _literal(file: CppCode, tokens: Sequence[Token], values: Mapping[str, _Value]) -> str | None:
-    """Return the text of an expression, or None if it is unknown or a parameter's."""
-    found = file.value(tokens, values) if isinstance(file, _File) else _Value(None)
-    return found.text if found.parameter is None else None
-
-
 def _prefixed(
     topic: Topic, file: CppCode, handle: tuple[int, int], handles: Handles
 ) -> Iterator[Topic | Unread]:
     """Yield a topic by its names below each prefix that its handle can have."""
-    for prefix in handles.at(file, *handle):
+    for prefix in handles.prefixes(file, *handle):
         name = below(prefix, topic.name)
         if topic.name.startswith(("/", "~")) or not topic.name:
             yield topic

@@ -131,7 +131,7 @@ class _Program:
             _at_rate(each.topic, rates.get(each.keeper or "")) for each in found if each.published
         )
         nodes = [each for part in parts if part.is_node() for each in part.node_names()]
-        # Other classes, too, hand a name to the class that they are made from.
+        # A class that is no node may pass a name to its base class.
         nodes = nodes or [each for part in parts for each in part.node_names()][:1]
         names = list(dict.fromkeys(each.name for each in nodes))
         further = (each for each in nodes if each.name != names[0])
