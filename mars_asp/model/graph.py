@@ -34,7 +34,7 @@ class Node:
     decide if it starts, `is_named` is whether its program cannot change the name; `renamed` are the
     topics that a launch file renames, `is_whole` whether all its topics are known. `package` is
     that of its program; `manages` are the nodes that it starts up and shuts down; `names` are those
-    of its services, actions and parameters.
+    of its topics, services, actions and parameters before any renaming.
     """
 
     name: str

@@ -95,6 +95,31 @@ def test_filters_of_messages_take_the_handle_first() -> None:
     assert [topic.name for topic in read_cpp([(text, "x.cpp")]).subscribed] == ["~/t"]
 
 
+#: What makes a sub-node of ROS 2 or uses it, and the topics of the program.
+SUB_NODES = [
+    ('auto n = node_->create_sub_node("arm"); n->create_publisher<A>("t", 1);', ["arm/t"]),
+    ('auto n = node_->create_sub_node("arm"); n->create_publisher<A>("/t", 1);', ["/t"]),
+    ('auto n = node_->create_sub_node("arm"); node_->create_publisher<A>("t", 1);', ["t"]),
+    ('auto n = node_->create_sub_node(ns); n->create_publisher<A>("t", 1);', []),
+    (
+        'auto n = node_->create_sub_node("a"); auto m = n->create_sub_node("b");'
+        ' m->create_publisher<A>("t", 1);',
+        ["a/b/t"],
+    ),
+    ('node_->create_sub_node("arm")->create_publisher<A>("t", 1);', ["arm/t"]),
+    ('sub_ = node_->create_sub_node("arm"); use(sub_);', ["arm/u"]),
+]
+
+
+@pytest.mark.parametrize(("text", "topics"), SUB_NODES)
+def test_topics_of_a_sub_node_are_below_its_namespace(text: str, topics: list[str]) -> None:
+    other = 'void use(rclcpp::Node::SharedPtr n) { n->create_publisher<A>("u", 1); }\n'
+    source = f"{other if 'use' in text else ''}void f() {{ {text} }}"
+    found = read_cpp([(source, "x.cpp")])
+    assert [topic.name for topic in found.published] == topics
+    assert bool(found.unread) == (not topics)
+
+
 NODELET = """
 #include "mine/core.hpp"
 class Mine : public nodelet::Nodelet {
@@ -127,3 +152,32 @@ def test_a_nodelet_has_the_topics_of_its_library(build: str, tmp_path: Path) -> 
         (tmp_path / name).write_text(text, encoding="utf-8")
     [module] = import_ros2([("", str(tmp_path))]).configuration.declared
     assert [(service.port) for service in module.services] == ["/n/t"]
+
+
+#: Sources of a node that choose its namespace, and what they publish if the launch file has none.
+SPACED = [
+    ("n.py", "Node.__init__(self, 'n', namespace='arm')", "/arm/t"),
+    ("n.py", "super().__init__('n', namespace='arm')", "/arm/t"),
+    ("n.py", "super().__init__('n')", "/t"),
+    ("n.cpp", 'Node("n", "arm", options)', "/arm/t"),
+    ("n.cpp", 'Node("n", options)', "/t"),
+]
+
+
+@pytest.mark.parametrize(("name", "made", "topic"), SPACED)
+def test_a_program_chooses_the_namespace_that_no_launch_file_gives(
+    name: str, made: str, topic: str, tmp_path: Path
+) -> None:
+    texts = {
+        "n.py": "class N(Node):\n  def __init__(self):\n    {made}\n"
+        "    self.create_publisher(A, 't', 1)\nN()\n",
+        "n.cpp": 'class N : public Node {{ N() : {made} {{ create_publisher<A>("t", 1); }} }};',
+    }
+    (tmp_path / "package.xml").write_text("<package><name>mine</name></package>")
+    (tmp_path / "CMakeLists.txt").write_text("add_executable(n n.cpp)" * name.endswith("cpp"))
+    (tmp_path / name).write_text(texts[name].format(made=made))
+    for given, full in (("", topic), ('namespace="leg"', "/leg/t")):
+        node = f'<node pkg="mine" exec="n" {given}/>'
+        (tmp_path / "x.launch.xml").write_text(f"<launch>{node}</launch>")
+        [module] = import_ros2([("", str(tmp_path))]).configuration.declared
+        assert [service.port for service in module.services] == [full]

@@ -67,7 +67,7 @@ CONDITIONS = [
 
 
 @pytest.mark.parametrize(("condition", "words", "holds", "fails"), CONDITIONS)
-def test_a_condition_of_an_argument_is_decided_by_the_passed_value(
+def test_a_condition_of_an_argument_is_decided_by_its_value(
     condition: str,
     words: str,
     holds: str,

@@ -1,4 +1,4 @@
-"""Programs in Python over several files: what they import is followed, or noted as missing."""
+"""Programs in Python over several files: imports are followed, or noted as missing."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""Topics that a parameter switches on or off: a node lacks them if the parameter is stated so."""
+"""Topics that a parameter switches on or off: a node lacks them with that value."""
 
 from pathlib import Path
 
@@ -70,12 +70,12 @@ def topics(written: dict[str, str], folder: Path) -> list[str]:
     return [service.port or "" for module in found.declared for service in module.services]
 
 
-def given(stated: str) -> dict[str, str]:
+def given(given_text: str) -> dict[str, str]:
     """Return a launch file that starts the node with parameters of a file."""
     node = '<node pkg="mine" exec="n"><param from="$(find-pkg-share mine)/p.yaml"/></node>'
     return {
         "launch/x.launch.xml": f"<launch>{node}</launch>",
-        "p.yaml": f"n: {{ros__parameters: {{{stated or 'other: false'}}}}}\n",
+        "p.yaml": f"n: {{ros__parameters: {{{given_text or 'other: false'}}}}}\n",
     }
 
 
@@ -86,8 +86,8 @@ def test_parameters_switch_publishers_of_cpp(
     source = CPP.format(made=made, used=used)
     written = {"CMakeLists.txt": "add_executable(n src/n.cpp)", "src/n.cpp": source}
     assert topics({**written, **given(without)}, tmp_path) == ([] if without else ["/t"])
-    stated = "odom: false, tf: false" if not without else "other: true"
-    assert topics({**written, **given(stated)}, tmp_path) == ["/t"]
+    given_text = "odom: false, tf: false" if not without else "other: true"
+    assert topics({**written, **given(given_text)}, tmp_path) == ["/t"]
 
 
 @pytest.mark.parametrize(("made", "used", "without"), IN_PYTHON)
@@ -97,5 +97,5 @@ def test_parameters_switch_publishers_of_python(
     setup = "setup(entry_points={'console_scripts': ['n = mine.n:main']})"
     written = {"setup.py": setup, "mine/n.py": PYTHON.format(made=made, used=used)}
     assert topics({**written, **given(without)}, tmp_path) == ([] if without else ["/t"])
-    stated = "odom: false" if not without else "other: true"
-    assert topics({**written, **given(stated)}, tmp_path) == ["/t"]
+    given_text = "odom: false" if not without else "other: true"
+    assert topics({**written, **given(given_text)}, tmp_path) == ["/t"]

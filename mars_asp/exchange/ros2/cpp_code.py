@@ -5,7 +5,7 @@ from bisect import bisect_left
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 from mars_asp.annotations.declarations.tokens import (
     Token,
@@ -20,6 +20,7 @@ from mars_asp.annotations.declarations.tokens import (
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Span
 
+T = TypeVar("T")
 _MOST_TOKENS = 400_000
 #: Limits of what is copied or searched more than once; no program comes near them.
 _MOST_COPIED = 1_000_000
@@ -46,7 +47,7 @@ class Call(NamedTuple):
 
 @dataclass(slots=True)
 class Body:
-    """A function by its name, from the token that opens its body to after the closing one.
+    """A function by its name: the token that opens its body, and the index after its last.
 
     `opening` is the bracket of its parameters.
     """
@@ -56,6 +57,31 @@ class Body:
     end: int
     parameters: tuple[Token, ...]
     opening: int
+
+
+class _Nested(Generic[T]):
+    """Ranges of tokens that lie in each other or apart, each with a value."""
+
+    def __init__(self, ranges: Sequence[tuple[int, int, T]]) -> None:
+        """Take sorted ranges: the token before the first, the index after the last, and a value."""
+        self._ranges = ranges
+        self._begins = [begin for begin, _, _ in ranges]
+        self._outer: list[int] = []
+        waiting: list[int] = []
+        for number, (begin, _, _) in enumerate(ranges):
+            while waiting and ranges[waiting[-1]][1] <= begin:
+                waiting.pop()
+            self._outer.append(waiting[-1] if waiting else -1)
+            waiting.append(number)
+
+    def around(self, at: int) -> Iterator[T]:
+        """Yield the values of the ranges around a token, the innermost first."""
+        number = bisect_left(self._begins, at) - 1
+        while number >= 0:
+            _, end, value = self._ranges[number]
+            if at < end:
+                yield value
+            number = self._outer[number]
 
 
 class CppCode:
@@ -74,13 +100,13 @@ class CppCode:
     # ---- Places and texts
 
     def span(self, token: Token, length: int | None = None) -> Span:
-        """Return where a token stands."""
+        """Return the location of a token."""
         line, column = self.source.position(self.source.within(0, self.text, token.offset))
         end = column + (len(token.text) if length is None else length)
         return Span(self.source.path, line, column, line, end)
 
     def string(self, token: Token) -> str | None:
-        """Return what a token that is a string holds."""
+        """Return the text of a token, or None if it is no string."""
         begin = token.offset
         match = _STRING.fullmatch(self.text[begin : begin + len(token.text)])
         if match is None:
@@ -140,13 +166,15 @@ class CppCode:
 
     def bodies_at(self, at: int) -> Iterator[Body]:
         """Yield the functions around a token, the innermost first; parameters are inside."""
-        last = bisect_left(self.bodies, at, key=lambda body: body.opening)
-        return (body for body in reversed(self.bodies[:last]) if body.end > at)
+        return self._nested_bodies.around(at)
 
     def class_at(self, at: int) -> str:
         """Return the class around a token, or an empty text if there is none."""
-        around = (each for each in reversed(self.classes) if each[1] < at < each[2])
-        return next((name for name, _, _ in around), "")
+        return next(self._classes.around(at), "")
+
+    @cached_property
+    def _nested_bodies(self) -> "_Nested[Body]":
+        return _Nested([(body.opening, body.end, body) for body in self.bodies])
 
     def class_of(self, body: Body) -> str:
         """Return the class of a function, or an empty text if it has none."""
@@ -158,23 +186,22 @@ class CppCode:
 
     def tests_at(self, at: int) -> Iterator[tuple[int, int, bool]]:
         """Yield the conditions around a token: the range of each, and whether it holds there."""
-        for begin, end, first, last, holds in self._branches:
-            if begin <= at < end:
-                yield first, last, holds
+        return self._branches.around(at)
 
     @cached_property
-    def _branches(self) -> tuple[tuple[int, int, int, int, bool], ...]:
-        """The branches of `if`: their ranges, the ranges of the conditions, and which it is."""
-        found = []
+    def _branches(self) -> "_Nested[tuple[int, int, bool]]":
+        """The branches of `if`, each with the range of its condition and which branch it is."""
+        found: list[tuple[int, int, tuple[int, int, bool]]] = []
         for at, token in enumerate(self.tokens):
             if token.text != "if" or text_at(self.tokens, at + 1) != "(":
                 continue
             last = self.closed[at + 1]
             end = self._statement_end(last)
-            found.append((last, end, at + 2, last - 1, True))
+            found.append((last - 1, end, (at + 2, last - 1, True)))
             if text_at(self.tokens, end) == "else":
-                found.append((end + 1, self._statement_end(end + 1), at + 2, last - 1, False))
-        return tuple(found)
+                otherwise = self._statement_end(end + 1)
+                found.append((end, otherwise, (at + 2, last - 1, False)))
+        return _Nested(sorted(found))
 
     def _statement_end(self, at: int) -> int:
         """Return the index after a statement; one that begins with `if` has no end of its own."""
@@ -186,9 +213,9 @@ class CppCode:
         return min(at + 1, last)
 
     @cached_property
-    def classes(self) -> tuple[tuple[str, int, int], ...]:
-        """The classes that are defined: name, first token and the index after the last."""
-        found = []
+    def _classes(self) -> "_Nested[str]":
+        """The names of the classes that are defined."""
+        found: list[tuple[int, int, str]] = []
         for at, token in enumerate(self.tokens):
             if token.text not in ("class", "struct"):
                 continue
@@ -202,8 +229,8 @@ class CppCode:
                 while after < last and text_at(self.tokens, after) not in ("{", ";", "(", ""):
                     after += 1
             if name and text_at(self.tokens, after) == "{":
-                found.append((name, after, self.closed[after]))
-        return tuple(found)
+                found.append((after, self.closed[after], name))
+        return _Nested(found)
 
 
 def _closed(tokens: Sequence[Token]) -> dict[int, int]:

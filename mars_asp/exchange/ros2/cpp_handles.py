@@ -31,6 +31,7 @@ _BETWEEN = frozenset({">", "&", "*", "&&", "const"})
 _MOST_WORDS = 50
 _MOST_ROUNDS = 20
 _MOST_PREFIXES = 4
+_MOST_OVERLOADS = 16
 
 #: A variable: the class or function that it belongs to, and its name.
 _Key = tuple[str, str]
@@ -63,7 +64,8 @@ class Handles:
         self._members: dict[str, set[str]] = {}
         self._names: set[str] = set()
         self._edges: dict[_Key, list[tuple[_Key, str | None]]] = {}
-        used = [file for file in files if _mentions(file)]
+        words = "NodeHandle", _SUB_NODE
+        used = [file for file in files if any(word in file.text for word in words)]
         self.is_empty = not used
         if self.is_empty:
             return
@@ -77,7 +79,7 @@ class Handles:
             self._passed(file, functions)
         self._settle()
 
-    def prefixes_at(self, file: CppCode, begin: int, end: int) -> Sequence[str | None]:
+    def prefixes(self, file: CppCode, begin: int, end: int) -> Sequence[str | None]:
         """Return the prefixes of a handle given by tokens; one is None if it is unknown."""
         if self.is_empty:
             return ("",)
@@ -87,14 +89,13 @@ class Handles:
                 found.append(source.suffix)
             else:
                 found += (
-                    join_prefix(prefix, source.suffix)
-                    for prefix in self._prefixes.get(source.key, ())
+                    below(prefix, source.suffix) for prefix in self._prefixes.get(source.key, ())
                 )
         return list(dict.fromkeys(found)) or ("",)
 
     # ---- Names
 
-    def _key_of_handle(self, file: CppCode, at: int, name: str) -> _Key:
+    def _variable(self, file: CppCode, at: int, name: str) -> _Key:
         """Return the variable that a name is at a token: a local one, or else a member."""
         around = list(file.bodies_at(at))
         for body in around:
@@ -174,7 +175,7 @@ class Handles:
             else:
                 continue
             is_init = sign in ("(", "{")
-            key = self._key_of_handle(file, at, token.text)
+            key = self._variable(file, at, token.text)
             sources = (
                 self._made(file, begin, end) if is_init else self._handle_sources(file, begin, end)
             )
@@ -201,7 +202,7 @@ class Handles:
             if _is_defined(file, after):
                 continue
             arguments = list(_arguments(file, after))
-            for function in functions[name]:
+            for function in functions[name][:_MOST_OVERLOADS]:
                 if len(arguments) > len(function.handles):
                     continue
                 for (begin, end), parameter in zip(arguments, function.handles, strict=False):
@@ -223,7 +224,7 @@ class Handles:
             for first, last in list(_arguments(file, opening))[:1]:
                 suffix = self._evaluate(file, tokens[first:last])
             for parent in parents:
-                yield _Source(parent.key, join_prefix(parent.suffix, suffix))
+                yield _Source(parent.key, below(parent.suffix, suffix))
         elif made is not None:
             opening = begin + made + 1
             while opening < end and text_at(tokens, opening) not in ("(", "{"):
@@ -237,7 +238,7 @@ class Handles:
                 words = words[:-2]
             names = [word for word in words if is_word(word)]
             if names and names[-1] in self._names:
-                yield _Source(self._key_of_handle(file, begin, names[-1]), "")
+                yield _Source(self._variable(file, begin, names[-1]), "")
 
     def _made(self, file: CppCode, begin: int, end: int) -> Iterator[_Source]:
         """Yield the handles that a constructor makes from its arguments, which are given."""
@@ -257,7 +258,7 @@ class Handles:
         if len(groups) > 1:
             suffix = self._evaluate(file, tokens[slice(*groups[1])])
         for parent in parents:
-            yield _Source(parent.key, join_prefix(parent.suffix, suffix))
+            yield _Source(parent.key, below(parent.suffix, suffix))
 
     def _flow(self, source: _Source, key: _Key) -> None:
         if source.key is None:
@@ -287,22 +288,18 @@ class Handles:
             for key, edges in self._edges.items():
                 for prefix in tuple(self._prefixes.get(key, ())):
                     for target, suffix in edges:
-                        added |= self._add(target, join_prefix(prefix, suffix))
+                        added |= self._add(target, below(prefix, suffix))
             if not added:
                 return
 
 
-def join_prefix(prefix: str | None, name: str | None) -> str | None:
+def below(prefix: str | None, name: str | None) -> str | None:
     """Return a name below a prefix, or None if one of both is unknown."""
     if prefix is None or name is None:
         return None
     if not prefix or name.startswith(("/", "~")):
         return name
     return f"{prefix}/{name}" if name else prefix
-
-
-def _mentions(file: CppCode) -> bool:
-    return any(word in file.text for word in ("NodeHandle", _SUB_NODE))
 
 
 def _scope_of(file: CppCode, body: Body) -> str:

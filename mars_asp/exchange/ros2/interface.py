@@ -47,6 +47,7 @@ class Interface:
     `spread` whether it is several nodes, with private topics below the namespace that they are
     given, or else below its name. `names` are those of its services, actions and, in ROS 1,
     parameters, which can also be renamed; `unnamed` is whether it has further ones.
+    `namespace` is that of its node if the launch file gives it none.
     """
 
     published: tuple[Topic, ...] = ()
@@ -59,6 +60,7 @@ class Interface:
     listens: bool = False
     names: tuple[Topic, ...] = ()
     unnamed: bool = False
+    namespace: str = ""
 
 
 def rate_of(period: Fraction) -> Rate | None:

@@ -48,6 +48,7 @@ from mars_asp.exchange.ros2.python_values import (
     Local,
     Mapped,
     Names,
+    NoneValue,
     Plain,
     Value,
     items_of,
@@ -314,10 +315,11 @@ class _Reader(Evaluator):
     def alone(self, node: ast.Call, names: Names) -> Call:
         """Return a call whose arguments all have names, as far as they are known."""
         arguments = tuple(self.elements(node.args, names, 0))
+        values = ((each.arg, self.value(each.value, names)) for each in node.keywords)
         named = {
-            keyword.arg: self.value(keyword.value, names)
-            for keyword in node.keywords
-            if keyword.arg is not None
+            key: value
+            for key, value in values
+            if key is not None and not isinstance(value, NoneValue)
         }
         return Call(self.name_of(node), arguments, named, self.span(node))
 

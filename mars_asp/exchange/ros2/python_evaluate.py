@@ -6,6 +6,7 @@ branch, the first where nothing forces another; who reads sees to it that each i
 """
 
 import ast
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from mars_asp.diagnostic import Span
@@ -24,10 +25,13 @@ from mars_asp.exchange.ros2.python_tests import Tested, decision, tested
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
     Call,
+    LaunchClass,
+    LaunchObject,
     Listed,
     Local,
     Mapped,
     Names,
+    NoneValue,
     Plain,
     Value,
     each_of,
@@ -69,11 +73,11 @@ class Evaluator:
         self.tested: dict[ast.AST, Tested] = {}
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
-        """Return where a node of the tree stands; the tree counts columns in bytes."""
+        """Return the location of a node of the tree, which counts columns in bytes."""
         line = node.lineno
         column = self.column(line, node.col_offset)
         if isinstance(node, ast.Call):
-            # What a call is about stands on its first line.
+            # The name of a call is on its first line.
             func = node.func
             end = func.end_col_offset or func.col_offset
             last = func.end_lineno or line
@@ -93,7 +97,7 @@ class Evaluator:
         """Return the branch of a condition: 0 if it holds, 1 if not, the reading's own if open."""
         found = tested(
             condition,
-            {**self.globals, **names},
+            ChainMap(names, self.globals),
             lambda each: self.value(each, names),
             self.span(condition),
         )
@@ -127,19 +131,21 @@ class Evaluator:
         match node:
             case ast.FunctionDef(name=name):
                 names[name] = Local(node, names)
+            case ast.ClassDef(name=name):
+                names[name] = LaunchClass(node)
             case ast.Assign(targets=targets, value=value):
                 found = self.value(value, names)
                 for target in targets:
                     self.assign(target, found, names)
             case ast.AnnAssign(target=target, value=ast.expr() as value):
                 self.assign(target, self.value(value, names), names)
-            case ast.AugAssign(target=ast.Name(id=name), op=ast.Add(), value=value):
+            case ast.AugAssign(target=target, op=ast.Add(), value=value):
                 added = self.value(value, names)
-                before = names.get(name, self.globals.get(name))
+                before = self.value(target, names)
                 if isinstance(before, Listed) and isinstance(added, Listed):
                     before.items += added.items[: MOST_ITEMS - len(before.items)]
                 else:
-                    names[name] = summed(before, added)
+                    self.assign(target, summed(before, added), names)
             case ast.Expr(value=value):
                 self.value(value, names)
             case ast.Return(value=value):
@@ -192,6 +198,10 @@ class Evaluator:
                 for index, each in enumerate(targets):
                     part = items[index] if index < len(items) else None
                     self.assign(each, part, names)
+            case ast.Attribute(value=inner, attr=attribute):
+                owner = self.value(inner, names)
+                if isinstance(owner, LaunchObject):
+                    owner.attributes[attribute] = value
             case ast.Subscript(value=ast.Name(id=name), slice=key):
                 before = names.get(name)
                 if isinstance(before, Mapped):
@@ -205,7 +215,7 @@ class Evaluator:
     def value(  # noqa: C901 -- one case for each sort of expression
         self, node: ast.expr, names: Names, depth: int = 0
     ) -> Value:
-        """Return what an expression stands for, `None` where only a run would know."""
+        """Return the value of an expression, or None if only a run would know it."""
         self.steps += 1
         if self.steps > MOST_STEPS or depth > _DEEPEST:
             return None
@@ -214,6 +224,8 @@ class Evaluator:
                 return Plain((str(value),), self.span(node))
             case ast.Constant(value=str() as value):
                 return Plain(text_of(value), self.span(node))
+            case ast.Constant(value=None):
+                return NoneValue()
             case ast.Name(id="__file__"):
                 return Plain((Here(), "/."), self.span(node))
             case ast.Name(id=name):
@@ -268,6 +280,8 @@ class Evaluator:
                 owner = self.value(value, names, depth + 1)
                 if attribute == "parent" and isinstance(owner, Plain):
                     return Plain(folder_of(owner.text), owner.span)
+                if isinstance(owner, LaunchObject | LaunchClass):
+                    return self.attribute(owner, attribute)
                 return None
             case ast.Call():
                 return self.call(node, names, depth)
@@ -373,10 +387,15 @@ class Evaluator:
             function = names.get(name, self.globals.get(name))
             if isinstance(function, Local):
                 return self.call_local(function, arguments, named)
+            if isinstance(function, LaunchClass):
+                return self.instance(function, arguments, named)
             name = self.called.get(name, name)
         else:
             return None
-        call = Call(name, arguments, named, span)
+        # An action that is given `None` is as if nothing were given.
+        kept = {key: each for key, each in named.items() if not isinstance(each, NoneValue)}
+        given = tuple(None if isinstance(each, NoneValue) else each for each in arguments)
+        call = Call(name, given, kept, span)
         if name == "DeclareLaunchArgument":
             self.declarations += declared_by(call)
         result = known(call)
@@ -400,6 +419,16 @@ class Evaluator:
             if func.attr in ("add_action", "add_entity") and isinstance(inner, Listed):
                 inner.items.append(first)
             return None
+        if isinstance(owner, LaunchObject | LaunchClass):
+            found = self.member(owner if isinstance(owner, LaunchClass) else owner.of, func.attr)
+            if not isinstance(found, ast.FunctionDef):
+                return None
+            marks = _decorators(found)
+            is_bound = "classmethod" in marks or (
+                isinstance(owner, LaunchObject) and "staticmethod" not in marks
+            )
+            bound: tuple[Value, ...] = (owner,) if is_bound else ()
+            return self.call_local(Local(found, self.globals), (*bound, *arguments), named)
         match owner, func.attr:
             case Listed(), "append":
                 owner.items += [first][: MOST_ITEMS - len(owner.items)]
@@ -424,6 +453,53 @@ class Evaluator:
                 return Plain(path_of(text, *map(text_from, arguments)), span)
             case _:
                 return _NOT_DONE
+
+    def instance(
+        self, of: LaunchClass, arguments: Sequence[Value], named: Mapping[str, Value]
+    ) -> Value:
+        """Return the object that a class of the file makes."""
+        made = LaunchObject(of)
+        entry = self.member(of, "__init__")
+        if isinstance(entry, ast.FunctionDef):
+            self.call_local(Local(entry, self.globals), (made, *arguments), named)
+        else:
+            fields = (each for each in of.of.body if isinstance(each, ast.AnnAssign))
+            keys = [each.target.id for each in fields if isinstance(each.target, ast.Name)]
+            made.attributes.update({**dict(zip(keys, arguments, strict=False)), **named})
+        return made
+
+    def attribute(self, owner: LaunchObject | LaunchClass, name: str) -> Value:
+        """Return an attribute of an object or class, or None if it is not known."""
+        if isinstance(owner, LaunchObject) and name in owner.attributes:
+            return owner.attributes[name]
+        found = self.member(owner if isinstance(owner, LaunchClass) else owner.of, name)
+        if isinstance(found, ast.FunctionDef):
+            is_property = "property" in _decorators(found) and isinstance(owner, LaunchObject)
+            return (
+                self.call_local(Local(found, self.globals), (owner,), {}) if is_property else None
+            )
+        return None if found is None else self.value(found, self.globals)
+
+    def member(self, of: LaunchClass, name: str) -> ast.FunctionDef | ast.expr | None:
+        """Return the function or value that a class or one of its bases in the file has."""
+        waiting, seen = [of.of], set[str]()
+        while waiting:
+            node = waiting.pop(0)
+            seen.add(node.name)
+            self.steps += len(node.body) // _ITEMS_A_STEP
+            for statement in node.body:
+                match statement:
+                    case ast.FunctionDef(name=defined) if defined == name:
+                        return statement
+                    case ast.Assign(targets=[ast.Name(id=defined)], value=value):
+                        if defined == name:
+                            return value
+                    case ast.AnnAssign(target=ast.Name(id=defined), value=ast.expr() as value):
+                        if defined == name:
+                            return value
+            bases = (self.globals.get(each.id) for each in node.bases if isinstance(each, ast.Name))
+            waiting += (b.of for b in bases if isinstance(b, LaunchClass) and b.of.name not in seen)
+        return None
 
     def call_local(
         self, function: Local, arguments: Sequence[Value], named: Mapping[str, Value]
@@ -463,6 +539,11 @@ class Evaluator:
         finally:
             self.depth -= 1
         return None
+
+
+def _decorators(function: ast.FunctionDef) -> set[str]:
+    """Return the names of the decorators of a function."""
+    return {each.id for each in function.decorator_list if isinstance(each, ast.Name)}
 
 
 class Leaving(Exception):  # noqa: N818 -- no error, but a way out

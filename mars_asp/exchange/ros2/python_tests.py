@@ -8,11 +8,13 @@ from typing import NamedTuple
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import Argument, Test, Text, plain
 from mars_asp.exchange.ros2.conditions import tests_of
-from mars_asp.exchange.ros2.python_values import Call, Plain, Value, text_from
+from mars_asp.exchange.ros2.python_values import Call, NoneValue, Plain, Value, text_from
 
 #: Texts that mean true or false, lower case.
 _TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
-#: Methods that leave the value of an argument as it is, for a comparison.
+#: Texts of literals that need not be texts, so that their truth is unknown.
+_AMBIGUOUS = frozenset({"True", "False", "0", "0.0"})
+#: Methods after which an argument is compared by the same value.
 _SAME = frozenset({"perform", "lower", "strip"})
 _CONDITIONS = frozenset({"IfCondition", "UnlessCondition"})
 _MOST_PARTS = 20
@@ -40,8 +42,23 @@ def tested(node: ast.expr, names: Mapping[str, Value], value: Evaluate, span: Sp
             if not is_complete or len(tests) != 1:
                 return Tested()
             return Tested((replace(tests[0], wanted=not tests[0].wanted),), True)
+        case ast.Compare(
+            left=ast.Name(id=name),
+            ops=[ast.Is() | ast.IsNot() | ast.Eq() | ast.NotEq() as sign],
+            comparators=[ast.Constant(value=None)],
+        ):
+            is_absent = isinstance(names.get(name), NoneValue)
+            if not is_absent and not isinstance(names.get(name), Plain):
+                return Tested()
+            return _literal(is_absent == isinstance(sign, ast.Is | ast.Eq), span)
+        case ast.Name(id=name) if isinstance(names.get(name), NoneValue):
+            return _literal(False, span)
+        case ast.Compare(left=ast.Name(id=name), ops=[operator], comparators=[ast.Constant()]) if (
+            isinstance(names.get(name), NoneValue) and isinstance(operator, ast.Eq | ast.NotEq)
+        ):
+            return _literal(isinstance(operator, ast.NotEq), span)
         case ast.Compare(left=left, ops=[operator], comparators=[right]):
-            return _comparison_of(_tested_text(left, names, value), operator, right, span)
+            return _comparison(_tested_text(left, names, value), operator, right, span)
         case ast.Call(func=ast.Attribute(value=ast.Call() as made, attr="evaluate")):
             condition = value(made) if _called(made) in _CONDITIONS else None
             tests = tests_of(condition, span) if isinstance(condition, Call) else ()
@@ -49,18 +66,28 @@ def tested(node: ast.expr, names: Mapping[str, Value], value: Evaluate, span: Sp
             return Tested(tests, len(tests) == 1)
         case _:
             text = _tested_text(node, names, value)
-            if text is None or plain(text) is not None:
+            if text is None or plain(text) in _AMBIGUOUS:
                 return Tested()
             # A text is true if it is not empty.
             return Tested((Test(text, (), False, span),), True)
 
 
-def _comparison_of(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Span) -> Tested:
+def _literal(holds: bool, span: Span) -> Tested:
+    """Return the test of a condition that is known."""
+    return Tested((Test(("true",), None, holds, span),), True)
+
+
+def _comparison(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Span) -> Tested:
     """Return the test of a comparison with texts that are written out."""
     listed = right.elts if isinstance(right, ast.Tuple | ast.List | ast.Set) else [right]
     values = [str(each.value) for each in listed if isinstance(each, ast.Constant)]
     is_list = isinstance(operator, ast.In | ast.NotIn)
-    if text is None or len(values) < len(listed) or is_list == (listed == [right]):
+    if (
+        text is None
+        or len(values) < len(listed)
+        or "None" in values
+        or is_list == (listed == [right])
+    ):
         return Tested()
     wanted = isinstance(operator, ast.Eq | ast.In | ast.Is)
     if not wanted and not isinstance(operator, ast.NotEq | ast.NotIn | ast.IsNot):
@@ -84,7 +111,7 @@ def _tested_text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) ->
             case ast.Call(func=ast.Attribute(value=inner, attr=attr)) if attr in _SAME:
                 node = inner
             case ast.Call(func=ast.Attribute(value=owner, attr="get"), args=[key, *_]):
-                return _launch_argument(key) if _is_configurations(owner) else None
+                return _named_argument(key) if _is_configurations(owner) else None
             case _:
                 break
     found: Value = None
@@ -92,7 +119,9 @@ def _tested_text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) ->
         case ast.Name(id=name):
             found = names.get(name)
         case ast.Subscript(value=owner, slice=key) if _is_configurations(owner):
-            return _launch_argument(key)
+            return _named_argument(key)
+        case ast.Attribute(value=ast.Name() | ast.Attribute()):
+            found = value(node)
         case ast.Call() if _called(node) == "LaunchConfiguration":
             found = value(node)
     if not isinstance(found, Plain):
@@ -106,7 +135,7 @@ def _is_configurations(node: ast.expr) -> bool:
     return isinstance(node, ast.Attribute) and node.attr == "launch_configurations"
 
 
-def _launch_argument(key: ast.expr) -> Text | None:
+def _named_argument(key: ast.expr) -> Text | None:
     is_text = isinstance(key, ast.Constant) and isinstance(key.value, str)
     return (Argument(str(key.value)),) if isinstance(key, ast.Constant) and is_text else None
 

@@ -63,6 +63,30 @@ class Local:
 
 
 @dataclass(frozen=True, slots=True)
+class NoneValue:
+    """The value `None`, which is false; an unknown value is no object at all."""
+
+    def __bool__(self) -> bool:
+        """Return false."""
+        return False
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchClass:
+    """A class of the file."""
+
+    of: ast.ClassDef
+
+
+@dataclass(slots=True, eq=False)
+class LaunchObject:
+    """An object of a class of the file, with its attributes."""
+
+    of: LaunchClass
+    attributes: "Names" = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Plain:
     """A text that is there already: strings, substitutions, paths; with its place."""
 
@@ -87,7 +111,19 @@ class File:
     span: Span
 
 
-Value: TypeAlias = Plain | File | Rewritten | Call | Listed | Mapped | Local | None
+Value: TypeAlias = (
+    Plain
+    | File
+    | Rewritten
+    | Call
+    | Listed
+    | Mapped
+    | Local
+    | LaunchClass
+    | LaunchObject
+    | NoneValue
+    | None
+)
 Names: TypeAlias = dict[str, Value]
 
 
@@ -167,7 +203,7 @@ def counted(call: Call) -> Value:
         if not bounds or len(bounds) != len(texts) or bounds[2:] == [0]:
             return None
         return Listed([Plain((str(n),), call.span) for n in range(*bounds[:3])[:MOST_PARTS]])
-    lists = [items_of(each) for each in call.arguments]
+    lists = [each_of(each) for each in call.arguments]
     if call.name == "enumerate":
         lists = (
             [[Plain((str(n),), call.span) for n in range(len(lists[0]))], *lists[:1]]

@@ -17,8 +17,8 @@ from mars_asp.exchange.ros2.glue import handed_on, steered
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, NOT_FOLLOWED, SERVICES, Topic
 from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
+from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.names import joined as name_in
-from mars_asp.exchange.ros2.names import renamed
 from mars_asp.exchange.ros2.parameters import Given, document_of, values_for
 from mars_asp.exchange.ros2.programs import Program, Programs
 from mars_asp.exchange.ros2.workspace import Workspace
@@ -456,6 +456,8 @@ class _Robot:
         if interface is None:
             interface = known
             is_catalogued = interface is not None
+        if interface is not None and interface.namespace and started.namespace == "/":
+            started = replace(started, namespace=name_in("/", interface.namespace))
         name = (
             started.name
             or (interface and interface.node)
@@ -508,7 +510,7 @@ class _Robot:
         subscribed = tuple(self._ends(interface.subscribed, started, name, values))
         unread = any(each.sort in _OPEN for each in self.unread[before:])
         names = frozenset(
-            renamed(written, started.namespace, name, started.remaps)
+            absolute(written, started.namespace, name)
             for topic in (*interface.names, *interface.published, *interface.subscribed)
             for written in self._written(topic, started, values)
         )

@@ -31,7 +31,7 @@ def files_of_setup(text: str, package: str) -> Iterator[Installed]:
         target, listed = node.elts
         folder = (_text_of(target, names) or "").rstrip("/")
         if folder == share or folder.startswith(f"{share}/"):
-            for source in _listed_sources(listed, names):
+            for source in _data_sources(listed, names):
                 yield Installed(source, folder.removeprefix(share).lstrip("/"))
 
 
@@ -62,7 +62,7 @@ def _parsed(text: str) -> tuple[ast.AST, dict[str, ast.expr]]:
     }
 
 
-def _listed_sources(listed: ast.expr, names: Mapping[str, ast.expr]) -> Iterator[str]:
+def _data_sources(listed: ast.expr, names: Mapping[str, ast.expr]) -> Iterator[str]:
     """Yield the files of an entry of `data_files`, by their paths or patterns."""
     waiting = [listed]
     for _ in range(_MOST_SOURCES):

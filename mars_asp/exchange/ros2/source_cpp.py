@@ -1,14 +1,14 @@
-"""What programs in C++ publish and hear, by their tokens: rclcpp and roscpp.
+"""Interfaces of programs in C++, by their tokens: rclcpp and roscpp.
 
-Comments, strings and dead code are told from code by the lexer of annotated sources. A rate is that
-of the timer, or loop, whose function publishes.
+The lexer of annotated sources leaves out comments, strings and dead code. A rate is that of the
+timer, or loop, whose function publishes.
 """
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -23,8 +23,7 @@ from mars_asp.annotations.declarations.tokens import (
 from mars_asp.annotations.types import representation
 from mars_asp.exchange.ros2.cpp_code import Call, CppCode
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
-from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens
-from mars_asp.exchange.ros2.cpp_handles import join_prefix as below
+from mars_asp.exchange.ros2.cpp_handles import Handles, below, handle_tokens
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
     OF_ACTION,
@@ -96,23 +95,29 @@ class _TopicCall(NamedTuple):
 
 
 def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
-    """Return what a program of several files, each a text and its path, publishes and hears."""
+    """Return the interface of a program of several files, each a text and its path."""
     files = [_File(text, path, _CALLED, _RATES) for text, path in texts]
     values: dict[str, _Value] = {}
     kinds: dict[str, str] = {}
     for file in files:
         values |= file.values()
         kinds |= file.callbacks()
-    handles = Handles(files, lambda file, tokens: _literal(file, tokens, values))
+
+    def literal(file: CppCode, tokens: Sequence[Token]) -> str | None:
+        found = file.value(tokens, values) if isinstance(file, _File) else _Value(None)
+        return found.text if found.parameter is None else None
+
+    handles = Handles(files, literal)
+    used_if = cache(lambda keeper: _used_if(files, keeper, values))
     published: list[Topic] = []
     subscribed: list[Topic] = []
     unread: list[Unread] = []
     named: list[Topic] = []
     rates: dict[str, Fraction | None] = {}
     for file in files:
-        for name, hz in file.rates().items():
-            rates[name] = hz if rates.get(name, hz) == hz else None
-    names: list[str] = []
+        for keeper, hz in file.rates().items():
+            rates[keeper] = hz if rates.get(keeper, hz) == hz else None
+    names: list[tuple[str, str]] = []
     for file in files:
         for call in file.calls:
             found = file.topic(call, values, kinds)
@@ -121,7 +126,7 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
             elif found is not None:
                 switches = file.switches(call.at, values)
                 if found.published and found.keeper:
-                    switches |= _used_if(files, found.keeper, values)
+                    switches |= used_if(found.keeper)
                 hz = rates.get(found.keeper or "")
                 made = replace(found.topic, hz=hz, switches=tuple(sorted(switches)))
                 for topic in _prefixed(made, file, found.handle, handles):
@@ -141,13 +146,15 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     # A service with a name that only a run knows is noted, but gives no name.
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
+    name, namespace = next(iter(names), (None, ""))
     return Interface(
         tuple(published),
         tuple(subscribed),
-        next(iter(names), None),
+        name,
         unread=tuple(unread),
         names=tuple(named),
         unnamed=unnamed,
+        namespace=namespace,
     )
 
 
@@ -253,11 +260,11 @@ class _File(CppCode):
                 kind = _message(groups[0])
                 if kind is not None:
                     found[body.name] = kind
-        # Declarations count, too: a definition may lie elsewhere.
+        # A definition may be in another file, so declarations count.
         return found
 
-    def node_names(self) -> Iterator[str]:
-        """Yield the names that the file gives its node."""
+    def node_names(self) -> Iterator[tuple[str, str]]:
+        """Yield the names that the file gives its node, each with its namespace."""
         tokens = self.tokens
         for call in self.calls:
             if call.name in ("Node", "LifecycleNode", "make_shared", "init"):
@@ -265,10 +272,12 @@ class _File(CppCode):
                 is_ros = call.name != "init" or text_at(tokens, call.at - 2) == "ros"
                 position = 2 if call.name == "init" else 0
                 if is_node and is_ros and position < len(call.arguments):
-                    argument = call.arguments[position]
-                    name = self.string(argument[0]) if len(argument) == 1 else None
+                    name, *others = (
+                        self.string(each[0]) if len(each) == 1 else None
+                        for each in call.arguments[position:]
+                    )
                     if name:
-                        yield name
+                        yield name, next(iter(others), None) or ""
 
     # ---- Topics
 
@@ -472,17 +481,11 @@ class _File(CppCode):
                     waiting.append(by_name[text])
 
 
-def _literal(file: CppCode, tokens: Sequence[Token], values: Mapping[str, _Value]) -> str | None:
-    """Return the text of an expression, or None if it is unknown or a parameter's."""
-    found = file.value(tokens, values) if isinstance(file, _File) else _Value(None)
-    return found.text if found.parameter is None else None
-
-
 def _prefixed(
     topic: Topic, file: CppCode, handle: tuple[int, int], handles: Handles
 ) -> Iterator[Topic | Unread]:
     """Yield a topic by its names below each prefix that its handle can have."""
-    for prefix in handles.prefixes_at(file, *handle):
+    for prefix in handles.prefixes(file, *handle):
         name = below(prefix, topic.name)
         if topic.name.startswith(("/", "~")) or not topic.name:
             yield topic
@@ -497,8 +500,9 @@ def _used_if(
     files: Sequence["_File"], keeper: str, values: Mapping[str, _Value]
 ) -> set[tuple[str, bool]]:
     """Return the parameters that decide whether a publisher publishes at all."""
-    used = [file.switches(at, values) for file in files for at in file.publications.get(keeper, ())]
-    return set.intersection(*used) if used else set()
+    places = [(file, at) for file in files for at in file.publications.get(keeper, ())]
+    used = [file.switches(at, values) for file, at in places[:_MOST_FOLLOWED]]
+    return set.intersection(*used) if 0 < len(places) <= _MOST_FOLLOWED else set()
 
 
 def _conjuncts(tokens: Sequence[Token]) -> list[Sequence[Token]]:

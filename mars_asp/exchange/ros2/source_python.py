@@ -131,7 +131,7 @@ class _Program:
             _at_rate(each.topic, rates.get(each.keeper or "")) for each in found if each.published
         )
         nodes = [each for part in parts if part.is_node() for each in part.node_names()]
-        # Other classes, too, hand a name to the class that they are made from.
+        # A class that is no node may pass a name to its base class.
         nodes = nodes or [each for part in parts for each in part.node_names()][:1]
         names = list(dict.fromkeys(each.name for each in nodes))
         further = (each for each in nodes if each.name != names[0])
@@ -144,6 +144,7 @@ class _Program:
             unread=(*(note for part in parts for note in part.unread), *further, *missing),
             names=tuple(name for part in parts for name in part.names),
             unnamed=any(part.unnamed for part in parts),
+            namespace=next((part.namespace for part in parts if part.namespace), ""),
         )
 
     def made_with(self, file: SourceFile, node: ast.AST) -> list[dict[str, ast.expr]]:
@@ -252,6 +253,8 @@ class _Unit(Texts):
         self.unread: list[Unread] = []
         self.names: list[Topic] = []
         self.unnamed = False
+        #: The namespace that the program gives its node, after `node_names`.
+        self.namespace = ""
         self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
 
     def span(self, node: ast.expr) -> Span:
@@ -331,12 +334,20 @@ class _Unit(Texts):
 
     def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
         """Return the parameters that decide whether a publisher publishes at all."""
-        used = [
-            self.switches(call)
-            for call, _ in self.calls[:_MOST_CALLS]
-            if called_name(call) == "publish" and dotted_name(call.func) == f"{keeper}.publish"
-        ]
-        return frozenset.intersection(*used) if used else frozenset()
+        calls = self.publications.get(keeper, [])
+        used = [self.switches(call) for call in calls[:_MOST_FOLLOWED]]
+        is_known = 0 < len(calls) <= _MOST_FOLLOWED
+        return frozenset.intersection(*used) if is_known else frozenset()
+
+    @cached_property
+    def publications(self) -> dict[str, list[ast.Call]]:
+        """The calls that publish, by the names that keep the publishers."""
+        found: dict[str, list[ast.Call]] = {}
+        for call, _ in self.calls[:_MOST_CALLS]:
+            if called_name(call) == "publish":
+                keeper = dotted_name(call.func).rpartition(".")[0]
+                found.setdefault(keeper, []).append(call)
+        return found
 
     def further(self, call: ast.Call, name_at: int, keyword: str | None) -> None:
         """Note the name of a service or action, or with no keyword of a parameter."""
@@ -457,6 +468,11 @@ class _Unit(Texts):
                 given = call.args[1] if len(call.args) > 1 else given
             if (name == "__init__" and is_super) or is_init or name in ("init_node", "create_node"):
                 text = None if given is None else self.text(given)
+                if "namespace" in named and not self.namespace:
+                    space = self.text(named["namespace"])
+                    self.namespace = space or ""
+                    if space is None:
+                        self.note(AT_RUN_TIME, named["namespace"], "namespace")
                 if text and given is not None:
                     yield Unread("further nodes of one program", text, self.span(given))
 

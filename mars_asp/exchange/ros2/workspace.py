@@ -183,7 +183,7 @@ class Workspace:
             if package is None:
                 return None
             inner = path[match.end() :]
-            candidates = (package.folder / inner, *self._installed_from(package, inner))
+            candidates = (package.folder / inner, *self._installed_sources(package, inner))
         for candidate in candidates:
             try:
                 found = self._inside(candidate)
@@ -292,7 +292,7 @@ class Workspace:
         # Names that a build file composes are not known.
         return is_program and _COMPOSED.search(build) is not None
 
-    def _installed_from(self, package: Package, path: str) -> Iterator[Path]:
+    def _installed_sources(self, package: Package, path: str) -> Iterator[Path]:
         """Yield the files of a package that may be installed as a path of its shared folder."""
         folder, _, name = path.rpartition("/")
         for source, target, is_folder in self._installed(package):

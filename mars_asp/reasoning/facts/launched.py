@@ -149,7 +149,7 @@ class _TreeFacts:
             yield from self.of_end("hears_on", number, end)
         for each in node.renamed:
             yield from self.with_place(each.span, "renames", number, each.source, each.target)
-        renamed = {each.target for each in node.renamed}
+        renamed = {each.source for each in node.renamed}
         for named in sorted(node.names & renamed):
             yield _fact_at(node.span, "has_name", number, named)
         for managed, span in node.manages:
