@@ -12,8 +12,11 @@ from mars_asp.exchange.recognise import key_pattern, recognised
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language.parse import read_text
 
-#: Folders of builds, packages and templates; hidden ones and virtual environments are skipped.
-_SKIPPED = frozenset("build target node_modules __pycache__ venv template templates".split())
+#: Folders of builds, packages, templates and tests; hidden ones and virtual environments are
+#: skipped, and so are folders of tests where ROS is read.
+_SKIPPED = frozenset(
+    "build target node_modules __pycache__ venv template templates test tests fixtures".split()
+)
 #: A folder with packages of ROS up to this depth is a workspace of ROS.
 _NEAR = 2
 #: How many entries of folders are listed, how many YAML files are read, and how many are taken.

@@ -89,7 +89,8 @@ class Handles:
                 found.append(source.suffix)
             else:
                 found += (
-                    below(prefix, source.suffix) for prefix in self._prefixes.get(source.key, ())
+                    prefixed_name(prefix, source.suffix)
+                    for prefix in self._prefixes.get(source.key, ())
                 )
         return list(dict.fromkeys(found)) or ("",)
 
@@ -224,7 +225,7 @@ class Handles:
             for first, last in list(_arguments(file, opening))[:1]:
                 suffix = self._evaluate(file, tokens[first:last])
             for parent in parents:
-                yield _Source(parent.key, below(parent.suffix, suffix))
+                yield _Source(parent.key, prefixed_name(parent.suffix, suffix))
         elif made is not None:
             opening = begin + made + 1
             while opening < end and text_at(tokens, opening) not in ("(", "{"):
@@ -258,7 +259,7 @@ class Handles:
         if len(groups) > 1:
             suffix = self._evaluate(file, tokens[slice(*groups[1])])
         for parent in parents:
-            yield _Source(parent.key, below(parent.suffix, suffix))
+            yield _Source(parent.key, prefixed_name(parent.suffix, suffix))
 
     def _flow(self, source: _Source, key: _Key) -> None:
         if source.key is None:
@@ -288,12 +289,12 @@ class Handles:
             for key, edges in self._edges.items():
                 for prefix in tuple(self._prefixes.get(key, ())):
                     for target, suffix in edges:
-                        added |= self._add(target, below(prefix, suffix))
+                        added |= self._add(target, prefixed_name(prefix, suffix))
             if not added:
                 return
 
 
-def below(prefix: str | None, name: str | None) -> str | None:
+def prefixed_name(prefix: str | None, name: str | None) -> str | None:
     """Return a name below a prefix, or None if one of both is unknown."""
     if prefix is None or name is None:
         return None

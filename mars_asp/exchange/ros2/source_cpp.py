@@ -23,7 +23,7 @@ from mars_asp.annotations.declarations.tokens import (
 from mars_asp.annotations.types import representation
 from mars_asp.exchange.ros2.cpp_code import Call, CppCode
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
-from mars_asp.exchange.ros2.cpp_handles import Handles, below, handle_tokens
+from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens, prefixed_name
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
     OF_ACTION,
@@ -486,7 +486,7 @@ def _prefixed(
 ) -> Iterator[Topic | Unread]:
     """Yield a topic by its names below each prefix that its handle can have."""
     for prefix in handles.prefixes(file, *handle):
-        name = below(prefix, topic.name)
+        name = prefixed_name(prefix, topic.name)
         if topic.name.startswith(("/", "~")) or not topic.name:
             yield topic
             return
