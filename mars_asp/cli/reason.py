@@ -334,6 +334,14 @@ def judge_project(project: Project, rulebook: Rulebook, arguments: argparse.Name
     """
     if not project.trees:
         return analyse_project(project, rulebook, arguments)
+    if rulebook.packs:
+        message = "rule packs judge configurations, so they were not applied to the launch trees"
+        help_text = "write one with `mars-asp import ros2 FILE -o robot.mars`, and check that"
+        span = project.configuration.span
+        note = Diagnostic(
+            "launch", "note", message, span, help=help_text, excerpt="", kind="launch"
+        )
+        report([note], arguments)
     with stage(arguments, "analysing"):
         return analyse_trees(project, rulebook)
 

@@ -1,0 +1,173 @@
+"""Folders with several launch files: how they are chosen, listed, judged and explained."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+
+SENDER = """\
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+
+class Sender(Node):
+    def __init__(self):
+        super().__init__("sender")
+        self.commands = self.create_publisher(Twist, "cmd_vel", 10)
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Sender())
+"""
+LAUNCH = """\
+<launch>
+  <arg name="second" default="{default}"/>
+  <node pkg="drive" exec="sender" name="one"/>
+  <node pkg="drive" exec="sender" name="two" if="$(var second)"/>
+</launch>
+"""
+
+
+@pytest.fixture
+def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a package with two launch files, whose senders meet by default in one of them."""
+    package = tmp_path / "ws" / "src" / "drive"
+    files = {
+        "package.xml": "<package><name>drive</name></package>",
+        "setup.py": "setup(entry_points={'console_scripts': ['sender = drive.sender:main']})",
+        "drive/__init__.py": "",
+        "drive/sender.py": SENDER,
+        "launch/both.launch.xml": LAUNCH.format(default="true"),
+        "launch/one.launch.xml": LAUNCH.format(default="false"),
+    }
+    for name, text in files.items():
+        path = package / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    monkeypatch.chdir(tmp_path)
+    return Path("ws")
+
+
+def findings(text: str) -> list[dict[str, object]]:
+    """Return the findings among the diagnostics of a command."""
+    found = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+    return [each for each in found if each["code"].startswith("launch/")]
+
+
+def test_a_finding_names_its_launch_files_and_its_condition(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", str(workspace), "--format", "json"]) == 0
+    output = capsys.readouterr()
+    trees = ["ws/src/drive/launch/both.launch.xml", "ws/src/drive/launch/one.launch.xml"]
+    [finding] = findings(output.err)
+    assert finding["kind"] == "ambiguous_priority"
+    assert finding["launch_files"] == trees
+    assert "`second` is `true` (both.launch.xml:4), as it is by default" in str(finding["effect"])
+    assert json.loads(output.out)["files"][0]["launch_files"] == trees
+
+
+def test_launch_takes_some_of_the_trees(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_here(["check", str(workspace), "--launch", "one.launch.xml", "--format", "json"])
+    [finding] = findings(capsys.readouterr().err)
+    assert finding["launch_files"] == ["ws/src/drive/launch/one.launch.xml"]
+    assert "as it is by default" not in str(finding["effect"])
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("on.launch.xml", "did you mean `one.launch.xml`?"),
+        ("nothing", "`nothing` is not a launch file of `ws`"),
+    ],
+)
+def test_a_launch_file_that_is_not_there_is_an_error(
+    workspace: Path, capsys: pytest.CaptureFixture[str], name: str, message: str
+) -> None:
+    assert run_here(["check", str(workspace), "--launch", name]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_import_lists_several_trees_and_takes_one(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["import", "ros2", str(workspace), "--format", "json"]) == 2
+    error = json.loads(capsys.readouterr().err.splitlines()[-1])
+    assert "both.launch.xml" in error["help"] and "one.launch.xml" in error["help"]
+    assert run_here(["import", "ros2", str(workspace), "--launch", "one.launch.xml"]) == 0
+    assert "@modules" in capsys.readouterr().out
+
+
+def test_other_verbs_report_that_they_took_all_trees_for_one_robot(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_here(["facts", str(workspace)])
+    assert "2 launch files were taken for one robot" in capsys.readouterr().err
+
+
+def test_verbose_lists_the_trees(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run_here(["check", "-v", str(workspace)])
+    assert "launch file ws/src/drive/launch/one.launch.xml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("subject", ["ambiguous_priority", "/cmd_vel", "/two", "sender.py:9"])
+def test_a_finding_of_check_can_be_explained(
+    workspace: Path, capsys: pytest.CaptureFixture[str], subject: str
+) -> None:
+    assert run_here(["explain", str(workspace), subject]) == 0
+    lines = [line.strip() for line in capsys.readouterr().out.splitlines()]
+    assert any(line.startswith("src/drive/drive/sender.py:9") for line in lines)
+    assert "only if `second` is `true`" in lines
+    assert run_here(["explain", str(workspace), subject, "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["topics"][0]["name"] == "ambiguous_priority(/cmd_vel)"
+    assert document["traces"][0]["premises"]
+
+
+def test_analyse_judges_as_check_does(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["analyse", str(workspace), "--format", "json"]) == 0
+    [finding] = json.loads(capsys.readouterr().out)["consequences"]
+    assert finding["kind"] == "ambiguous_priority"
+    assert [each["variable"] for each in finding["conditions"]] == ["second"]
+    assert finding["conditions"][0]["location"]["line"] == 4
+
+
+@pytest.mark.parametrize("option", [["--ignore", "launch"], ["--select", "ambiguous_priority"]])
+def test_messages_on_reading_are_selected_as_findings_are(
+    workspace: Path, capsys: pytest.CaptureFixture[str], option: list[str]
+) -> None:
+    run_here(["check", str(workspace)])
+    assert "on conditions, of" in capsys.readouterr().err
+    for verb in ("check", "explain", "analyse"):
+        run_here([verb, str(workspace), *option])
+        assert "on conditions, of" not in capsys.readouterr().err
+
+
+def test_a_comment_hides_a_message_on_reading(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = workspace / "src" / "drive" / "launch" / "both.launch.xml"
+    lines = file.read_text().splitlines()
+    lines[3] += " <!-- mars: ignore[launch] both branches are known -->"
+    file.write_text("\n".join(lines))
+    run_here(["check", str(workspace)])
+    output = capsys.readouterr().err
+    assert "on conditions, of" not in output
+    assert "1 hidden by a comment" in output
+
+
+def test_packs_are_not_applied_in_silence(
+    workspace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "pack").mkdir()
+    (tmp_path / "pack" / "own.lp").write_text(
+        "%! id: own/rule\nconsequence(own, warning, M, own) :- module(M).\n"
+    )
+    run_here(["check", str(workspace), "--rules", str(tmp_path / "pack")])
+    assert "they were not applied" in capsys.readouterr().err

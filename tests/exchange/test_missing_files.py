@@ -1,0 +1,99 @@
+"""Files and programs that launch files name and packages of the workspace do not have."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.exchange.ros2 import import_ros2
+
+PACKAGE = "<package><name>{}</name></package>"
+
+
+def missing(folder: Path, files: dict[str, str]) -> list[tuple[str, str, bool]]:
+    """Return what launch trees lack in a workspace of two packages: name, package, program."""
+    given = {"arm/package.xml": PACKAGE.format("arm"), "base/package.xml": PACKAGE.format("base")}
+    for name, text in {**given, **files}.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    trees = import_ros2([("", str(folder))]).trees
+    return [(each.name, each.package, each.is_program) for tree in trees for each in tree.missing]
+
+
+def launch(*lines: str) -> dict[str, str]:
+    return {"base/launch/base.launch.xml": "<launch>\n" + "\n".join(lines) + "\n</launch>\n"}
+
+
+INCLUDE = '<include file="$(find-pkg-share arm)/launch/arm.launch.xml"/>'
+PARAMETERS = '<node pkg="x" exec="y"><param from="$(find-pkg-share arm)/config/arm.yaml"/></node>'
+SHOWN = '<node pkg="rviz2" exec="rviz2" args="-d $(find-pkg-share arm)/rviz/arm.rviz"/>'
+DEFAULT = (
+    '<arg name="model" default="$(find-pkg-share arm)/urdf/arm.urdf"/><node pkg="x" exec="y"/>'
+)
+
+
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        (INCLUDE, "launch/arm.launch.xml"),
+        (PARAMETERS, "config/arm.yaml"),
+        (SHOWN, "rviz/arm.rviz"),
+        (DEFAULT, "urdf/arm.urdf"),
+    ],
+)
+def test_a_file_that_a_package_lacks_is_found(tmp_path: Path, line: str, name: str) -> None:
+    assert missing(tmp_path, launch(line)) == [(name, "arm", False)]
+
+
+@pytest.mark.parametrize(
+    "files",
+    [
+        {"arm/urdf/arm.urdf": "<robot/>"},
+        {"arm/urdf/arm.urdf.xacro": "<robot/>"},
+        {"arm/models/arm.urdf": "<robot/>"},
+        {"arm/CMakeLists.txt": "xacro_add_files(x OUTPUT arm.urdf)"},
+        {".gitignore": "*.urdf\n"},
+        {"arm/.gitignore": "# made by a program\narm.urdf\n"},
+    ],
+)
+def test_a_file_that_may_be_made_is_not_missing(tmp_path: Path, files: dict[str, str]) -> None:
+    assert missing(tmp_path, {**launch(DEFAULT), **files}) == []
+
+
+def test_a_pattern_of_folders_ignores_no_file(tmp_path: Path) -> None:
+    files = {**launch(DEFAULT), ".gitignore": "build/*\n"}
+    assert missing(tmp_path, files) == [("urdf/arm.urdf", "arm", False)]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        '<include file="$(find-pkg-share elsewhere)/launch/arm.launch.xml"/>',
+        '<arg name="map" default="$(find-pkg-share arm)/maps/home.yaml"/><node pkg="x" exec="y"/>',
+        '<arg name="to" default="$(find-pkg-share arm)/logs"/><node pkg="x" exec="y"/>',
+    ],
+)
+def test_packages_elsewhere_maps_and_folders_are_not_judged(tmp_path: Path, line: str) -> None:
+    assert missing(tmp_path, launch(line)) == []
+
+
+SETUP = "setup(entry_points={'console_scripts': ['gripper = arm.gripper:main']})"
+
+
+@pytest.mark.parametrize(
+    ("files", "is_missing"),
+    [
+        ({"arm/setup.py": SETUP}, True),
+        ({"arm/setup.py": SETUP, "arm/arm/wrist.py": "x = 1"}, True),
+        ({"arm/setup.py": SETUP.replace("gripper =", "wrist =")}, False),
+        ({"arm/CMakeLists.txt": "add_executable(gripper a.cpp)"}, True),
+        ({"arm/CMakeLists.txt": "add_executable(wrist a.cpp)"}, False),
+        ({"arm/CMakeLists.txt": "add_executable(${name} a.cpp)"}, False),
+        ({"arm/CMakeLists.txt": "project(arm)", "arm/scripts/wrist": "#!/bin/sh"}, False),
+    ],
+)
+def test_a_program_that_a_package_lacks_is_found(
+    tmp_path: Path, files: dict[str, str], is_missing: bool
+) -> None:
+    found = missing(tmp_path, {**launch('<node pkg="arm" exec="wrist"/>'), **files})
+    assert found == ([("wrist", "arm", True)] if is_missing else [])
