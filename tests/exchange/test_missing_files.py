@@ -10,7 +10,7 @@ PACKAGE = "<package><name>{}</name></package>"
 
 
 def missing(folder: Path, files: dict[str, str]) -> list[tuple[str, str, bool]]:
-    """Return what launch trees lack in a workspace of two packages: name, package, program."""
+    """Return the missing files of a workspace of two packages: name, package, program."""
     given = {"arm/package.xml": PACKAGE.format("arm"), "base/package.xml": PACKAGE.format("base")}
     for name, text in {**given, **files}.items():
         path = folder / name
