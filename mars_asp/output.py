@@ -59,7 +59,8 @@ def fenced(text: str, language: str = "text") -> str:
 
 
 def encodable(text: str) -> str:
-    """Return a text that UTF-8 can hold: bytes of a path that are no UTF-8 are escaped."""
+    """Return a text for a program: bytes that are not UTF-8, and NUL, are escaped."""
+    text = text.replace("\0", "\\0")
     return text if text.isascii() else text.encode(errors="backslashreplace").decode()
 
 

@@ -282,7 +282,7 @@ def load(
         project = described(parsed, text, arguments.sources, foreign)
         is_asked = has_attributes(project) or bool(project.configuration.pack_nodes)
         project = with_brought(project, _brought(arguments, is_asked))
-    if arguments.verbose:
+    if getattr(arguments, "verbose", False):
         for tree in project.trees:
             print(visible(f"mars-asp: launch file {tree.path}"), file=sys.stderr)
     return project

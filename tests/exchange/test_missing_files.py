@@ -97,3 +97,28 @@ def test_a_program_that_a_package_lacks_is_found(
 ) -> None:
     found = missing(tmp_path, {**launch('<node pkg="arm" exec="wrist"/>'), **files})
     assert found == ([("wrist", "arm", True)] if is_missing else [])
+
+
+def test_a_file_that_a_program_writes_is_not_missing(tmp_path: Path) -> None:
+    record = '<node pkg="rosbag" exec="record" args="-O $(find arm)/data/run.bag"/>'
+    output = '<node pkg="x" exec="y" args="--output $(find arm)/data/run.csv"/>'
+    assert missing(tmp_path, launch(record, output)) == []
+
+
+def test_a_launch_file_that_asks_for_a_file_does_without_it(tmp_path: Path) -> None:
+    text = """\
+import os
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    shown = os.path.join(get_package_share_directory("arm"), "rviz", "arm.rviz")
+    arguments = ["-d", shown]{}
+    return LaunchDescription([Node(package="rviz2", executable="rviz2", arguments=arguments)])
+"""
+    for end, lacking in ("", ["rviz/arm.rviz"]), (" if os.path.exists(shown) else []", []):
+        folder = tmp_path / str(len(end))
+        found = missing(folder, {"base/launch/base.launch.py": text.format(end)})
+        assert [name for name, _, _ in found] == lacking

@@ -40,6 +40,11 @@ from mars_asp.model.graph import AbsentFile, StartCondition
 #: What launch files are called that are included and not found.
 NOT_HERE = "included launch files that are not in the workspace"
 _NO_PARAMETERS = "parameter files that are not in the workspace"
+#: Packages whose programs write the files that their arguments name, and options for outputs.
+_RECORDERS = frozenset({"rosbag", "rosbag2", "map_server", "nav2_map_server"})
+_OUTPUTS = frozenset({"-o", "-O", "--output", "--output-name", "--output-prefix"})
+#: Code that asks whether a file is there.
+_ASKS = re.compile(r"\b(?:exists|isfile|is_file)\(")
 _DEEPEST_INCLUDE = 32
 _MOST_NODES = 20_000
 _DEEPEST_ARGUMENT = 16
@@ -184,8 +189,7 @@ class Launch:
         """Take up a launch argument, and note a default that names a file which is not there."""
         name = action.name
         value = None if action.value is None else self._plain(action.value, scope, files)
-        if value is not None and self.workspace.find(value, files[-1].parent) is None:
-            self._note_missing(value, action.span)
+        self._note_missing(value, action.span, files)
         variable = None if action.forced else scope.variable(name)
         if action.forced or scope.arguments.get(name) is None:
             scope.arguments[name] = value
@@ -272,7 +276,7 @@ class Launch:
             return
         if found is None:
             self.unread.append(Unread(NOT_HERE, written, action.span))
-            self._note_missing(path, action.span)
+            self._note_missing(path, action.span, files)
             for value in self._parameters(action.arguments, scope, files).values():
                 named = value.text if value.is_known else ""
                 given = self.workspace.find(named, files[-1].parent)
@@ -321,10 +325,15 @@ class Launch:
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
         self._walk(actions, within, files)
 
-    def _note_missing(self, path: str | None, span: Span) -> None:
-        """Note that a package of the workspace lacks the file that a path names, if it does."""
-        lacking = None if path is None else self.workspace.lacking(path)
-        if lacking is not None:
+    def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> None:
+        """Note that a package of the workspace lacks the file of a path, if it does.
+
+        A launch file that asks whether files are there does without them.
+        """
+        if path is None or self.workspace.find(path, files[-1].parent) is not None:
+            return
+        lacking = self.workspace.lacking(path)
+        if lacking is not None and _ASKS.search(self.workspace.text(files[-1])) is None:
             package, name = lacking
             self.missing[AbsentFile(name, package, span)] = None
 
@@ -409,9 +418,10 @@ class Launch:
             called = name or executable or "?"
             self.unread.append(Unread("remappings made at run time", called, span))
         words = self._words(action, scope, files)
-        for word in words:
-            if word.startswith("$(") and self.workspace.find(word, files[-1].parent) is None:
-                self._note_missing(word, action.span)
+        for before, word in pairwise(("", *words)):
+            is_read = package not in _RECORDERS and before not in _OUTPUTS
+            if is_read:
+                self._note_missing(word, action.span, files)
         # What a program is told in its arguments comes before what launching adds to them.
         told = {s: target for s, _, target in (w.partition(":=") for w in words) if s[:2] == "__"}
         name = told.get("__node") or told.get("__name") or name
@@ -507,7 +517,7 @@ class Launch:
             elif span is not None:
                 called = self._shown(each, scope)
                 self.unread.append(Unread(_NO_PARAMETERS, called, span))
-                self._note_missing(path, span)
+                self._note_missing(path, span, files)
 
     def _plain(self, text: Text, scope: _Scope, files: tuple[Path, ...]) -> str | None:
         """Return a text with its parts known, if they are."""

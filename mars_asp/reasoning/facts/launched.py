@@ -100,8 +100,8 @@ class _TreeFacts:
         for text, span in self.tree.broken:
             yield from self.with_place(span, "unreadable", text)
         for text, span in self.tree.repeated:
-            yield from self.with_place(span, "has_twice", encodable(span.path), text)
-            yield _fact_at(span, "loads", path, encodable(span.path))
+            yield from self.with_place(span, "has_twice", span.path, text)
+            yield _fact_at(span, "loads", path, span.path)
         for each in self.tree.missing:
             name = "lacks_program" if each.is_program else "lacks_file"
             yield from self.with_place(each.span, name, path, each.package, each.name)
@@ -114,7 +114,7 @@ class _TreeFacts:
         """Yield a fact about something new, and the place of that."""
         number = next(self.numbers)
         yield _fact_at(span, name, number, *arguments)
-        yield _fact_at(span, "place", number, encodable(span.path), span.line, span.column)
+        yield _fact_at(span, "place", number, span.path, span.line, span.column)
 
     def of_start(self, started: Node | Mux | Relay, package: str) -> tuple[int, list[Fact]]:
         """Return the number of a node, mux or relay, and its facts."""
@@ -192,4 +192,5 @@ class _TreeFacts:
 
 
 def _fact_at(span: Span, name: str, *arguments: Term) -> Fact:
-    return Fact(Atom(name, arguments), span)
+    safe = tuple(encodable(each) if isinstance(each, str) else each for each in arguments)
+    return Fact(Atom(name, safe), span)
