@@ -258,7 +258,8 @@ class Launch:
             key = test.text, test.value or ()
             if test.branch:
                 shown = text_shown(test.text), text_shown(test.value or ())
-                found[key] = StartCondition(*shown, test.wanted, test.span)
+                # Two of one file may be alternatives.
+                found[key] = StartCondition(*shown, test.wanted, test.span, (test.span.path,))
                 continue
             conditions = self._conditions((test,), scope, files)
             if conditions is None:
