@@ -35,6 +35,7 @@ DEFAULT = (
 @pytest.mark.parametrize(
     ("line", "name"),
     [
+        (PASSED, "worlds/home.world"),
         (INCLUDE, "launch/arm.launch.xml"),
         (PARAMETERS, "config/arm.yaml"),
         (SHOWN, "rviz/arm.rviz"),
@@ -50,6 +51,7 @@ def test_a_file_that_a_package_lacks_is_found(tmp_path: Path, line: str, name: s
     [
         {"arm/urdf/arm.urdf": "<robot/>"},
         {"arm/urdf/arm.urdf.xacro": "<robot/>"},
+        {"arm/urdf/arm.urdf.in": "<robot/>"},
         {"arm/models/arm.urdf": "<robot/>"},
         {"arm/CMakeLists.txt": "xacro_add_files(x OUTPUT arm.urdf)"},
         {".gitignore": "*.urdf\n"},
@@ -58,6 +60,11 @@ def test_a_file_that_a_package_lacks_is_found(tmp_path: Path, line: str, name: s
 )
 def test_a_file_that_may_be_made_is_not_missing(tmp_path: Path, files: dict[str, str]) -> None:
     assert missing(tmp_path, {**launch(DEFAULT), **files}) == []
+
+
+def test_a_template_of_a_model_makes_no_other_file(tmp_path: Path) -> None:
+    files = {**launch(SHOWN), "arm/urdf/arm.urdf.xacro": "<robot/>"}
+    assert missing(tmp_path, files) == [("rviz/arm.rviz", "arm", False)]
 
 
 def test_a_pattern_of_folders_ignores_no_file(tmp_path: Path) -> None:

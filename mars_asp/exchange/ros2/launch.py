@@ -280,6 +280,7 @@ class Launch:
             self._note_missing(path, action.span, files)
             for value in self._parameters(action.arguments, scope, files).values():
                 named = value.text if value.is_known else ""
+                self._note_missing(named, action.span, files)
                 given = self.workspace.find(named, files[-1].parent)
                 if given is not None and given.suffix in _PARAMETER_FILES:
                     self.passed[given] = None
@@ -323,6 +324,8 @@ class Launch:
         for each in action.arguments:
             self._pass(each, scope, within, files)
         passed = self._parameters(action.arguments, scope, files[:-1])
+        for value in passed.values():
+            self._note_missing(value.text, action.span, files[:-1])
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
         self._walk(actions, within, files)
 

@@ -282,7 +282,8 @@ class Workspace:
             # A package of Python has the programs that its build file lists, whatever its files.
             return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build) is not None
         stem = name.partition(".")[0]
-        if name in contents or f"{stem}.xacro" in contents or f"{stem}.urdf.xacro" in contents:
+        templates = (f"{stem}.xacro", f"{name}.xacro") if name.endswith((".urdf", ".sdf")) else ()
+        if not contents.isdisjoint((name, f"{name}.in", *templates)):
             return True
         is_program = "." not in name
         if is_program and stem in contents:
