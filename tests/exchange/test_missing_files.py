@@ -24,6 +24,10 @@ def launch(*lines: str) -> dict[str, str]:
     return {"base/launch/base.launch.xml": "<launch>\n" + "\n".join(lines) + "\n</launch>\n"}
 
 
+PASSED = (
+    '<include file="$(find-pkg-share elsewhere)/launch/x.launch.xml">'
+    '<arg name="world" value="$(find-pkg-share arm)/worlds/home.world"/></include>'
+)
 INCLUDE = '<include file="$(find-pkg-share arm)/launch/arm.launch.xml"/>'
 PARAMETERS = '<node pkg="x" exec="y"><param from="$(find-pkg-share arm)/config/arm.yaml"/></node>'
 SHOWN = '<node pkg="rviz2" exec="rviz2" args="-d $(find-pkg-share arm)/rviz/arm.rviz"/>'

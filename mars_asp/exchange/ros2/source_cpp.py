@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -39,6 +39,7 @@ _MOST_WORDS = 50
 _MOST_CHARACTERS = 1000
 _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
+_MOST_PARSED = 200
 #: Wrappers of nav2 that publish and hear velocities.
 _TWISTS = {"TwistPublisher": True, "TwistSubscriber": False}
 #: What publishes or hears images with what is known of the camera, and the types of both.
@@ -94,9 +95,15 @@ class _TopicCall(NamedTuple):
     handle: tuple[int, int]
 
 
+@lru_cache(maxsize=_MOST_PARSED)
+def _parsed_file(text: str, path: str) -> "_File":
+    """Return a file with its calls; several programs share libraries."""
+    return _File(text, path, _CALLED, _RATES)
+
+
 def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     """Return the interface of a program of several files, each a text and its path."""
-    files = [_File(text, path, _CALLED, _RATES) for text, path in texts]
+    files = [_parsed_file(text, path) for text, path in texts]
     values: dict[str, _Value] = {}
     kinds: dict[str, str] = {}
     for file in files:
