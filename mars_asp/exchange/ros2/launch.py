@@ -43,8 +43,8 @@ _NO_PARAMETERS = "parameter files that are not in the workspace"
 #: Packages whose programs write the files that their arguments name, and options for outputs.
 _RECORDERS = frozenset({"rosbag", "rosbag2", "map_server", "nav2_map_server"})
 _OUTPUTS = frozenset({"-o", "-O", "--output", "--output-name", "--output-prefix"})
-#: Code that asks whether a file is there.
-_ASKS = re.compile(r"\b(?:exists|isfile|is_file)\(")
+#: Code that checks whether a file exists.
+_CHECKS_FILES = re.compile(r"\b(?:exists|isfile|is_file)\(")
 _DEEPEST_INCLUDE = 32
 _MOST_NODES = 20_000
 _DEEPEST_ARGUMENT = 16
@@ -332,12 +332,12 @@ class Launch:
     def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> None:
         """Note that a package of the workspace lacks the file of a path, if it does.
 
-        A launch file that asks whether files are there does without them.
+        A launch file that checks whether files exist does without them.
         """
         if path is None or self.workspace.find(path, files[-1].parent) is not None:
             return
         lacking = self.workspace.lacking(path)
-        if lacking is not None and _ASKS.search(self.workspace.text(files[-1])) is None:
+        if lacking is not None and _CHECKS_FILES.search(self.workspace.text(files[-1])) is None:
             package, name = lacking
             self.missing[AbsentFile(name, package, span)] = None
 
