@@ -45,9 +45,14 @@ def effects(
     for name, text in written.items():
         (folder / name).parent.mkdir(exist_ok=True, parents=True)
         (folder / name).write_text(text, encoding="utf-8")
-    run_here(["check", "--format", "json", str(folder)])
-    lines = (json.loads(line) for line in capsys.readouterr().err.splitlines())
-    return [line["effect"] for line in lines if line["kind"] == "duplicate_node"]
+    # Of those that hold by default alone `check` warns.
+    run_here(["analyse", "--format", "json", str(folder)])
+    found = json.loads(capsys.readouterr().out)["consequences"]
+    return [
+        each["effect"].replace(", as it is by default", "")
+        for each in found
+        if each["kind"] == "duplicate_node"
+    ]
 
 
 #: A condition, the words for it, a value with which it holds, and one with which it does not.
