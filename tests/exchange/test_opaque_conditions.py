@@ -45,13 +45,13 @@ def effects(
     for name, text in written.items():
         (folder / name).parent.mkdir(exist_ok=True, parents=True)
         (folder / name).write_text(text, encoding="utf-8")
-    # Of those that hold by default alone `check` warns.
-    run_here(["analyse", "--format", "json", str(folder)])
-    found = json.loads(capsys.readouterr().out)["consequences"]
+    # What does not hold by default is a note, which `check` does not print.
+    run_here(["explain", "--format", "json", str(folder)])
+    topics = json.loads(capsys.readouterr().out)["topics"]
     return [
-        each["effect"].replace(", as it is by default", "")
-        for each in found
-        if each["kind"] == "duplicate_node"
+        each["notes"][0].replace(", as it is by default", "")
+        for each in topics
+        if each["name"].startswith("duplicate_node")
     ]
 
 
