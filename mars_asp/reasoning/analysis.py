@@ -288,7 +288,8 @@ def _condition_text(condition: LaunchCondition) -> str:
     called = f"`{name}`" if " (" not in name and " " not in name[4:] else name
     at = condition.span
     place = "" if at is None else f" ({at.path.rpartition('/')[2]}:{at.line})"
-    return f"{called} is {'' if condition.how == 'if' else 'not '}`{condition.value}`{place}"
+    value = f"`{condition.value}`" if condition.value else "empty"
+    return f"{called} is {'' if condition.how == 'if' else 'not '}{value}{place}"
 
 
 def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCondition]]:

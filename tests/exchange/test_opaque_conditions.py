@@ -67,7 +67,7 @@ CONDITIONS = [
     ("context.launch_configurations.get('arm') == 'left'", "`arm` is `left`", "left", "right"),
     ("context.perform_substitution(arm) == 'left'", "`arm` is `left`", "left", "right"),
     ("IfCondition(arm).evaluate(context)", "`arm` is `true`", "true", "false"),
-    ("arm.perform(context)", "`arm` is not ``", "left", ""),
+    ("arm.perform(context)", "`arm` is not empty", "left", ""),
 ]
 
 

@@ -35,7 +35,7 @@ from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
-from mars_asp.model.graph import AbsentFile, StartCondition
+from mars_asp.model.graph import OPEN_CONDITION, AbsentFile, StartCondition
 
 #: What launch files are called that are included and not found.
 NOT_HERE = "included launch files that are not in the workspace"
@@ -391,9 +391,7 @@ class Launch:
                 # Two that were not read may be alternatives, above all where they are of one file.
                 reads = (test.span.path, *arguments)
                 found.append(
-                    StartCondition(
-                        f"{text_shown(test.text)} ({at})", "true", test.wanted, test.span, reads
-                    )
+                    StartCondition(f"{OPEN_CONDITION}{at}", "true", test.wanted, test.span, reads)
                 )
             elif test.wanted != (
                 given == value if test.value is not None else given.lower() in ("true", "1")
