@@ -7,12 +7,15 @@ It is read event by event, so that neither depth nor aliases cost more than thei
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TypeAlias
 
 import yaml
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
+#: The loader of libyaml, where PyYAML was built with it.
+_LIBYAML: type[yaml.SafeLoader] | None = getattr(yaml, "CSafeLoader", None)
 #: A file of parameters has some hundred lines.
 MOST_BYTES = 256 * 1024
 MOST_DEPTH = 64
@@ -82,9 +85,14 @@ def read_yaml(
         MarsError: what is wrong with it: the first error of its syntax, or all repeated keys.
     """
     allows_copies = repeated is not None
-    root, problems = _read(
-        text, path, MOST_NODES, yaml.SafeLoader, begins, allows_copies=allows_copies
-    )
+    read = partial(_read, text, path, MOST_NODES, begins=begins, allows_copies=allows_copies)
+    try:
+        root, problems = read(yaml.SafeLoader)
+    except MarsError:
+        # ROS reads parameters with libyaml, which takes tabs before comments.
+        if repeated is None or "\t" not in text or _LIBYAML is None:
+            raise
+        root, problems = read(_LIBYAML)
     if problems and repeated is None:
         raise MarsError(problems)
     if repeated is not None:
@@ -102,7 +110,7 @@ def read_dump(text: str, path: str) -> Node:
         message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
         raise _wrong(point(path, 1, 1), message, "give the file of the graph alone")
     # The same events some ten times as fast, where PyYAML was built with libyaml.
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    loader = _LIBYAML or yaml.SafeLoader
     root, problems = _read(text, path, MOST_NODES_OF_DUMP, loader)
     if problems:
         raise MarsError(problems)

@@ -138,6 +138,7 @@ FOUND = """nodes:
   inputs: {image: camera/image, pose: locator/pose, map: view/map}
   outputs: [path, state, tick]
 - id: view
+  path: ./viewer.py
   inputs: {image: camera/image, path: planner/pth}
   input_types: {image: std/media/v1/Audio}
 - id: simulator
@@ -157,6 +158,7 @@ def test_explanations_are_in_the_words_of_dataflows(
 ) -> None:
     path = tmp_path / "d.yml"
     path.write_text(FOUND, encoding="utf-8")
+    (tmp_path / "viewer.py").write_text("")
     run_here(["explain", str(path), *([kind] if kind else []), *options])
     output = capsys.readouterr().out.replace("undeclared_module", "").replace("unused_module", "")
     assert OURS.search(output.replace(str(tmp_path), "")) is None

@@ -121,7 +121,7 @@ def test_a_file_of_a_node_that_is_not_there_is_found_at_its_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], settings: str, missing: str | None
 ) -> None:
     (tmp_path / "there.py").touch()
-    write(tmp_path, d=f"nodes:\n- id: a\n  {settings}\n")
+    write(tmp_path, d=f"nodes:\n- id: a\n  {settings}\n- id: c\n  path: there.py\n")
     assert run_here(["check", "--quiet", "--select", "missing_file", str(tmp_path / "d.yml")]) == 0
     output = " ".join(capsys.readouterr().err.split())
     assert ("warning" in output) == (missing is not None)
@@ -130,3 +130,11 @@ def test_a_file_of_a_node_that_is_not_there_is_found_at_its_line(
         node = "a/b" if "operators" in settings else "a"
         assert "d.yml:3:" in output
         assert f"warning: `{key}` of node `{node}` is `{path}`, which is not there" in output
+
+
+def test_a_dataflow_away_from_all_its_programs_lacks_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path, d="nodes:\n- id: a\n  path: ./x.py\n- id: b\n  path: ./y.py\n")
+    run_here(["check", str(tmp_path / "d.yml")])
+    assert "which is not there" not in capsys.readouterr().err

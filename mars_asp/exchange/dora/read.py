@@ -1,6 +1,7 @@
 """A dora dataflow as a configuration: nodes and operators as modules, timers as sensors."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -59,19 +60,20 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
 
 
 def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
-    """Yield the programs of nodes that are not there; none if the dataflow is not a file."""
-    if not path.is_file():
-        return
-    for worker in dataflow.workers:
-        program = worker.program
-        if program is None:
-            continue
-        try:
-            is_there = (path.parent / program.path).exists()
-        except OSError:
-            is_there = False
-        if not is_there:
-            yield MissingFile(worker.name, *program)
+    """Yield the programs of nodes that do not exist beside the dataflow.
+
+    A dataflow that is not a file, or of which no program exists, is away from its sources.
+    """
+    found: list[MissingFile] = []
+    there = 0
+    for worker in dataflow.workers if path.is_file() else ():
+        if worker.program is not None:
+            with suppress(OSError):
+                if (path.parent / worker.program.path).exists():
+                    there += 1
+                    continue
+            found.append(MissingFile(worker.name, *worker.program))
+    yield from found if there else ()
 
 
 def _named_twice(worker: Worker, first: Worker) -> Diagnostic:

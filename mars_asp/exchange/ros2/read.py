@@ -645,8 +645,11 @@ class _Robot:
             yield from () if listed is None else listed.texts
         else:
             given = values.get(topic.parameter)
-            # A value that is given only in a run does not leave the default.
-            yield topic.name if given is None else given.text if given.is_known else ""
+            # A file that cannot be read, or a value of a run, may replace the default.
+            if given is None and any(self.document(file) is None for file in started.files):
+                yield ""
+            else:
+                yield topic.name if given is None else given.text if given.is_known else ""
 
     def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
         """Return the place of the remapping that gives a topic its full name."""

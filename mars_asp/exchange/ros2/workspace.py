@@ -34,7 +34,7 @@ _FILE_NAME = re.compile(r"[\w+-][\w .+-]*\.\w+")
 #: What a folder that adds to the launch files of the catalogue is called.
 OWN_LAUNCH_FILES = "mars-launch"
 _CATALOGUE = Path(__file__).parent / "launch_catalogue"
-_OF_MAPS = re.compile(r"(?:^|/)maps?/")
+_OF_USERS = re.compile(r"(?:^|/)maps?/|\.(?:bag|db3|mcap|pcd|pgm|pbstream|posegraph)$")
 _BUILD_FILES = frozenset({"CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml"})
 #: Programs whose names a build file computes.
 _COMPOSED = re.compile(
@@ -227,8 +227,8 @@ class Workspace:
         inside = path[match.end() :]
         name = inside.rpartition("/")[2]
         is_file = _FILE_NAME.fullmatch(name) is not None and "$(" not in inside
-        # Maps are made by users, and files that git ignores by programs.
-        if not is_file or _OF_MAPS.search(inside) or self._is_ignored(package, name):
+        # Maps and recordings are made by users, and files that git ignores by programs.
+        if not is_file or _OF_USERS.search(inside) or self._is_ignored(package, name):
             return None
         if self._may_have(package, name):
             return None
@@ -259,8 +259,14 @@ class Workspace:
             if (folder / ".gitignore").is_file():
                 for line in self.text(folder / ".gitignore").split("\n"):
                     pattern = line.strip().lstrip("/")
-                    if pattern and not pattern.startswith(("#", "!")) and "/" not in pattern:
-                        yield pattern
+                    name = pattern.rpartition("/")[2]
+                    # `build/*` is about a folder, `config/own.yaml` about a file.
+                    if (
+                        name
+                        and not pattern.startswith(("#", "!"))
+                        and (name == pattern or "*" not in name)
+                    ):
+                        yield name
 
     def _may_have(self, package: Package, name: str) -> bool:
         """Whether a package has a file of a name or its template, or its build file names it."""
