@@ -135,7 +135,11 @@ def test_facts_of_some_predicates_are_those_of_all(tmp_path: Path) -> None:
     paths = [*CONFIGURATIONS, *(ROOT / "tests" / "specifications").rglob("*.mars"), rare, saved]
     paths += [ROOT / "tests" / "mixed.mars", ROOT / "tests" / "swapped.mars"]
     dataflow = tmp_path / "dataflow.yml"
-    dataflow.write_text("nodes:\n- id: a\n  path: ./a\n- id: b\n  path: ./b\n  build: make\n")
+    (tmp_path / "c").touch()
+    nodes = (
+        "nodes:\n- id: a\n  path: ./a\n- id: b\n  path: ./b\n  build: make\n- id: c\n  path: ./c\n"
+    )
+    dataflow.write_text(nodes)
     foreign = described(import_dora([(dataflow.read_text(), str(dataflow))]), "")
     for project in (*(load_project(str(path)) for path in paths), foreign):
         facts = project_facts(project)
