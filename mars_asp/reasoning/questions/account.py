@@ -403,10 +403,12 @@ def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence
     true = atoms_of([_BORROWS, _EMERGENT])
     if not has_mounts(project):
         return {}
-    from mars_asp.reasoning.facts.otherwise import otherwise  # noqa: PLC0415 -- numpy
-
     heirs = {as_symbol(arguments(atom)[1]).string for atom in true[_BORROWS]}
     heirs |= {as_symbol(arguments(atom)[0]).string for atom in true[_EMERGENT]}
+    if not heirs:
+        return {}
+    from mars_asp.reasoning.facts.otherwise import otherwise  # noqa: PLC0415 -- numpy
+
     result: dict[Signature, list[TermId]] = {}
     for atom in otherwise(project.configuration, project.modules, heirs):
         term = as_term(clingo.parse_term(str(atom)))
