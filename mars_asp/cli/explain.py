@@ -32,6 +32,7 @@ from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
+from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, Sort, Topic, explain
 from mars_asp.reasoning.questions.stated import Stated, lines_meant, stated
@@ -220,14 +221,14 @@ def _explain_findings(
     selection = Selection(arguments, rulebook)
     traced = _wants_traces(arguments)
     if project.trees:
-        of, every = "the launch files", arguments.every
-        answer = launch_trees.explain_trees(project, rulebook, subject, every, traced)
+        of, rules = "the launch files", launch_rules(rulebook)
+        analysis = analyse_trees(project, rulebook)
     else:
-        of = "the dataflow"
+        of, rules = "the dataflow", rulebook
         analysis = analyse_project(project, rulebook, arguments)
-        answer = launch_trees.explain_findings(
-            project, analysis, rulebook, subject, every=arguments.every, traced=traced
-        )
+    answer = launch_trees.explain_findings(
+        project, analysis, rules, subject, every=arguments.every, traced=traced
+    )
     if answer is None:
         return None
     report(selection.messages(project)[0], arguments)

@@ -6,6 +6,7 @@ import pytest
 
 from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.exchange.ros2.source_cpp import read_cpp
+from tests.support.packages import write_package
 
 #: A program, and the topics that it has for its node.
 HANDLES = [
@@ -138,7 +139,6 @@ BUILDS = [
 @pytest.mark.parametrize("build", BUILDS)
 def test_a_nodelet_has_the_topics_of_its_library(build: str, tmp_path: Path) -> None:
     written = {
-        "package.xml": "<package><name>mine</name></package>",
         "CMakeLists.txt": build,
         "src/let.cpp": NODELET,
         "src/core.cpp": CORE,
@@ -147,9 +147,7 @@ def test_a_nodelet_has_the_topics_of_its_library(build: str, tmp_path: Path) -> 
         "launch/x.launch": '<launch><node pkg="nodelet" type="nodelet" name="n"'
         ' args="standalone mine/Mine"/></launch>',
     }
-    for name, text in written.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True, parents=True)
-        (tmp_path / name).write_text(text, encoding="utf-8")
+    write_package(written, tmp_path)
     [module] = import_ros2([("", str(tmp_path))]).configuration.declared
     assert [(service.port) for service in module.services] == ["/n/t"]
 

@@ -6,15 +6,14 @@ import pytest
 
 from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.language import Parsed
+from tests.support.packages import write_package
 
 NODE = "class N(Node):\n  def __init__(self):\n    self.create_publisher(A, 't', 1)\nN()\n"
 
 
 def read(written: dict[str, str], folder: Path) -> Parsed:
     """Return the configuration of a folder with these files."""
-    for name, text in {"package.xml": "<package><name>mine</name></package>", **written}.items():
-        (folder / name).parent.mkdir(exist_ok=True, parents=True)
-        (folder / name).write_text(text, encoding="utf-8")
+    write_package(written, folder)
     return import_ros2([("", str(folder))])
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.packages import write_package
 
 INNER = """
 from launch import LaunchDescription
@@ -36,15 +37,12 @@ def effects(
 ) -> list[str]:
     """Return the effects of the findings on two nodes of one name."""
     written = {
-        "package.xml": "<package><name>mine</name></package>",
         "launch/inner.launch.py": INNER.format(condition=condition),
     }
     if passed is not None:
         arguments = f'<arg name="arm" value="{passed}"/>'
         written["launch/outer.launch.xml"] = OUTER.format(passed=arguments)
-    for name, text in written.items():
-        (folder / name).parent.mkdir(exist_ok=True, parents=True)
-        (folder / name).write_text(text, encoding="utf-8")
+    write_package(written, folder)
     # What does not hold by default is a note, which `check` does not print.
     run_here(["explain", "--format", "json", str(folder)])
     topics = json.loads(capsys.readouterr().out)["topics"]

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.packages import write_package
 
 SETUP = "setup(entry_points={'console_scripts': ['e = mine.node:main']})"
 NODE = "class N:\n  def __init__(self):\n    {does}\ndef main():\n  N()\n"
@@ -15,9 +16,7 @@ def dead_renamings(
     written: dict[str, str], folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> list[str]:
     """Return the messages on dead renamings in a folder with these files."""
-    for name, text in {"package.xml": "<package><name>mine</name></package>", **written}.items():
-        (folder / name).parent.mkdir(exist_ok=True, parents=True)
-        (folder / name).write_text(text, encoding="utf-8")
+    write_package(written, folder)
     run_here(["check", "--format", "json", str(folder)])
     lines = (json.loads(line) for line in capsys.readouterr().err.splitlines())
     return [line["message"] for line in lines if line["kind"] == "dead_remap"]

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.exchange.ros2 import import_ros2
+from tests.support.packages import write_package
 
 CPP = """
 class N : public rclcpp::Node {{
@@ -63,9 +64,7 @@ IN_PYTHON = [
 
 def topics(written: dict[str, str], folder: Path) -> list[str]:
     """Return the topics of the nodes of a folder with these files."""
-    for name, text in {"package.xml": "<package><name>mine</name></package>", **written}.items():
-        (folder / name).parent.mkdir(exist_ok=True, parents=True)
-        (folder / name).write_text(text, encoding="utf-8")
+    write_package(written, folder)
     found = import_ros2([("", str(folder))]).configuration
     return [service.port or "" for module in found.declared for service in module.services]
 

@@ -9,7 +9,6 @@ from mars_asp.asp.trace.tree import Unexplained
 from mars_asp.diagnostic import Span
 from mars_asp.model.graph import OPEN_CONDITION
 from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
-from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Explanation, Topic
@@ -21,31 +20,6 @@ _GRAVITY = {"error": 0, "warning": 1, "note": 2}
 _AGAIN = re.compile(r"\b(?:too|as well|again|same)\b")
 
 
-def explain_trees(
-    project: Project, rulebook: Rulebook, subject: str | None, every: bool, traced: bool
-) -> Explanation | None:
-    """Explain the findings in launch trees, or those of a kind, name, file or line.
-
-    Args:
-        project: A project with launch trees.
-        rulebook: The rules, those of the stage `launch` among them.
-        subject: The subject of the findings: their kind, `KIND(NAME)`, a node, a topic, or
-            `FILE:LINE`; all if it is None.
-        every: Whether steps of traces have all derivations.
-        traced: Whether topics have traces.
-
-    Returns:
-        The findings, or None if none is about the subject.
-
-    Raises:
-        MarsError: rules that clingo refuses.
-    """
-    analysis = analyse_trees(project, rulebook)
-    return explain_findings(
-        project, analysis, launch_rules(rulebook), subject, every=every, traced=traced
-    )
-
-
 def explain_findings(
     project: Project,
     analysis: Analysis,
@@ -55,7 +29,20 @@ def explain_findings(
     every: bool,
     traced: bool,
 ) -> Explanation | None:
-    """Explain the findings of an analysis by `rules`, as `explain_trees` does."""
+    """Explain the findings of an analysis, or those of a kind, name, file or line.
+
+    Args:
+        project: A project with launch trees or a dataflow.
+        analysis: Its findings.
+        rules: The rules that the analysis was made with.
+        subject: The subject of the findings: their kind, `KIND(NAME)`, a node, a topic, or
+            `FILE:LINE`; all if it is None.
+        every: Whether steps of traces have all derivations.
+        traced: Whether topics have traces.
+
+    Returns:
+        The findings, or None if none is about the subject.
+    """
     chosen = sorted(
         (each for each in analysis.consequences if subject is None or _is_about(each, subject)),
         key=lambda finding: _GRAVITY[finding.severity],
