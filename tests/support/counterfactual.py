@@ -88,9 +88,20 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
                     (each.sentence, frozenset(numbers[n] for n in each.cited))
                     for each in _answers(_without(lines, at), path)[0]
                 ]
-            # Elsewhere the same may be said.
-            if any(answer.sentence == one and answer.cited & of for one, of in without[at]):
+            # Elsewhere the same may be said. An equal number of other lines is a change.
+            counted = _counted(lines, answer.sentence, answer.cited - {at})
+            if any(
+                answer.sentence == one and answer.cited & of and counted == _counted(lines, one, of)
+                for one, of in without[at]
+            ):
                 yield f"{lines[at].strip()} for {answer.sentence}"
+
+
+def _counted(lines: Sequence[str], sentence: str, cited: Set[int]) -> frozenset[int]:
+    """Return the cited relationships, if the sentence counts lines or commands."""
+    if not re.search(r"\b\d+ (?:lines|commands)\b", sentence):
+        return frozenset()
+    return frozenset(at for at in cited if re.search(r" (?:uses|is)_\w+", lines[at]))
 
 
 def uncited(text: str, path: str = "config.mars") -> Iterator[str]:
@@ -207,7 +218,13 @@ def _answers(text: str, path: str) -> tuple[Sequence[Answer], Set[str]]:
             )
             for c in explanation.analysis.consequences
         ),
-        *((_key(node, resolves, arbitrated), resolves) for node, resolves in _nodes(explanation)),
+        *(
+            (
+                _key(node, resolves, arbitrated),
+                [each.replace("similar_", "simple_") for each in resolves],
+            )
+            for node, resolves in _nodes(explanation)
+        ),
     ]
     result = []
     for topic, (key, members) in zip(found, about, strict=True):
