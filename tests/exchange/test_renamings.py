@@ -70,6 +70,11 @@ CPP = [
     ('s = node->create_service<A>("a", f);', "a", False),
     ('s = rclcpp_action::create_server<A>(node, "a", f);', "a", False),
     ('s = rclcpp_action::create_client<A>(node, "a");', "b", True),
+    ('costmap_2d::Costmap2DROS costmap("costmap", tf);', "map", False),
+    ("ros::NodeHandle h; other::Planner p(h);", "a", False),
+    ("ros::NodeHandle h; p->initialize(&h, 1);", "a", False),
+    ("ros::NodeHandle h; tf::TransformListener p(h);", "a", True),
+    ("ros::NodeHandle h; image_transport::ImageTransport it(h);", "a", True),
 ]
 
 

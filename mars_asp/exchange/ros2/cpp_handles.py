@@ -4,7 +4,7 @@ A handle puts a prefix before names: `~` if it is private to the node, else a na
 Handles are followed from their constructors through variables, members and arguments of functions.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -27,6 +27,19 @@ _CLASSES = frozenset({"NodeHandle", "NodeHandlePtr", "ImageTransport"})
 _SUB_NODE = "create_sub_node"
 #: Types of parameters that may take a sub-node.
 _NODES = frozenset({"Node", "LifecycleNode"})
+#: Classes of libraries that are given a node or its handle, and whose names are read or not topics.
+_READ = frozenset({
+    "NodeHandle", "ImageTransport", "SimpleActionServer", "SimpleActionClient", "ActionServer",
+    "ActionClient", "Subscriber", "RealtimePublisher", "Buffer", "TransformListener",
+    "TransformBroadcaster", "StaticTransformBroadcaster", "MessageFilter", "Updater",
+    "CameraInfoManager", "Server",
+})  # fmt: skip
+#: Classes of libraries that have topics of their own, whatever they are given.
+_OWN_TOPICS = frozenset({
+    "Costmap2DROS", "MoveGroupInterface", "MoveGroup", "MoveItCpp", "PlanningSceneMonitor",
+    "PlanningSceneInterface", "ControllerManager", "RvizVisualTools", "MoveItVisualTools",
+    "InteractiveMarkerServer",
+})  # fmt: skip
 _BETWEEN = frozenset({">", "&", "*", "&&", "const"})
 _MOST_WORDS = 50
 _MOST_ROUNDS = 20
@@ -93,6 +106,40 @@ class Handles:
                     for prefix in self._prefixes.get(source.key, ())
                 )
         return list(dict.fromkeys(found)) or ("",)
+
+    def leave(self, files: Sequence[CppCode]) -> bool:
+        """Return whether an object that is not read has topics, or a function may make some."""
+        if any(token.text in _OWN_TOPICS for file in files for token in file.tokens):
+            return True
+        if self.is_empty:
+            return False
+        known = _READ | self._names | {body.name for file in files for body in file.bodies}
+        for file in files:
+            known |= set(_objects(file, known))
+        return any(
+            known.isdisjoint(_called(file, opening))
+            for file in files
+            for opening in self._given(file)
+        )
+
+    def _given(self, file: CppCode) -> Iterator[int]:
+        """Yield the brackets of calls that have a handle as an argument."""
+        tokens = file.tokens
+        openings: list[int] = []
+        for at, token in enumerate(tokens):
+            if at in file.closed:
+                openings.append(at)
+            while openings and file.closed[openings[-1]] <= at + 1:
+                openings.pop()
+            if (
+                token.text in self._names
+                and openings
+                and text_at(tokens, openings[-1]) in ("(", "{")
+                and text_at(tokens, at - 1) in ("(", "{", ",", "*", "&")
+                and text_at(tokens, at + 1) in (",", ")", "}")
+                and not _is_defined(file, openings[-1])
+            ):
+                yield openings[-1]
 
     # ---- Names
 
@@ -311,6 +358,35 @@ def _is_defined(file: CppCode, opening: int) -> bool:
     """Whether a bracket opens the parameters of a function that is defined there."""
     body = next(file.bodies_at(opening + 1), None)
     return body is not None and body.opening == opening
+
+
+def _called(file: CppCode, opening: int) -> set[str]:
+    """Return the words before a bracket: the function, or the class and the name of an object."""
+    begin = opening
+    while begin > 0 and opening - begin < _MOST_WORDS:
+        if text_at(file.tokens, begin - 1) in (";", "{", "}", "(", ")", ",", "="):
+            break
+        begin -= 1
+    return {token.text for token in file.tokens[begin:opening] if is_word(token.text)}
+
+
+def _objects(file: CppCode, classes: Collection[str]) -> Iterator[str]:
+    """Yield the names of objects and members of some classes."""
+    tokens = file.tokens
+    for at, token in enumerate(tokens):
+        if token.text in classes:
+            end = at + 1
+            while end < at + _MOST_WORDS and text_at(tokens, end) not in (
+                ";",
+                "(",
+                "{",
+                ")",
+                "=",
+                "",
+            ):
+                end += 1
+            if is_word(text_at(tokens, end - 1)):
+                yield tokens[end - 1].text
 
 
 def _name_of(parameter: Sequence[Token]) -> str | None:

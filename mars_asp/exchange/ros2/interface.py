@@ -16,7 +16,8 @@ class Topic:
     the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
     is where the program says so, `None` where the catalogue does; `optional` is whether the program
     works as well without it, `measured` whether it reports a motion, whatever its type. The program
-    has it only if each parameter of `switches` is true, or false if not `wanted`.
+    has it only if each parameter of `switches` is true, or false if not `wanted`. `image` is the
+    image topic of a camera's information, which lies beside it even if the image is renamed.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Topic:
     optional: bool = False
     measured: bool = False
     switches: tuple[tuple[str, bool], ...] = ()
+    image: str = ""
 
 
 #: What topics are called that a program, or a client of it, names while it runs.

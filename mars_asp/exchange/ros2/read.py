@@ -620,6 +620,9 @@ class _Robot:
                 continue
             for written in self._written(topic, started, values):
                 full = renamed(written, started.namespace, name, started.remaps)
+                if topic.image and full == renamed(written, started.namespace, name, ()):
+                    image = renamed(topic.image, started.namespace, name, started.remaps)
+                    full = f"{image.rpartition('/')[0]}/{written.rpartition('/')[2]}"
                 if not written or not _NAME.fullmatch(full):
                     span = topic.span or started.span
                     called = topic.parameter or written

@@ -145,7 +145,9 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
                     if call.name in _CAMERAS and topic.parameter is None:
                         beside = f"{topic.name.rpartition('/')[0]}/camera_info".removeprefix("/")
                         beside = f"/{beside}" if topic.name.startswith("/") else beside
-                        ends.append(replace(topic, name=beside, type=_CAMERA_INFO))
+                        ends.append(
+                            replace(topic, name=beside, type=_CAMERA_INFO, image=topic.name)
+                        )
             for further, handle in file.further_names(call, values):
                 prefixed = _prefixed(further, file, handle, handles)
                 named += (each for each in prefixed if isinstance(each, Topic))
@@ -153,6 +155,7 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     # A service with a name that only a run knows is noted, but gives no name.
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
+    unnamed |= handles.leave(files)
     name, namespace = next(iter(names), (None, ""))
     return Interface(
         tuple(published),
