@@ -152,3 +152,41 @@ def test_nodes_of_one_name_are_found_where_some_arguments_start_both(
         )
         assert found[f"/{name}"].severity == ("warning" if usual else "note")
         assert len(tests) == least
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_publishers_of_one_topic_are_found_where_some_arguments_start_both(
+    seed: int, tmp_path: Path
+) -> None:
+    text, nodes = random_tree(Random(seed))
+    keyboard = 'pkg="teleop_twist_keyboard" exec="teleop_twist_keyboard"'
+    found = judged(text.replace('pkg="some" exec="thing"', keyboard), tmp_path).consequences
+    every = assignments(nodes)
+    together = {
+        f"/{node.name}"
+        for pair in combinations(nodes, 2)
+        for node in pair
+        if pair[0].name != pair[1].name
+        if any(all(runs(each, assigned) for each in pair) for assigned in every)
+    }
+    rivals = [set(each.participants) for each in found if each.kind == "ambiguous_priority"]
+    assert rivals == ([together] if together else [])
+
+
+@pytest.mark.parametrize("line", ["", "if='$(var a)'"])
+@pytest.mark.parametrize("same", [False, True])
+def test_pairs_grow_no_faster_than_nodes(line: str, same: bool, tmp_path: Path) -> None:
+    pairs = []
+    for number in (20, 40):
+        nodes = (
+            f'<node pkg="teleop_twist_keyboard" exec="teleop_twist_keyboard" {line}'
+            f' name="n{0 if same else each}"/>'
+            for each in range(number)
+        )
+        text = (
+            "<launch>\n" + "\n".join(('<arg name="a" default="true"/>', *nodes)) + "\n</launch>\n"
+        )
+        analysis = judged(text, tmp_path)
+        atoms = analysis.grounding.control.symbolic_atoms
+        pairs.append(sum(1 for _ in atoms.by_signature("weighed_pair", 2)))
+    assert pairs[1] < 2.2 * pairs[0]

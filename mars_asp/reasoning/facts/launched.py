@@ -85,6 +85,8 @@ class _TreeFacts:
     def __init__(self, tree: LaunchTree, numbers: Iterator[int]) -> None:
         self.tree = tree
         self.numbers = numbers
+        #: The first node that starts under some conditions.
+        self.first: dict[frozenset[tuple[Term, ...]], int] = {}
 
     def of_tree(self) -> Iterator[Fact]:
         """Yield all facts."""
@@ -122,8 +124,12 @@ class _TreeFacts:
         number = found[0].atom.arguments[0]
         assert isinstance(number, int)
         found.append(_fact_at(started.span, "package_of", number, package))
-        for each in started.conditions:
-            test = (each.variable, each.value, Atom(_WANTED[each.wanted]))
+        tests = [
+            (each.variable, each.value, Atom(_WANTED[each.wanted])) for each in started.conditions
+        ]
+        alike = self.first.setdefault(frozenset(tests), number)
+        found.append(_fact_at(started.span, "starts_like", number, alike))
+        for each, test in zip(started.conditions, tests, strict=True):
             found.append(_fact_at(each.span, "starts_if", number, *test))
             found += (_fact_at(each.span, "test_reads", each.variable, of) for of in each.reads)
         return number, found
