@@ -23,6 +23,7 @@ from mars_asp.cli.reason import (
     one_of_several,
     read_project,
     rulebook_for,
+    unapplied_packs,
 )
 from mars_asp.cli.report import colours, paint, report
 from mars_asp.cli.schemas import FORMATS, add_schema, explain_schema
@@ -231,7 +232,8 @@ def _explain_findings(
     )
     if answer is None:
         return None
-    report(selection.messages(project)[0], arguments)
+    messages, _ = selection.messages(project)
+    report((*messages, *unapplied_packs(project, rulebook)), arguments)
     topics, has_errors = _reported(answer, selection, project)
     closing = [] if topics or arguments.quiet else [f"nothing found in {of}"]
     if arguments.output is not None:

@@ -334,16 +334,18 @@ def judge_project(project: Project, rulebook: Rulebook, arguments: argparse.Name
     """
     if not project.trees:
         return analyse_project(project, rulebook, arguments)
-    if rulebook.packs:
+    report(unapplied_packs(project, rulebook), arguments)
+    with stage(arguments, "analysing"):
+        return analyse_trees(project, rulebook)
+
+
+def unapplied_packs(project: Project, rulebook: Rulebook) -> Iterator[Diagnostic]:
+    """Yield the note that rule packs do not judge the launch trees of a project, if it has some."""
+    if project.trees and rulebook.packs:
         message = "rule packs judge configurations, so they were not applied to the launch trees"
         help_text = "write one with `mars-asp import ros2 FILE -o robot.mars`, and check that"
         span = project.configuration.span
-        note = Diagnostic(
-            "launch", "note", message, span, help=help_text, excerpt="", kind="launch"
-        )
-        report([note], arguments)
-    with stage(arguments, "analysing"):
-        return analyse_trees(project, rulebook)
+        yield Diagnostic("launch", "note", message, span, help=help_text, excerpt="", kind="launch")
 
 
 def add_file(parser: argparse.ArgumentParser) -> None:

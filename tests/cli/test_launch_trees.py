@@ -169,5 +169,6 @@ def test_packs_are_not_applied_in_silence(
     (tmp_path / "pack" / "own.lp").write_text(
         "%! id: own/rule\nconsequence(own, warning, M, own) :- module(M).\n"
     )
-    run_here(["check", str(workspace), "--rules", str(tmp_path / "pack")])
-    assert "they were not applied" in capsys.readouterr().err
+    for command in ("check", "analyse", "explain"):
+        run_here([command, str(workspace), "--rules", str(tmp_path / "pack")])
+        assert "they were not applied" in capsys.readouterr().err
