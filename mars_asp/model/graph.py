@@ -153,7 +153,8 @@ class LaunchTree:
     Nodes of one name are kept apart. `unread` are places that may start or name more, `broken`
     those of files that cannot be parsed, with the error, `repeated` those of keys that a parameter
     file has twice, with a message. `defaults` are the values of the launch
-    arguments that users may set.
+    arguments that users may set. `by_hand` are nodes of programs that no launch file of the folder
+    starts, which are with its first tree.
     """
 
     path: str
@@ -165,6 +166,7 @@ class LaunchTree:
     missing: tuple[AbsentFile, ...] = ()
     defaults: tuple[tuple[str, str], ...] = ()
     repeated: tuple[tuple[str, Span], ...] = ()
+    by_hand: tuple[Node, ...] = ()
 
     @property
     def files(self) -> frozenset[str]:

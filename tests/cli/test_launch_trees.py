@@ -172,3 +172,52 @@ def test_packs_are_not_applied_in_silence(
     for command in ("check", "analyse", "explain"):
         run_here([command, str(workspace), "--rules", str(tmp_path / "pack")])
         assert "they were not applied" in capsys.readouterr().err
+
+
+NODE = """\
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import LaserScan
+
+
+class Made(Node):
+    def __init__(self):
+        super().__init__("made")
+        self.create_{}
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Made())
+"""
+READS, SENDS = 'subscription(LaserScan, "{}", print, 10)', 'publisher(LaserScan, "{}", 10)'
+
+
+@pytest.mark.parametrize(
+    ("hand", "kinds"),
+    [
+        (SENDS.format("other"), ["loose_end"]),
+        (SENDS.format("scan"), []),
+        (READS.format("base/scan"), ["unfed_input"]),
+    ],
+)
+def test_a_program_that_no_launch_file_starts_may_be_the_other_end(
+    hand: str, kinds: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    programs = {"reader": READS.format("scan"), "sender": SENDS.format("base/scan"), "hand": hand}
+    scripts = [f"{name} = drive.{name}:main" for name in programs]
+    nodes = "".join(
+        f'<node pkg="drive" exec="{name}" name="{name}"/>' for name in list(programs)[:2]
+    )
+    files = {
+        "package.xml": "<package><name>drive</name></package>",
+        "setup.py": f"setup(entry_points={{'console_scripts': {scripts}}})",
+        "launch/bot.launch.xml": f"<launch>{nodes}</launch>",
+        **{f"drive/{name}.py": NODE.format(made) for name, made in programs.items()},
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    run_here(["analyse", str(tmp_path), "--format", "json"])
+    found = json.loads(capsys.readouterr().out)["consequences"]
+    assert [each["kind"] for each in found] == kinds

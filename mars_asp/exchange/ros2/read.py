@@ -236,6 +236,8 @@ class _Robot:
                 self.problems.append(Diagnostic("launch", "note", message, place, kind="launch"))
         for launch in launched:
             self.trees.append(self._tree(launch, paths))
+        if launched is launches and self.trees and not self.chosen:
+            self.trees[0] = replace(self.trees[0], by_hand=tuple(self._by_hand(launches, paths)))
         nodes: dict[str, Node] = {}
         for node in chain.from_iterable(tree.nodes for tree in self.trees):
             known = nodes.get(node.name)
@@ -425,6 +427,32 @@ class _Robot:
                     program.package, program.executable, program.plugin, "", "/", (), {}, (), {},
                     span,
                 )  # fmt: skip
+
+    def _by_hand(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Iterator[Node]:
+        """Yield the nodes of programs of a folder that no launch file starts.
+
+        A component may be launched in place of the program that is made of it, so topics of the
+        same lines are left out.
+        """
+        started = {
+            Program(each.package, each.executable, each.plugin)
+            for launch in launches
+            for each in launch.started
+        }
+        interfaces = filter(None, map(self.programs.interface, started))
+        spans = {topic.span for each in interfaces for topic in (*each.published, *each.subscribed)}
+        before = self.unread, self.conditional, self.catalogued
+        self.unread, self.conditional, self.catalogued = [], {}, {}
+        for each in self._alone(paths):
+            program = Program(each.package, each.executable, each.plugin)
+            node = None if program in started else self._node(each)
+            if isinstance(node, Node):
+                published, subscribed = (
+                    tuple(end for end in ends if end.span not in spans)
+                    for ends in (node.published, node.subscribed)
+                )
+                yield Node(node.name, node.span, published, subscribed)
+        self.unread, self.conditional, self.catalogued = before
 
     def _empty(self, paths: Sequence[Path]) -> MarsError:
         """Return the error that launch files start no node."""

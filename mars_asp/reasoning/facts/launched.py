@@ -107,6 +107,11 @@ class _TreeFacts:
         for each in self.tree.missing:
             name = "lacks_program" if each.is_program else "lacks_file"
             yield from self.with_place(each.span, name, path, each.package, each.name)
+        for node in self.tree.by_hand:
+            for end in node.published:
+                yield _fact_at(end.span, "published_by_hand", end.topic)
+            for end in node.subscribed:
+                yield _fact_at(end.span, "subscribed_by_hand", end.topic)
         for variable, value in self.tree.defaults:
             # Conditions take these for truths.
             truth = _TRUTHS.get(value.lower(), value)
