@@ -161,7 +161,7 @@ class Selection:
         shown: list[Diagnostic] = []
         hidden: Counter[str] = Counter()
         for each in project.diagnostics:
-            if each.kind == "broken_file" and project.trees:
+            if each.kind in ("broken_file", "missing_file") and project.trees:
                 # It is a finding as well.
                 continue
             if each.kind is None or each.severity == "error":

@@ -15,6 +15,9 @@ BROKEN = frozenset(
         "parameter files with errors",
     }
 )
+#: Files that are findings of launch trees as well.
+ABSENT = "files that their packages do not have"
+_KINDS = {**dict.fromkeys(BROKEN, "broken_file"), ABSENT: "missing_file"}
 _MOST_NAMED = 5
 _MOST_PLACES = 100
 
@@ -39,5 +42,5 @@ def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
             f"{sort} not read: {1 + len(others)} ({named})",
             first.span,
             tuple((other.span, f"`{other.name}`") for other in others[:_MOST_PLACES]),
-            kind="broken_file" if sort in BROKEN else "not_read",
+            kind=_KINDS.get(sort, "not_read"),
         )

@@ -1,5 +1,6 @@
 """Folders of dataflows: which are found, and that each is judged by itself."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -138,3 +139,16 @@ def test_a_dataflow_away_from_all_its_programs_lacks_none(
     write(tmp_path, d="nodes:\n- id: a\n  path: ./x.py\n- id: b\n  path: ./y.py\n")
     run_here(["check", str(tmp_path / "d.yml")])
     assert "which is not there" not in capsys.readouterr().err
+
+
+def test_nodes_that_lack_one_file_are_one_finding(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "there.py").touch()
+    nodes = "".join(f"- id: {name}\n  path: x.py\n" for name in "abc")
+    write(tmp_path, d=f"nodes:\n{nodes}- id: d\n  path: there.py\n")
+    assert run_here(["check", "--format", "json", str(tmp_path / "d.yml")]) == 0
+    found = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    [warning] = [each for each in found if each["kind"] == "missing_file"]
+    assert warning["message"] == "`path` of 3 nodes, such as `a`, is `x.py`, which is not there"
+    assert [warning["line"], *(label["line"] for label in warning["labels"])] == [3, 5, 7]

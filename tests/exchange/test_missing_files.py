@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
 
 PACKAGE = "<package><name>{}</name></package>"
@@ -22,6 +23,17 @@ def missing(folder: Path, files: dict[str, str]) -> list[tuple[str, str, bool]]:
 
 def launch(*lines: str) -> dict[str, str]:
     return {"base/launch/base.launch.xml": "<launch>\n" + "\n".join(lines) + "\n</launch>\n"}
+
+
+def test_a_broken_file_of_a_mux_is_reported_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mux = '<node pkg="twist_mux" exec="twist_mux" name="{}"><param from="{}"/></node>'
+    file = tmp_path / "base" / "launch" / "mux.yaml"
+    lines = launch(mux.format("a", file), mux.format("b", file))
+    missing(tmp_path, {"base/launch/mux.yaml": "a: [\n", **lines})
+    run_here(["check", str(tmp_path)])
+    assert capsys.readouterr().err.count("this is not YAML") == 1
 
 
 PASSED = (
@@ -48,6 +60,19 @@ DEFAULT = (
 )
 def test_a_file_that_a_package_lacks_is_found(tmp_path: Path, line: str, name: str) -> None:
     assert missing(tmp_path, launch(line)) == [(name, "arm", False)]
+    assert missing(tmp_path, launch(line.replace("arm)/", "arm)//"))) == [(name, "arm", False)]
+
+
+@pytest.mark.parametrize("line", [INCLUDE, PARAMETERS])
+def test_a_missing_file_is_reported_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], line: str
+) -> None:
+    missing(tmp_path, launch(line, line, "<include file='elsewhere.launch.xml'/>"))
+    run_here(["check", str(tmp_path)])
+    output = " ".join(capsys.readouterr().err.split())
+    assert output.count("the package `arm` has no file") == 1
+    assert "not read: 1 (`elsewhere.launch.xml`)" in output
+    assert "`$(find-pkg-share arm)" not in output
 
 
 @pytest.mark.parametrize(

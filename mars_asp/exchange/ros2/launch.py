@@ -33,7 +33,7 @@ from mars_asp.exchange.ros2.launch_python import read_python
 from mars_asp.exchange.ros2.names import Renaming, joined
 from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
-from mars_asp.exchange.unread import Unread
+from mars_asp.exchange.unread import ABSENT, Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
 from mars_asp.model.graph import OPEN_CONDITION, AbsentFile, StartCondition
 
@@ -276,8 +276,8 @@ class Launch:
             self._include_known(known, action, scope, files)
             return
         if found is None:
-            self.unread.append(Unread(NOT_HERE, written, action.span))
-            self._note_missing(path, action.span, files)
+            is_missing = self._note_missing(path, action.span, files)
+            self.unread.append(Unread(ABSENT if is_missing else NOT_HERE, written, action.span))
             for value in self._parameters(action.arguments, scope, files).values():
                 named = value.text if value.is_known else ""
                 self._note_missing(named, action.span, files)
@@ -329,17 +329,19 @@ class Launch:
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
         self._walk(actions, within, files)
 
-    def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> None:
-        """Note that a package of the workspace lacks the file of a path, if it does.
+    def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> bool:
+        """Note that a package here lacks the file of a path, and return whether it does.
 
         A launch file that checks whether files exist does without them.
         """
         if path is None or self.workspace.find(path, files[-1].parent) is not None:
-            return
+            return False
         lacking = self.workspace.lacking(path)
-        if lacking is not None and _CHECKS_FILES.search(self.workspace.text(files[-1])) is None:
-            package, name = lacking
-            self.missing[AbsentFile(name, package, span)] = None
+        if lacking is None or _CHECKS_FILES.search(self.workspace.text(files[-1])) is not None:
+            return False
+        package, name = lacking
+        self.missing[AbsentFile(name, package, span)] = None
+        return True
 
     def _pass(
         self, argument: Parameter, scope: _Scope, within: _Scope, files: tuple[Path, ...]
@@ -518,8 +520,8 @@ class Launch:
                 yield found
             elif span is not None:
                 called = self._shown(each, scope)
-                self.unread.append(Unread(_NO_PARAMETERS, called, span))
-                self._note_missing(path, span, files)
+                is_missing = self._note_missing(path, span, files)
+                self.unread.append(Unread(ABSENT if is_missing else _NO_PARAMETERS, called, span))
 
     def _plain(self, text: Text, scope: _Scope, files: tuple[Path, ...]) -> str | None:
         """Return a text with its parts known, if they are."""

@@ -124,7 +124,9 @@ def import_ros2(files: Sequence[tuple[str, str]], launch: Sequence[str] = ()) ->
     graph = joined(graphs)
     loose = _unbound(muxes, graph)
     mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
-    remarks = (*problems, *notes(_once((*unread, *mapped.unread))))
+    wrong = {each.span for each in problems if each.severity == "error"}
+    further = (each for each in unread if each.sort not in BROKEN or each.span not in wrong)
+    remarks = (*dict.fromkeys(problems), *notes(_once((*further, *mapped.unread))))
     return Parsed(
         mapped.configuration,
         remarks,

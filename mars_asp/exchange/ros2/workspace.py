@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.ros2.cmake import Installed, read_cmake
@@ -224,7 +224,7 @@ class Workspace:
         package = None if match is None else self.package(match[1])
         if match is None or package is None:
             return None
-        inside = path[match.end() :]
+        inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
         name = inside.rpartition("/")[2]
         is_file = _FILE_NAME.fullmatch(name) is not None and "$(" not in inside
         # Maps and recordings are made by users, and files that git ignores by programs.
