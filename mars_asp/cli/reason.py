@@ -3,6 +3,8 @@
 import argparse
 import sys
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -109,9 +111,25 @@ def read_project(
         path = SHOWN_INPUT
         text = read_input(path)
     project = load(arguments, path, text, further)
+    if project.trees:
+        apart = chain.from_iterable(map(_unread_dataflows, (path, *further)))
+        project = replace(project, diagnostics=(*project.diagnostics, *apart))
     if not quietly:
         report((*project.diagnostics, *one_of_several(project)), arguments)
     return project
+
+
+def _unread_dataflows(path: str) -> Iterator[Diagnostic]:
+    """Yield the note that a folder was taken for a workspace of ROS alone, if it has dataflows."""
+    dataflows = _dataflows(path)
+    if dataflows is not None and dataflows.files:
+        first, *others = map(str, dataflows.files)
+        number = "1 dataflow" if not others else f"{1 + len(others)} dataflows"
+        message = f"{number} beside the packages of ROS not read"
+        help_text = f"name one, such as `{first}`; `mars-asp check {path}` judges all"
+        yield Diagnostic(
+            "dora", "note", message, point(first, 1, 1), (), help_text, kind="not_read"
+        )
 
 
 def one_of_several(project: Project) -> Iterator[Diagnostic]:
@@ -199,13 +217,13 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
 
 
 def _only_dataflow(path: str) -> str | None:
-    """Return the dataflow of dora in a folder; None where there is none.
+    """Return the dataflow of dora in a folder; None where there is none, or a workspace of ROS.
 
     Raises:
         MarsError: there are several.
     """
     dataflows = _dataflows(path)
-    if dataflows is None or not dataflows.files:
+    if dataflows is None or not dataflows.files or dataflows.is_ros:
         return None
     first, *others = map(str, dataflows.files)
     if others:
@@ -231,15 +249,17 @@ class RobotFiles(NamedTuple):
 def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFiles]:
     """Return the files of each robot: those of others are one, at the place of the first.
 
-    Each dataflow of dora in a folder is a robot of its own.
+    Each dataflow of dora in a folder is a robot of its own, and so is a workspace of ROS beside it.
     """
     found: list[RobotFiles] = []
     foreign: list[str] = []
     for path in paths:
         dataflows = _dataflows(path)
-        if dataflows is not None and dataflows.files:
+        if dataflows is not None and dataflows.files and not getattr(arguments, "launch", ()):
             found += (RobotFiles([str(each)], is_found=True) for each in dataflows.files)
             found[-1] = found[-1]._replace(notes=dataflows.notes)
+            if dataflows.is_ros:
+                found.append(RobotFiles([path]))
             continue
         if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
             found.append(RobotFiles([path]))

@@ -25,38 +25,54 @@ MOST_YAML = 5_000
 MOST_DATAFLOWS = 300
 #: A node of a dataflow has one of these keys; other files have lists of nodes as well.
 _OF_NODES = key_pattern("inputs|outputs|path|custom|operators?|ros2|module|hub|git")
-_LAUNCH = (".launch", ".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml")
+#: Beside packages of ROS, which have lists of nodes with paths.
+_OF_DORA = key_pattern("inputs|outputs|custom|operators?")
+_LAUNCH = (
+    ".launch",
+    *(f"{mark}launch.{end}" for mark in "._" for end in ("py", "xml", "yaml", "yml")),
+)
 
 
 class Dataflows(NamedTuple):
-    """The dataflows in a folder, nearest first, and notes on the rest of a folder too large."""
+    """The dataflows in a folder, nearest first, and notes on the rest of the folder.
+
+    `is_ros` is whether the folder is a workspace of ROS as well.
+    """
 
     files: tuple[Path, ...]
     notes: tuple[Diagnostic, ...]
+    is_ros: bool = False
 
 
 def dataflows_in(folder: Path) -> Dataflows:
-    """Return the dataflows of dora in a folder; none where it is a workspace of ROS.
+    """Return the dataflows of dora in a folder; of a workspace of ROS none unless one is near.
 
     Symbolic links are not followed.
     """
     unread: list[Unread] = []
     yaml: list[tuple[int, Path]] = []
-    is_ros = False
+    packages: list[tuple[int, Path]] = []
+    has_launch = False
     for depth, path in _entries(folder, unread):
-        if path.name == "package.xml" and depth <= _NEAR:
-            return Dataflows((), ())
-        is_ros = is_ros or path.name == "package.xml" or path.name.endswith(_LAUNCH)
+        if path.name == "package.xml":
+            packages.append((depth, path))
+        has_launch = has_launch or path.name.endswith(_LAUNCH)
         if path.suffix in (".yml", ".yaml"):
             yaml.append((depth, path))
     yaml.sort()
     read = [path for _, path in yaml[:MOST_YAML]]
-    if is_ros and not any(_is_dataflow(path) for depth, path in yaml if depth <= _NEAR):
-        return Dataflows((), ())
-    found = [path for path in read if _is_dataflow(path)]
+    sign = _OF_DORA if packages else _OF_NODES
+    if packages or has_launch:
+        near = (path for depth, path in yaml[:MOST_YAML] if depth <= _NEAR)
+        if not any(_is_dataflow(path, sign) for path in near):
+            return Dataflows((), ())
+    found = [path for path in read if _is_dataflow(path, sign)]
     unread += (_unread("YAML files", path) for _, path in yaml[MOST_YAML:])
     unread += (_unread("dataflows", path) for path in found[MOST_DATAFLOWS:])
-    return Dataflows(tuple(found[:MOST_DATAFLOWS]), tuple(notes(unread)))
+    is_ros = has_launch and any(depth <= _NEAR for depth, _ in packages)
+    if not is_ros:
+        unread += (_unread("packages of ROS", path) for _, path in packages)
+    return Dataflows(tuple(found[:MOST_DATAFLOWS]), tuple(notes(unread)), is_ros)
 
 
 def _entries(folder: Path, unread: list[Unread]) -> Iterator[tuple[int, Path]]:
@@ -89,9 +105,9 @@ def _unread(sort: str, path: Path) -> Unread:
     return Unread(sort, str(path), point(str(path), 1, 1))
 
 
-def _is_dataflow(path: Path) -> bool:
+def _is_dataflow(path: Path, sign: str) -> bool:
     try:
         text = read_text(path)
     except MarsError:
         return False
-    return recognised(text) == "dora" and re.search(_OF_NODES, text) is not None
+    return recognised(text) == "dora" and re.search(sign, text) is not None

@@ -48,8 +48,33 @@ def test_a_workspace_of_ros_has_no_dataflow_deep_in_it(tmp_path: Path) -> None:
     assert found_in(tmp_path) == []
     write(tmp_path, near=GOOD)
     assert found_in(tmp_path) == ["near.yml", "a/b/c/d/deep.yml"]
-    (tmp_path / "package.xml").touch()
-    assert found_in(tmp_path) == []
+
+
+LAUNCH = '<launch><node pkg="x" exec="y" name="n"/><node pkg="x" exec="y" name="n"/></launch>'
+
+
+def test_a_workspace_of_ros_and_a_dataflow_are_robots_of_their_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path, near=GOOD.replace("camera/image", "camera/picture"))
+    # A list of places has nodes and paths as well.
+    write(tmp_path, config__places="nodes:\n- id: home\n  path: here\n")
+    (tmp_path / "package.xml").write_text("<package><name>drive</name></package>")
+    assert run_here(["check", str(tmp_path)]) == 1
+    output = " ".join(capsys.readouterr().err.split())
+    assert "packages of ROS not read: 1" in output and "1 error in 1 file" in output
+    (tmp_path / "launch").mkdir()
+    (tmp_path / "launch" / "drive.launch.xml").write_text(LAUNCH.replace('"/><', '"/>\n<'))
+    assert run_here(["check", str(tmp_path)]) == 1
+    output = " ".join(capsys.readouterr().err.split())
+    assert "`camera` has no output" in output and "two nodes are named `/n`" in output
+    assert "1 error, 1 warning in 1 file and 1 folder" in output
+    assert run_here(["check", str(tmp_path), "--launch", "drive.launch.xml"]) == 0
+    capsys.readouterr()
+    assert run_here(["explain", str(tmp_path)]) == 0
+    output = " ".join(capsys.readouterr().err.split())
+    assert "1 dataflow beside the packages of ROS not read" in output
+    assert f"name one, such as `{tmp_path}/near.yml`" in output
 
 
 @pytest.mark.parametrize(
