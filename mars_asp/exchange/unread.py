@@ -16,7 +16,7 @@ BROKEN = frozenset(
     }
 )
 #: Files that are findings of launch trees as well.
-ABSENT = "files that their packages do not have"
+ABSENT = "files that their packages lack"
 _KINDS = {**dict.fromkeys(BROKEN, "broken_file"), ABSENT: "missing_file"}
 _MOST_NAMED = 5
 _MOST_PLACES = 100
