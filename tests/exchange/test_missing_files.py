@@ -36,6 +36,18 @@ def test_a_broken_file_of_a_mux_is_reported_once(
     assert capsys.readouterr().err.count("this is not YAML") == 1
 
 
+def test_a_file_elsewhere_in_a_package_of_catkin_is_missing(tmp_path: Path) -> None:
+    catkin = PACKAGE.format("arm").replace(
+        "</package>", "<buildtool_depend>catkin</buildtool_depend>"
+    )
+    files = {"arm/config/other/arm.yaml": "a: 1\n", **launch(PARAMETERS)}
+    assert missing(tmp_path, files) == []
+    files["arm/package.xml"] = f"{catkin}</package>"
+    assert missing(tmp_path, files) == [("config/arm.yaml", "arm", False)]
+    files["arm/CMakeLists.txt"] = "install(FILES config/other/arm.yaml DESTINATION config)"
+    assert missing(tmp_path, files) == []
+
+
 PASSED = (
     '<include file="$(find-pkg-share elsewhere)/launch/x.launch.xml">'
     '<arg name="world" value="$(find-pkg-share arm)/worlds/home.world"/></include>'

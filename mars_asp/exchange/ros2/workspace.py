@@ -219,6 +219,7 @@ class Workspace:
 
         Return None if the path names no file of a package here, or one that the build may make: a
         template, a file of that name elsewhere in the package, or one that its build file names.
+        In a source workspace of catkin, a path is that of the source.
         """
         match = _SHARE.match(path)
         package = None if match is None else self.package(match[1])
@@ -230,9 +231,15 @@ class Workspace:
         # Maps and recordings are made by users, and files that git ignores by programs.
         if not is_file or _OF_USERS.search(inside) or self._is_ignored(package, name):
             return None
-        if self._may_have(package, name):
+        if self._may_have(package, name) and not self._is_misplaced(package, name):
             return None
         return package.name, inside
+
+    def _is_misplaced(self, package: Package, name: str) -> bool:
+        """Whether a package of catkin has a file of this name that its build does not name."""
+        contents, build = self._contents[package.folder]
+        manifest = self.text(package.folder / "package.xml")
+        return "catkin<" in manifest and name in contents and name not in build
 
     def has_program(self, package: str, executable: str) -> bool:
         """Whether a package here may have a program of a name; a package elsewhere may."""

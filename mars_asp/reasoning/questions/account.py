@@ -189,6 +189,8 @@ _WORDS: Mapping[str, Callable[[Names, clingo.Symbol], str]] = {
     "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
     "on_lines": lambda _, count: f" on {count.number} lines" if count.number else "",
     "splitters_for": Names._splitters_for,
+    "itself": lambda names, module: f"`{names.word(module)}`",
+    "inherits": lambda names, module: f"what `{names.word(module)}` inherits",
 }
 
 
