@@ -179,3 +179,79 @@ def test_a_program_chooses_the_namespace_that_no_launch_file_gives(
         (tmp_path / "x.launch.xml").write_text(f"<launch>{node}</launch>")
         [module] = import_ros2([("", str(tmp_path))]).configuration.declared
         assert [service.port for service in module.services] == [full]
+
+
+SLAM = """
+def generate_launch_description():
+    file = LaunchConfiguration('file')
+    default = os.path.join(get_package_share_directory('mine'), 'config', 'slam.yaml')
+    has = HasNodeParams(source_file=file, node_name='slam_toolbox')
+    chosen = {chosen}
+    return LaunchDescription([
+        DeclareLaunchArgument('file', default_value=default),
+        Node(package='slam_toolbox', executable='sync_slam_toolbox_node', name='slam_toolbox',
+             parameters=[chosen]),
+    ])
+"""
+CHOICES = [
+    ("""PythonExpression(['"', file, '" if ', has, ' else "', default, '"'])""", ["/front"]),
+    ("default", ["/front"]),
+    ("somewhere()", []),
+]
+
+
+@pytest.mark.parametrize(("chosen", "topics"), CHOICES)
+def test_parameters_name_topics_where_their_file_is_chosen(
+    chosen: str, topics: list[str], tmp_path: Path
+) -> None:
+    written = {
+        "launch/slam.launch.py": SLAM.format(chosen=chosen),
+        "config/slam.yaml": "slam_toolbox:\n  ros__parameters:\n    scan_topic: /front\n",
+    }
+    write_package(written, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert [end.topic for node in tree.nodes for end in node.subscribed] == topics
+
+
+def test_a_program_has_the_sources_of_a_library_whose_own_headers_it_includes(
+    tmp_path: Path,
+) -> None:
+    node = '#include "{name}.hpp"\n#include "common.hpp"\n{name}::{name}() : Node("{name}") {{}}'
+    written = {
+        "CMakeLists.txt": "add_library(core src/server.cpp src/saver.cpp)\n"
+        "add_executable(saver_main src/main.cpp)\ntarget_link_libraries(saver_main core)",
+        "src/main.cpp": '#include "saver.hpp"\nint main() { rclcpp::spin(make_shared<saver>()); }',
+        "src/server.cpp": node.format(name="server"),
+        "src/saver.cpp": node.format(name="saver"),
+        "include/server.hpp": "",
+        "include/saver.hpp": '#include "common.hpp"',
+        "include/common.hpp": "",
+        "launch/x.launch.xml": '<launch><node pkg="mine" exec="saver_main"/></launch>',
+    }
+    write_package(written, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert [node.name for node in tree.nodes] == ["/saver"]
+
+
+def test_camera_information_is_beside_the_renamed_image(tmp_path: Path) -> None:
+    written = {
+        "CMakeLists.txt": "add_executable(e src/e.cpp)",
+        "src/e.cpp": 'int main() { it.subscribeCamera("image", 1, f); }',
+        "launch/x.launch": '<launch><node pkg="mine" type="e" name="e">'
+        '<remap from="image" to="/cam/image_raw"/></node></launch>',
+    }
+    write_package(written, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    ends = [end.topic for node in tree.nodes for end in node.subscribed]
+    assert ends == ["/cam/image_raw", "/cam/camera_info"]
+
+
+def test_a_launch_file_of_ros1_in_a_package_of_ros2_starts_nothing(tmp_path: Path) -> None:
+    launch = '<launch><node pkg="mine" type="e" name="e"/></launch>'
+    write_package({"launch/old.launch": launch, "launch/new.launch.py": SLAM}, tmp_path)
+    manifest = tmp_path / "package.xml"
+    manifest.write_text(
+        "<package><name>mine</name><export><build_type>ament_cmake</build_type></export></package>"
+    )
+    trees = import_ros2([("", str(tmp_path))]).trees
+    assert [Path(tree.path).name for tree in trees] == ["new.launch.py"]

@@ -107,7 +107,7 @@ class Handles:
                 )
         return list(dict.fromkeys(found)) or ("",)
 
-    def leave(self, files: Sequence[CppCode]) -> bool:
+    def leave_topics_unread(self, files: Sequence[CppCode]) -> bool:
         """Return whether an object that is not read has topics, or a function may make some."""
         if any(token.text in _OWN_TOPICS for file in files for token in file.tokens):
             return True
@@ -115,14 +115,14 @@ class Handles:
             return False
         known = _READ | self._names | {body.name for file in files for body in file.bodies}
         for file in files:
-            known |= set(_objects(file, known))
+            known |= set(_objects_of_classes(file, known))
         return any(
-            known.isdisjoint(_called(file, opening))
+            known.isdisjoint(_callee_words(file, opening))
             for file in files
-            for opening in self._given(file)
+            for opening in self._calls_with_handles(file)
         )
 
-    def _given(self, file: CppCode) -> Iterator[int]:
+    def _calls_with_handles(self, file: CppCode) -> Iterator[int]:
         """Yield the brackets of calls that have a handle as an argument."""
         tokens = file.tokens
         openings: list[int] = []
@@ -360,7 +360,7 @@ def _is_defined(file: CppCode, opening: int) -> bool:
     return body is not None and body.opening == opening
 
 
-def _called(file: CppCode, opening: int) -> set[str]:
+def _callee_words(file: CppCode, opening: int) -> set[str]:
     """Return the words before a bracket: the function, or the class and the name of an object."""
     begin = opening
     while begin > 0 and opening - begin < _MOST_WORDS:
@@ -370,7 +370,7 @@ def _called(file: CppCode, opening: int) -> set[str]:
     return {token.text for token in file.tokens[begin:opening] if is_word(token.text)}
 
 
-def _objects(file: CppCode, classes: Collection[str]) -> Iterator[str]:
+def _objects_of_classes(file: CppCode, classes: Collection[str]) -> Iterator[str]:
     """Yield the names of objects and members of some classes."""
     tokens = file.tokens
     for at, token in enumerate(tokens):

@@ -62,7 +62,8 @@ class Started:
 
     `name` is empty where its program decides; `namespace` begins with a slash; `files` are those
     of its parameters, in the workspace; `conditions` decide if it starts;
-    `arguments` are the words behind its program, the unknown ones empty.
+    `arguments` are the words behind its program, the unknown ones empty. `has_further_files` is
+    whether it has files of parameters that are not known.
     """
 
     package: str
@@ -77,6 +78,7 @@ class Started:
     span: Span
     conditions: tuple[StartCondition, ...] = ()
     arguments: tuple[str, ...] = ()
+    has_further_files: bool = False
 
 
 @dataclass(slots=True)
@@ -439,6 +441,7 @@ class Launch:
         given |= self._parameters(action.parameters, scope, files)
         given |= dict(_set(words, action.span))
         named = [text_of(path) for before, path in pairwise(words) if before == "--params-file"]
+        paths = (*action.files, *named)
         self.started.append(
             Started(
                 package or "",
@@ -448,14 +451,13 @@ class Launch:
                 joined("/", told.get("__ns") or at),
                 tuple(rule for rule, _ in remaps),
                 dict(reversed(remaps)),
-                (
-                    *scope.files,
-                    *self._files((*action.files, *named), scope, files, action.span),
-                ),
+                (*scope.files, *self._files(paths, scope, files, action.span)),
                 given,
                 action.span,
                 (*scope.conditions, *conditions),
                 tuple(words),
+                # A file of another package is taken to say what its programs assume anyway.
+                any(self._plain(path, scope, files) is None for path in paths),
             )
         )
 

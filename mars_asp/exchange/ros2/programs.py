@@ -118,8 +118,8 @@ class Programs:
     ) -> Interface | None:
         """Return the interface of sources in C++, with the headers that they include.
 
-        Of what is `linked` the files count whose headers are among these: a library may hold other
-        nodes, too.
+        Of the `linked` files those count whose own headers are among these: a library may hold
+        other nodes, too.
         """
         files = list(self._found(package, sources))
         return self._with_headers(package, files, list(self._found(package, linked)))
@@ -139,7 +139,13 @@ class Programs:
         left = [file for file in linked if file not in files]
         while (waiting or left) and len(texts) < _MOST_FILES:
             if not waiting:
-                reached = [file for file in left if texts.keys() & self._included(package, file)]
+                reached = []
+                for file in left:
+                    # A library may have a source and a header for each of its nodes.
+                    headers = self._included(package, file)
+                    own = [header for header in headers if header.stem == file.stem]
+                    if any(header in texts for header in own or headers):
+                        reached.append(file)
                 left = [file for file in left if file not in reached]
                 if not reached:
                     break

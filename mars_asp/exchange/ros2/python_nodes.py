@@ -4,11 +4,14 @@ from collections.abc import Iterator, Sequence
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import (
+    UNKNOWN,
     Declare,
     Parameter,
+    Part,
     Remap,
     Text,
     plain,
+    text_of,
 )
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
@@ -71,11 +74,24 @@ def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[Paramete
     for item in items_of(value) or ([] if value is None else [value]):
         if isinstance(item, Mapped):
             parameters += _flat(item, span)
-        elif isinstance(item, Plain | File | Listed | Rewritten):
+        elif isinstance(item, Call) and item.name == "PythonExpression":
+            # `"A" if HasNodeParams(A) else "B"`: B is used where A has nothing for the node.
+            files += _texts_in_quotes(text_from(item.get("expression", 0)))[::-1] or [UNKNOWN]
+        else:
             files.append(text_from(item))
         if isinstance(item, Rewritten):
             parameters += _flat(item.rewrites, item.span)
     return tuple(files), tuple(parameters)
+
+
+def _texts_in_quotes(text: Text) -> list[Text]:
+    """Return the texts in double quotes within an expression."""
+    pieces: list[list[Part]] = [[]]
+    for part in text:
+        first, *others = part.split('"') if isinstance(part, str) else (part,)
+        pieces[-1].append(first)
+        pieces += [[each] for each in others]
+    return [text_of(*((part,) for part in piece)) for piece in pieces[1::2]]
 
 
 def _flat(value: Mapped, span: Span) -> Iterator[Parameter]:

@@ -49,6 +49,8 @@ from mars_asp.model.graph import (
 from mars_asp.spelling import nearest
 
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
+#: A node of a launch file of ROS 1; in ROS 2 `type` is `exec`.
+_TYPE = re.compile(r"<node\b[^>]*\btype\s*=")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
 #: A folder that does not exist.
 _NOWHERE = Path("/dev/null/nowhere")
@@ -410,11 +412,24 @@ class _Robot:
                 Unread("launch files with errors", file.name, error.diagnostics[0].span)
             )
             return False
+        if found and self._is_of_ros1(file):
+            place = point(self.workspace.shown(file), 1, 1)
+            self.unread.append(
+                Unread("launch files of ROS 1 in packages of ROS 2", file.name, place)
+            )
+            return False
         if not found and is_named:
             place = point(self.workspace.shown(file), 1, 1)
             sort = "files that are named as launch files but are none"
             self.unread.append(Unread(sort, file.name, place))
         return found
+
+    def _is_of_ros1(self, file: Path) -> bool:
+        """Whether a package of ROS 2 has kept a launch file of ROS 1, which cannot be launched."""
+        package = self.workspace.package_of(file)
+        if package is None or not _TYPE.search(self.workspace.text(file)):
+            return False
+        return "<build_type>ament" in self.workspace.text(package.folder / "package.xml")
 
     def _alone(self, paths: Sequence[Path]) -> Iterator[Started]:
         """Yield each program of a folder as if it were started, where no launch file is."""
@@ -679,7 +694,10 @@ class _Robot:
         else:
             given = values.get(topic.parameter)
             # A file that cannot be read, or a value of a run, may replace the default.
-            if given is None and any(self.document(file) is None for file in started.files):
+            is_hidden = started.has_further_files or any(
+                self.document(file) is None for file in started.files
+            )
+            if given is None and is_hidden:
                 yield ""
             else:
                 yield topic.name if given is None else given.text if given.is_known else ""

@@ -155,7 +155,7 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     # A service with a name that only a run knows is noted, but gives no name.
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
-    unnamed |= handles.leave(files)
+    unnamed |= handles.leave_topics_unread(files)
     name, namespace = next(iter(names), (None, ""))
     return Interface(
         tuple(published),

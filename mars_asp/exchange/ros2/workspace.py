@@ -231,15 +231,12 @@ class Workspace:
         # Maps and recordings are made by users, and files that git ignores by programs.
         if not is_file or _OF_USERS.search(inside) or self._is_ignored(package, name):
             return None
-        if self._may_have(package, name) and not self._is_misplaced(package, name):
-            return None
+        if self._may_have(package, name):
+            contents, build = self._contents[package.folder]
+            is_catkin = "catkin<" in self.text(package.folder / "package.xml")
+            if not (is_catkin and name in contents and name not in build):
+                return None
         return package.name, inside
-
-    def _is_misplaced(self, package: Package, name: str) -> bool:
-        """Whether a package of catkin has a file of this name that its build does not name."""
-        contents, build = self._contents[package.folder]
-        manifest = self.text(package.folder / "package.xml")
-        return "catkin<" in manifest and name in contents and name not in build
 
     def has_program(self, package: str, executable: str) -> bool:
         """Whether a package here may have a program of a name; a package elsewhere may."""
