@@ -239,7 +239,11 @@ class _Robot:
                 place = point(self.workspace.shown(paths[0]), 1, 1)
                 self.problems.append(Diagnostic("launch", "note", message, place, kind="launch"))
         for launch in launched:
-            self.trees.append(self._tree(launch, paths))
+            tree = self._tree(launch, paths)
+            if launch not in launches:
+                # Programs with one name may be alternatives of which users start one.
+                tree = replace(tree, nodes=tuple(replace(n, is_named=False) for n in tree.nodes))
+            self.trees.append(tree)
         if launched is launches and self.trees and not self.chosen:
             self.trees[0] = replace(self.trees[0], by_hand=tuple(self._by_hand(launches, paths)))
         nodes: dict[str, Node] = {}
