@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.exchange.ros2.source_cpp import read_cpp
 from tests.support.packages import write_package
@@ -255,3 +256,11 @@ def test_a_launch_file_of_ros1_in_a_package_of_ros2_starts_nothing(tmp_path: Pat
     )
     trees = import_ros2([("", str(tmp_path))]).trees
     assert [Path(tree.path).name for tree in trees] == ["new.launch.py"]
+
+
+def test_an_empty_launch_file_is_broken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_package({"launch/robot.launch.py": "\n"}, tmp_path)
+    assert run_here(["check", str(tmp_path)]) == 0
+    assert "the launch file is empty [launch/nodes/broken-file]" in " ".join(
+        capsys.readouterr().err.split()
+    )

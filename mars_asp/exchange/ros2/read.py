@@ -260,7 +260,8 @@ class _Robot:
             raise self._nothing(paths)
         includes = any(len(launch.reached) > 1 for launch in launches)
         if not (nodes or muxes or relays):
-            if not (includes or self.unread or launched is not launches):
+            is_broken = any(tree.broken for tree in self.trees)
+            if not (includes or self.unread or is_broken or launched is not launches):
                 raise self._empty(paths)
             message = "no node could be read of what the launch files start"
             place = point(self.workspace.shown(paths[0]), 1, 1)
@@ -423,7 +424,12 @@ class _Robot:
             )
             return False
         if not found and is_named:
-            place = point(self.workspace.shown(file), 1, 1)
+            path = self.workspace.shown(file)
+            place = point(path, 1, 1)
+            if not self.workspace.text(file).strip():
+                wrong = f"{path}: the launch file is empty"
+                self.trees.append(LaunchTree(path, broken=((wrong, place),)))
+                return False
             sort = "files that are named as launch files but are none"
             self.unread.append(Unread(sort, file.name, place))
         return found
