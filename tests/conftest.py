@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from xdist.remote import Producer
+from xdist.scheduler import LoadGroupScheduling
 
 from mars_asp.asp import cache
 from tests.support.browser import Browser
@@ -69,3 +71,27 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     """Return a browser that shows one page after another."""
     with Browser(tmp_path_factory.mktemp("profile")) as begun:
         yield begun
+
+
+_GROUPS = {
+    "tests/reasoning/test_golden_traces.py": "rules",
+    "tests/reasoning/test_rules.py": "rules",
+    "tests/reasoning/test_session.py": "session",
+    "tests/reasoning/questions/test_account.py": "accounts",
+    "tests/test_wheel.py": "wheel",
+}
+
+
+class _Groups(LoadGroupScheduling):  # type: ignore[misc]
+    """Tests of one group are run by one process, which computes once the data that they share.
+
+    The groups are of modules: from pytest 9.2 on, pytest-xdist 3.8 loses the marks of tests.
+    """
+
+    def _split_scope(self, nodeid: str) -> str:
+        return _GROUPS.get(nodeid.partition("::")[0], nodeid)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> _Groups:
+    return _Groups(config, log)

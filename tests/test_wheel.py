@@ -12,7 +12,6 @@ import pytest
 from tests.support.documents import ROOT
 
 #: One process builds the wheel, which takes long.
-pytestmark = pytest.mark.xdist_group("wheel")
 #: Does what a command does with a robot and our rules, where nothing of that can be made.
 UNMADE = """
 from pathlib import Path

@@ -33,7 +33,6 @@ from tests.support.documents import ROOT
 from tests.support.programs import atom_of
 from tests.support.rule_coverage import CASES, fired_in
 
-pytestmark = pytest.mark.xdist_group("rules in all cases")
 #: Stages that choose; what others derive follows.
 CHOOSING = ("resolve", "can", "cost")
 

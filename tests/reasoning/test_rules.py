@@ -28,11 +28,8 @@ def rulebook() -> Rulebook:
 
 
 FOLDERS, ALONE = together_or_apart(CASES)
-#: One process finds once which rules fire in all cases.
-OF_ALL_CASES = pytest.mark.xdist_group("rules in all cases")
 
 
-@OF_ALL_CASES
 @pytest.mark.parametrize("cases", FOLDERS, ids=lambda paths: paths[0].parent.name)
 def test_cases(cases: list[Path], rulebook: Rulebook) -> None:
     wrong = [each for each in outcomes(cases, rulebook) if not each.passed]
@@ -153,7 +150,6 @@ LISTS_WITHOUT_A_CASE = {
 }
 
 
-@OF_ALL_CASES
 def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Rulebook) -> None:
     """Whoever adds a rule adds two cases in `tests/rules`: see `mars_asp/asp/cases/coverage.py`."""
     # Accounts need whole configurations: `tests/accounts` uses each of their rules.
@@ -167,7 +163,6 @@ def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Ruleb
     assert not never_near, f"no case lets one premise alone fail:\n{places(never_near)}"
 
 
-@OF_ALL_CASES
 def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
     """`who` and `at` are no rules of the files, so that mutants of these do not try them."""
     lists = [each for each in rulebook.rules if each.listed is not None]
@@ -177,7 +172,6 @@ def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
     assert {rule.id for rule in unnoticed(lists, rulebook, own)} == LISTS_WITHOUT_A_CASE
 
 
-@OF_ALL_CASES
 def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook: Rulebook) -> None:
     finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]
     examples = []
@@ -192,7 +186,6 @@ def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook:
     assert silent == []
 
 
-@OF_ALL_CASES
 def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: Rulebook) -> None:
     """A label is said of a place in a case; of one that no rule labels nothing is said."""
     finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]

@@ -56,7 +56,6 @@ def of(question: int) -> object:
         return repr(error)
 
 
-@pytest.mark.xdist_group("session")
 @pytest.mark.parametrize("first", EVERY)
 def test_every_question_is_answered_after_any_other(first: int) -> None:
     reasoner = fresh()

@@ -62,8 +62,6 @@ ABLE = (
     "Trans_X of Probe",
     "Trans_X of Probe while Trans_X of Rail",
 )
-#: The accounts of all cases are found once where one process runs these tests.
-OF_ALL_CASES = pytest.mark.xdist_group("accounts")
 #: One answer of so many has more than twelve lines at most.
 FEW = 20
 
@@ -133,7 +131,6 @@ def test_what_sharing_saves_is_found_by_solving(name: str, price: str | None) ->
     assert [note for note in notes if "apart" in note] == ([price] if price else [])
 
 
-@OF_ALL_CASES
 def test_every_rule_speaks_in_a_case() -> None:
     rulebook = load_rulebook(stages=STAGES)
     telling = {rule.id for rule in rulebook.rules if rule.stage == STAGE and rule.derives(ACCOUNT)}
@@ -159,7 +156,6 @@ def test_every_rule_speaks_in_a_case() -> None:
     assert telling == spoken
 
 
-@OF_ALL_CASES
 def test_whatever_a_sentence_counts_is_listed() -> None:
     assert [missing for account in _accounts() for missing in uncounted(account)] == []
 
