@@ -254,7 +254,11 @@ def _nodes(explanation: Explanation) -> Iterator[tuple[Node, Sequence[str]]]:
 
 
 def _arbitrates(topic: Topic) -> tuple[str, ...]:
-    """Return the key of an arbiter for a module; it is empty for anything else."""
+    """Return the key of an arbiter for a module, or of a splitter for the parts of one, or ()."""
+    if topic.name.startswith("ControlSplitter") and topic.account is not None:
+        notes = " ".join(topic.account.notes)
+        parted = re.findall(r"takes what `(\w+)` inherits", notes)
+        return ("control_splitter", *parted) if parted else ()
     found = re.findall(r"controls? `(\w+)`", topic.account.answer or "" if topic.account else "")
     return ("arbitration_node", *found) if found and topic.name.startswith("Arbitr") else ()
 

@@ -183,11 +183,6 @@ class Workspace:
             inner = path[match.end() :].lstrip("/")
             if package is not None:
                 candidates = (package.folder / inner, *self._installed_sources(package, inner))
-            elif self.package_of(folder / inner) is None:
-                # A package that has lost its manifest is recognised by its name.
-                around = (folder, *folder.parents)[:3]
-                owners = (e for e in around if match[1] == e.name or (e / match[1]).is_dir())
-                candidates = tuple(owner / inner for owner in owners)
             else:
                 return None
         for candidate in candidates:
