@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import yaml
 
@@ -55,6 +55,19 @@ class Pairs:
 Node: TypeAlias = Scalar | Items | Pairs
 
 
+class Repeat(NamedTuple):
+    """A key that a map has twice, the second one and the place of the first.
+
+    `is_merged` is whether both have maps, of which one was made; `within` is whether it is a key of
+    such a map.
+    """
+
+    key: Scalar
+    first: Span
+    is_merged: bool = False
+    within: bool = False
+
+
 @dataclass(slots=True)
 class _Open:
     """A list or map of which not everything has been read; `size` counts nodes."""
@@ -70,7 +83,9 @@ def read_yaml(
     text: str,
     path: str,
     begins: tuple[int, int] = (1, 1),
-    repeated: list[Diagnostic] | None = None,
+    repeated: list[Repeat] | None = None,
+    *,
+    merges: bool = False,
 ) -> Node:
     """Return the one document of a YAML text.
 
@@ -80,23 +95,27 @@ def read_yaml(
         begins: The line and column of the file at which the text begins.
         repeated: Gets the keys that a map has twice, of which the last one counts; otherwise they
             are errors.
+        merges: Whether two maps of one key are one map, as for the parser of parameters of ROS 2
+            (https://github.com/ros2/rcl, rcl_yaml_param_parser, `parse_key`).
 
     Raises:
         MarsError: what is wrong with it: the first error of its syntax, or all repeated keys.
     """
     allows_copies = repeated is not None
-    read = partial(_read, text, path, MOST_NODES, begins=begins, allows_copies=allows_copies)
+    read = partial(
+        _read, text, path, MOST_NODES, begins=begins, allows_copies=allows_copies, merges=merges
+    )
     try:
-        root, problems = read(yaml.SafeLoader)
+        root, found = read(yaml.SafeLoader)
     except MarsError:
         # ROS reads parameters with libyaml, which takes tabs before comments.
         if repeated is None or "\t" not in text or _LIBYAML is None:
             raise
-        root, problems = read(_LIBYAML)
-    if problems and repeated is None:
-        raise MarsError(problems)
+        root, found = read(_LIBYAML)
+    if found and repeated is None:
+        raise MarsError(map(_twice, found))
     if repeated is not None:
-        repeated += problems
+        repeated += found
     return root
 
 
@@ -111,9 +130,9 @@ def read_dump(text: str, path: str) -> Node:
         raise _wrong(point(path, 1, 1), message, "give the file of the graph alone")
     # The same events some ten times as fast, where PyYAML was built with libyaml.
     loader = _LIBYAML or yaml.SafeLoader
-    root, problems = _read(text, path, MOST_NODES_OF_DUMP, loader)
-    if problems:
-        raise MarsError(problems)
+    root, found = _read(text, path, MOST_NODES_OF_DUMP, loader)
+    if found:
+        raise MarsError(map(_twice, found))
     return root
 
 
@@ -125,9 +144,10 @@ def _read(
     begins: tuple[int, int] = (1, 1),
     *,
     allows_copies: bool = False,
-) -> tuple[Node, list[Diagnostic]]:
+    merges: bool = False,
+) -> tuple[Node, list[Repeat]]:
     """Return the document, and the keys that a map has twice; copies of a value may be allowed."""
-    reader = _Reader(path, most_nodes, begins, allows_copies=allows_copies)
+    reader = _Reader(path, most_nodes, begins, allows_copies=allows_copies, merges=merges)
     strange = yaml.reader.Reader.NON_PRINTABLE.search(text)
     if strange is not None:
         before = text[: strange.start()]
@@ -148,21 +168,28 @@ def _read(
         ) from None
     if reader.root is None:
         raise _wrong(point(path, *begins), "the file is empty", "give a file with content")
-    return reader.root, reader.problems
+    return reader.root, reader.repeated
 
 
 class _Reader:
     """Makes nodes of events."""
 
     def __init__(
-        self, path: str, most_nodes: int, begins: tuple[int, int], *, allows_copies: bool
+        self,
+        path: str,
+        most_nodes: int,
+        begins: tuple[int, int],
+        *,
+        allows_copies: bool,
+        merges: bool,
     ) -> None:
         self.path = path
         self.allows_copies = allows_copies
+        self.merges = merges
         self.begins = begins
         self.most_nodes = most_nodes
         self.root: Node | None = None
-        self.problems: list[Diagnostic] = []
+        self.repeated: list[Repeat] = []
         self.open: list[_Open] = []
         self.anchored: dict[str, tuple[Node, int]] = {}
         self.documents = 0
@@ -257,21 +284,31 @@ class _Reader:
             if key.text == "<<" and not key.quoted:
                 merged += _merged(value)
                 continue
-            if key.text in pairs:
-                first, old = pairs[key.text]
-                texts = [each.text for each in (value, old) if isinstance(each, Scalar)]
-                if self.allows_copies and len(texts) == 2 and texts[0] == texts[1]:
-                    continue
-                message = f"`{key.text}` is given twice in one map"
-                help_text = "keep one of the two: readers differ in which counts"
-                labels = ((first.span, "and here"),)
-                self.problems.append(
-                    Diagnostic("yaml", "error", message, key.span, labels, help_text)
-                )
-            pairs[key.text] = key, value
+            self.put(pairs, key, value, within=False)
         for key, value in merged:
             pairs.setdefault(key.text, (key, value))
         return Pairs(tuple(pairs.values()), span)
+
+    def put(
+        self, pairs: dict[str, tuple[Scalar, Node]], key: Scalar, value: Node, *, within: bool
+    ) -> None:
+        """Add a key to those of a map, and note it where the map has it."""
+        if key.text not in pairs:
+            pairs[key.text] = key, value
+            return
+        first, old = pairs[key.text]
+        if self.merges and isinstance(value, Pairs) and isinstance(old, Pairs):
+            if not within:
+                self.repeated.append(Repeat(key, first.span, is_merged=True))
+            inner = {each.text: (each, node) for each, node in old.pairs}
+            for each, node in value.pairs:
+                self.put(inner, each, node, within=True)
+            pairs[key.text] = first, Pairs(tuple(inner.values()), old.span)
+            return
+        texts = [each.text for each in (value, old) if isinstance(each, Scalar)]
+        if not (self.allows_copies and len(texts) == 2 and texts[0] == texts[1]):
+            self.repeated.append(Repeat(key, first.span, within=within))
+            pairs[key.text] = key, value
 
 
 def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:
@@ -288,6 +325,13 @@ def part_of(key: Scalar, start: int, end: int) -> Span:
     if key.quoted or span.line != span.end_line:
         return span
     return span._replace(column=span.column + start, end_column=span.column + end)
+
+
+def _twice(repeat: Repeat) -> Diagnostic:
+    message = f"`{repeat.key.text}` is given twice in one map"
+    help_text = "keep one of the two: readers differ in which counts"
+    labels = ((repeat.first, "and here"),)
+    return Diagnostic("yaml", "error", message, repeat.key.span, labels, help_text)
 
 
 #: Numbers as every reader of YAML understands them; leading zeros would be octal for some.

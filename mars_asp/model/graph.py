@@ -147,14 +147,28 @@ class AbsentFile:
 
 
 @dataclass(frozen=True, slots=True)
+class RepeatedKey:
+    """A key that a parameter file has for the second time.
+
+    `is_merged` is whether both have maps, which ROS 2 merges, and `within` whether it is of such a
+    map.
+    """
+
+    name: str
+    span: Span
+    is_merged: bool = False
+    within: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class LaunchTree:
     """The nodes of a launch file with all that it includes, or of several files together.
 
     Nodes of one name are kept apart. `unread` are places that may start or name more, `broken`
-    those of files that cannot be parsed, with the error, `repeated` those of keys that a parameter
-    file has twice, with a message. `defaults` are the values of the launch
-    arguments that users may set. `by_hand` are nodes of programs that no launch file of the folder
-    starts, which are with its first tree.
+    those of files that cannot be parsed, with the error, `repeated` the keys that its parameter
+    files have twice, and `rewritten` those of the files that launch files read as YAML. `defaults`
+    are the values of the launch arguments that users may set. `by_hand` are nodes of programs that
+    no launch file of the folder starts, which are with its first tree.
     """
 
     path: str
@@ -165,13 +179,15 @@ class LaunchTree:
     broken: tuple[tuple[str, Span], ...] = ()
     missing: tuple[AbsentFile, ...] = ()
     defaults: tuple[tuple[str, str], ...] = ()
-    repeated: tuple[tuple[str, Span], ...] = ()
+    repeated: tuple[RepeatedKey, ...] = ()
+    rewritten: tuple[str, ...] = ()
     by_hand: tuple[Node, ...] = ()
 
     @property
     def files(self) -> frozenset[str]:
         """The files in which a finding about the tree can be."""
-        spans = [span for _, span in (*self.broken, *self.repeated)]
+        spans = [span for _, span in self.broken]
+        spans += (each.span for each in self.repeated)
         spans += (each.span for each in self.missing)
         spans += (each.span for each in self.nodes)
         spans += (each.span for each in self.muxes)

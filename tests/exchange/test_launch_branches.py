@@ -1,5 +1,7 @@
 """Branches, loops and functions of launch files in Python: what each way through them starts."""
 
+from pathlib import Path
+
 import pytest
 
 from mars_asp.exchange.ros2.read import import_ros2
@@ -207,3 +209,38 @@ def test_a_duration_counts_in_its_own_unit(period: str, hz: int | None) -> None:
     )
     [topic] = read_cpp([(text, "a.cpp")]).published
     assert topic.hz == hz
+
+
+CHAINED = """
+import os
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription, OpaqueFunction
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch_ros.actions import Node
+
+def setup(context):
+    file = os.path.join(os.path.dirname(__file__), '{next}.launch.py')
+    path = '{passed}'
+    if os.environ.get('B'):
+        path = '{other}'
+    source = PythonLaunchDescriptionSource(file)
+    return [IncludeLaunchDescription(source, launch_arguments={{'at{number}': path}}.items())]
+
+def generate_launch_description():
+    return LaunchDescription([
+        Node(package="some", executable="thing", name="n{number}"), OpaqueFunction(function=setup)])
+"""
+
+
+@pytest.mark.parametrize(("other", "is_cut"), [("a", False), ("b", True)])
+def test_branches_that_include_one_file_do_not_multiply(
+    other: str, is_cut: bool, tmp_path: Path
+) -> None:
+    depth = 24
+    for number in range(depth):
+        text = CHAINED.format(next=number + 1, passed="a", other=other, number=number)
+        (tmp_path / f"{number}.launch.py").write_text(text)
+    (tmp_path / f"{depth}.launch.py").write_text(START + ENTRY + "    return LaunchDescription([])")
+    found = import_ros2([("", str(tmp_path))])
+    assert len(nodes(found)) == depth
+    assert any("includes beyond the first" in each for each in told(found)) == is_cut

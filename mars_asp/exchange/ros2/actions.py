@@ -94,7 +94,8 @@ class Parameter:
 class Start:
     """A node to start; `plugin` is whether `executable` is a component's class.
 
-    `files` are those of its parameters. `unread` are parts of it that only a run knows.
+    `files` are those of its parameters; `is_rewritten` is whether a launch file reads some of them
+    as YAML and writes them anew. `unread` are parts of it that only a run knows.
     """
 
     span: Span
@@ -109,6 +110,7 @@ class Start:
     arguments: tuple[Text, ...] = ()
     tests: Tests = ()
     unread: tuple[tuple[str, Span], ...] = ()
+    is_rewritten: bool = False
 
 
 @dataclass(frozen=True, slots=True)

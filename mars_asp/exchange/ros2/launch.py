@@ -1,7 +1,7 @@
 """What a launch file starts, with all its includes: nodes by name, namespace and remappings."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -45,7 +45,11 @@ _RECORDERS = frozenset({"rosbag", "rosbag2", "map_server", "nav2_map_server"})
 _OUTPUTS = frozenset({"-o", "-O", "--output", "--output-name", "--output-prefix"})
 #: Code that checks whether a file exists.
 _CHECKS_FILES = re.compile(r"\b(?:exists|isfile|is_file)\(")
+#: Packages whose launch files read parameter files as YAML and write them anew.
+_REWRITING = frozenset({"nav2_bringup"})
 _DEEPEST_INCLUDE = 32
+#: Real robots have a hundred includes that differ in their arguments.
+_MOST_INCLUDES = 300
 _MOST_NODES = 20_000
 _DEEPEST_ARGUMENT = 16
 _PARAMETER_FILES = frozenset({".yaml", ".yml"})
@@ -63,7 +67,8 @@ class Started:
     `name` is empty where its program decides; `namespace` begins with a slash; `files` are those
     of its parameters, in the workspace; `conditions` decide if it starts;
     `arguments` are the words behind its program, the unknown ones empty. `has_further_files` is
-    whether it has files of parameters that are not known.
+    whether it has files of parameters that are not known, `is_rewritten` whether a launch file
+    reads its files as YAML.
     """
 
     package: str
@@ -79,6 +84,7 @@ class Started:
     conditions: tuple[StartCondition, ...] = ()
     arguments: tuple[str, ...] = ()
     has_further_files: bool = False
+    is_rewritten: bool = False
 
 
 @dataclass(slots=True)
@@ -104,6 +110,19 @@ class _Scope:
             remaps=list(self.remaps),
             arguments=dict(self.arguments),
             parameters=dict(self.parameters),
+        )
+
+    def state(self) -> tuple[Hashable, ...]:
+        """Return the parts on which the effect of actions depends, without the conditions above."""
+        return (
+            self.namespace,
+            tuple(self.remaps),
+            tuple(self.arguments.items()),
+            self.files,
+            tuple(self.parameters.items()),
+            self.fixed,
+            tuple(self.passed.items()),
+            self.closed,
         )
 
     def variable(self, name: str) -> str | None:
@@ -132,6 +151,7 @@ class Launch:
         #: The first default of each launch argument that users may set.
         self.defaults: dict[str, str] = {}
         self._actions: dict[Path, tuple[Action, ...]] = {} if before is None else before._actions
+        self._entered: dict[Hashable, tuple[Sequence[Started], Sequence[Unread]]] = {}
 
     def launch(self, file: Path) -> None:
         """Take up what a launch file starts.
@@ -209,6 +229,7 @@ class Launch:
     ) -> None:
         """Take up the nodes of each reading; those that only some start depend on branches."""
         before = self.started
+        noted = len(self.unread)
         found: list[tuple[Started, set[int]]] = []
         at: dict[Span, list[tuple[Started, set[int]]]] = {}
         branches: dict[int, dict[tuple[Text, Text], StartCondition]] = {}
@@ -228,6 +249,7 @@ class Launch:
                 else:
                     by.add(number)
         self.started = before
+        self.unread[noted:] = dict.fromkeys(self.unread[noted:])
         decided: list[tuple[Started, list[StartCondition]]] = []
         for each, by in found:
             others = [branches[number] for number in branches if number not in by]
@@ -306,7 +328,8 @@ class Launch:
         span, started, unread = action.span, self.started, self.unread
         self.started, self.unread = [], []
         self._enter(self._read(file), action, scope, (*files, file))
-        self.started = [*started, *(_at_include(each, span) for each in self.started)]
+        rewrites = file.parent.parent.name in _REWRITING
+        self.started = [*started, *(_at_include(each, span, rewrites) for each in self.started)]
         # Its own default files are not here, and name no topics.
         kept = (each for each in self.unread if each.sort != _NO_PARAMETERS)
         self.unread = [*unread, *(each._replace(span=span) for each in kept)]
@@ -319,7 +342,7 @@ class Launch:
         if conditions is None:
             return
         within = scope.inner()
-        within.conditions = (*scope.conditions, *conditions)
+        within.conditions = ()
         if not action.inherits:
             within.arguments.clear()
             within.fixed, within.passed, within.closed = frozenset(), {}, True
@@ -329,7 +352,32 @@ class Launch:
         for value in passed.values():
             self._note_missing(value.text, action.span, files[:-1])
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
-        self._walk(actions, within, files)
+        started, unread = self._entered_with(actions, within, files, action.span)
+        conditions = (*scope.conditions, *conditions)
+        self.started += (
+            replace(each, conditions=(*conditions, *each.conditions))
+            for each in started[: _MOST_NODES - len(self.started)]
+        )
+        self.unread += unread
+
+    def _entered_with(
+        self, actions: Sequence[Action], within: _Scope, files: tuple[Path, ...], span: Span
+    ) -> tuple[Sequence[Started], Sequence[Unread]]:
+        """Return the nodes that an included file starts, and the parts that were not read.
+
+        Many branches of code include one file with the same arguments: it is followed once.
+        """
+        key = (files, *within.state())
+        if key not in self._entered:
+            if len(self._entered) >= _MOST_INCLUDES:
+                sort = f"includes beyond the first {_MOST_INCLUDES} of a launch file"
+                return (), (Unread(sort, files[-1].name, span),)
+            before = self.started, self.unread
+            self.started, self.unread = [], []
+            self._walk(actions, within, files)
+            self._entered[key] = self.started, self.unread
+            self.started, self.unread = before
+        return self._entered[key]
 
     def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> bool:
         """Note that a package here lacks the file of a path, and return whether it does.
@@ -458,6 +506,7 @@ class Launch:
                 tuple(words),
                 # A file of another package is taken to say what its programs assume anyway.
                 any(self._plain(path, scope, files) is None for path in paths),
+                action.is_rewritten,
             )
         )
 
@@ -574,12 +623,13 @@ class Launch:
         return whole or "..."
 
 
-def _at_include(started: Started, span: Span) -> Started:
+def _at_include(started: Started, span: Span, is_rewritten: bool) -> Started:
     """Return a node of a catalogued file as if the line that includes it stated all of it."""
     shown = started.span.path
     return replace(
         started,
         span=span,
+        is_rewritten=is_rewritten,
         spans={rule: span if at.path == shown else at for rule, at in started.spans.items()},
         conditions=tuple(
             replace(each, span=span) if each.span.path == shown else each

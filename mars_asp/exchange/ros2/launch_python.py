@@ -44,12 +44,14 @@ from mars_asp.exchange.ros2.python_nodes import (
 from mars_asp.exchange.ros2.python_tests import branch_tests
 from mars_asp.exchange.ros2.python_values import (
     Call,
+    File,
     Listed,
     Local,
     Mapped,
     Names,
     NoneValue,
     Plain,
+    Rewritten,
     Value,
     items_of,
     text_from,
@@ -277,7 +279,8 @@ class _Reader(Evaluator):
         executable = call.get("plugin" if plugin else "executable")
         if executable is None and not plugin:
             executable = call.get("node_executable")
-        files, parameters = given_to(call.named.get("parameters"), call.span)
+        given = call.named.get("parameters")
+        files, parameters = given_to(given, call.span)
         remaps, unread = remaps_of(call)
         name = call.named.get("name", call.named.get("node_name"))
         namespace = call.named.get("namespace", call.named.get("node_namespace"))
@@ -294,6 +297,7 @@ class _Reader(Evaluator):
             _arguments_of(call),
             tests,
             unread,
+            any(isinstance(each, Rewritten | File) for each in items_of(given)),
         )
 
     def entered(self, entry: Local) -> Names:

@@ -6,7 +6,8 @@ from typing import NamedTuple
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 
-_PARAMETERS = "ros__parameters"
+#: The key of parameters in files of ROS 2.
+PARAMETERS = "ros__parameters"
 
 
 class Given(NamedTuple):
@@ -64,7 +65,7 @@ def _sections(node: Node, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ..
     if not isinstance(node, Pairs):
         return
     for key, value in node.pairs:
-        if key.text == _PARAMETERS:
+        if key.text == PARAMETERS:
             yield keys, value
         else:
             inner = tuple(part for part in key.text.split("/") if part)

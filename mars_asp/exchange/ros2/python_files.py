@@ -35,6 +35,8 @@ class Files:
         self._find = find
         self._read: dict[str, SourceFile | None] = {}
         self._left = _MOST_FILES
+        self._mentioned: dict[ast.AST, tuple[str, ...]] = {}
+        self._words: dict[ast.AST, frozenset[str]] = {}
 
     def file(self, module: str) -> SourceFile | None:
         """Return a file, `None` where it is not found or not Python."""
@@ -43,6 +45,29 @@ class Files:
             self._left -= found is not None
             self._read[module] = None if found is None else _parsed(*found, module)
         return self._read[module]
+
+    def mentioned(self, part: ast.AST) -> tuple[str, ...]:
+        """Return the names, dotted ones whole, that a part of a file mentions, each once."""
+        if part not in self._mentioned:
+            self._mentioned[part] = tuple(dict.fromkeys(_mentioned(part)))
+        return self._mentioned[part]
+
+    def words(self, part: ast.AST) -> frozenset[str]:
+        """Return the names, dotted ones split, that a part of a file mentions."""
+        if part not in self._words:
+            names = self.mentioned(part)
+            self._words[part] = frozenset(word for name in names for word in name.split("."))
+        return self._words[part]
+
+
+def _mentioned(part: ast.AST) -> Iterator[str]:
+    for node in ast.walk(part):
+        if isinstance(node, ast.Name):
+            yield node.id
+        elif isinstance(node, ast.Attribute):
+            dotted = dotted_name(node)
+            if dotted:
+                yield dotted
 
 
 def _parsed(text: str, path: str, module: str) -> SourceFile | None:

@@ -19,7 +19,7 @@ from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.names import joined as name_in
-from mars_asp.exchange.ros2.parameters import Given, document_of, values_for
+from mars_asp.exchange.ros2.parameters import PARAMETERS, Given, document_of, values_for
 from mars_asp.exchange.ros2.programs import Program, Programs
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.topics import configuration_of
@@ -32,7 +32,7 @@ from mars_asp.exchange.twist_mux.document import (
 )
 from mars_asp.exchange.twist_mux.document import Mux as MuxParameters
 from mars_asp.exchange.unread import BROKEN, Unread, notes
-from mars_asp.exchange.yaml_document import Items, Scalar, read_yaml
+from mars_asp.exchange.yaml_document import Items, Repeat, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
@@ -45,6 +45,7 @@ from mars_asp.model.graph import (
     Node,
     Relay,
     Renaming,
+    RepeatedKey,
 )
 from mars_asp.spelling import nearest
 
@@ -220,8 +221,8 @@ class _Robot:
         self.conditional: dict[str, Span] = {}
         self.trees: list[LaunchTree] = []
         self.document = cache(self._document)
-        #: Keys that a map of a parameter file has twice, by their places.
-        self.repeated: dict[Span, str] = {}
+        #: Keys that parameter files have twice.
+        self.repeated: dict[Path, tuple[RepeatedKey, ...]] = {}
 
     def graph(self, paths: Sequence[Path]) -> Graph:
         """Return the nodes that files, or those of folders, start."""
@@ -286,7 +287,6 @@ class _Robot:
     def _tree(self, launch: Launch, paths: Sequence[Path]) -> LaunchTree:
         """Return the launch tree, nodes of one name kept apart."""
         before = len(self.unread)
-        known = set(self.repeated)
         missing = dict(launch.missing)
         for file in launch.passed:
             self.document(file)
@@ -311,6 +311,10 @@ class _Robot:
                 case Node() as node:
                     nodes.append(node)
         unread = (*launch.unread, *self.unread[before:])
+        loaded = dict.fromkeys(
+            [*chain.from_iterable(s.files for s in launch.started), *launch.passed]
+        )
+        rewritten = {file for each in launch.started if each.is_rewritten for file in each.files}
         return LaunchTree(
             self.workspace.shown(launch.path or paths[0]),
             tuple(nodes),
@@ -325,7 +329,8 @@ class _Robot:
             ),
             tuple(missing),
             tuple(launch.defaults.items()),
-            tuple((text, span) for span, text in self.repeated.items() if span not in known),
+            tuple(chain.from_iterable(self.repeated.get(file, ()) for file in loaded)),
+            tuple(self.workspace.shown(file) for file in loaded if file in rewritten),
         )
 
     def _catalogue(self) -> Catalogue:
@@ -343,35 +348,33 @@ class _Robot:
             MarsError: a choice is not a launch file of the folder, or has errors.
         """
         files = [file for file in self.workspace.files if self._is_launch(file)]
-        first = Launch(self.workspace)
+        launch = Launch(self.workspace)
         if self.chosen:
             for file in self._chosen(files):
-                launch = Launch(self.workspace, first)
+                launch = Launch(self.workspace, launch)
                 launch.path = file
                 launch.launch(file)
                 yield launch
             return
         included: set[Path] = set()
-        broken: set[Path] = set()
+        launches: dict[Path, Launch] = {}
         for file in files:
-            first.reached.clear()
+            launch = Launch(self.workspace, launch)
+            launch.path = file
             try:
-                first.launch(file)
+                launch.launch(file)
             except MarsError as error:
-                broken.add(file)
                 wrong = error.diagnostics[0]
                 path = self.workspace.shown(file)
                 name = f"{path}: {wrong.message}"
                 self.unread.append(Unread("launch files with errors", name, wrong.span))
                 self.trees.append(LaunchTree(path, broken=((name, wrong.span),)))
-            included |= first.reached - {file}
-        tops = [file for file in files if file not in included and file not in broken]
+            else:
+                launches[file] = launch
+            included |= launch.reached - {file}
+        tops = [launch for file, launch in launches.items() if file not in included]
         # Files that include each other have no top.
-        for file in tops or [file for file in files if file not in broken][:1]:
-            launch = Launch(self.workspace, first)
-            launch.path = file
-            launch.launch(file)
-            yield launch
+        yield from tops or [*launches.values()][:1]
 
     def _chosen(self, files: Sequence[Path]) -> Sequence[Path]:
         """Return the launch files that the user chose, by their paths or the ends of these.
@@ -653,9 +656,10 @@ class _Robot:
 
     def _document(self, file: Path) -> YamlNode | None:
         shown = self.workspace.shown(file)
-        repeated: list[Diagnostic] = []
+        repeated: list[Repeat] = []
         try:
-            return read_yaml(self.workspace.text(file), shown, repeated=repeated)
+            text = self.workspace.text(file)
+            return read_yaml(text, shown, repeated=repeated, merges=PARAMETERS in text)
         except MarsError as error:
             first = error.diagnostics[0]
             self.unread.append(
@@ -663,8 +667,10 @@ class _Robot:
             )
             return None
         finally:
-            # The message begins with the key.
-            self.repeated |= {each.span: each.message.split("`")[1] for each in repeated}
+            self.repeated[file] = tuple(
+                RepeatedKey(each.key.text, each.key.span, each.is_merged, each.within)
+                for each in repeated
+            )
 
     def _ends(
         self, topics: Sequence[Topic], started: Started, name: str, values: Mapping[str, Given]

@@ -100,7 +100,6 @@ class _Program:
         self.files = files
         self.start = file, function
         self.reached: dict[tuple[str, int], tuple[SourceFile, ast.AST]] = {}
-        self.mentioned: dict[tuple[str, int], frozenset[str]] = {}
         #: Full names of functions and classes that should be in the workspace and were not found.
         self.missing: set[str] = set()
 
@@ -153,21 +152,13 @@ class _Program:
             return [{}]
         made = [defaults_of(node)]
         for of, part in islice(self.reached.values(), _MOST_FOLLOWED):
-            for call in ast.walk(part) if self.mentions(of, part, node.name) else ():
+            for call in ast.walk(part) if node.name in self.files.words(part) else ():
                 if isinstance(call, ast.Call) and len(made) <= _MOST_MADE:
                     found = self.target(of, dotted_name(call.func))
                     if found is not None and found[1] is node:
                         unit = Texts(self.files, of, ast.Module([], []))
                         made.append({**made[0], **given_by(node, call, unit.text)})
         return distinct(made[1:] or made)
-
-    def mentions(self, file: SourceFile, part: ast.AST, name: str) -> bool:
-        """Whether a part of a program names something."""
-        key = file.path, getattr(part, "lineno", 0)
-        if key not in self.mentioned:
-            words = {word for each in _mentioned(part) for word in each.split(".")}
-            self.mentioned[key] = frozenset(words)
-        return name in self.mentioned[key]
 
     def reach(self, file: SourceFile, node: ast.AST) -> None:
         """Take up a part of a program and what it names."""
@@ -178,7 +169,7 @@ class _Program:
             if key in self.reached:
                 continue
             self.reached[key] = of, part
-            targets = (self.target(of, name) for name in _mentioned(part))
+            targets = (self.target(of, name) for name in self.files.mentioned(part))
             # What is named first is followed first.
             waiting += reversed([target for target in targets if target is not None])
 
@@ -226,17 +217,6 @@ class _Program:
 
 def _at_rate(topic: Topic, hz: Fraction | None) -> Topic:
     return replace(topic, hz=hz)
-
-
-def _mentioned(part: ast.AST) -> Iterator[str]:
-    """Yield the names, dotted ones whole, that a part of a program mentions."""
-    for node in ast.walk(part):
-        if isinstance(node, ast.Name):
-            yield node.id
-        elif isinstance(node, ast.Attribute):
-            dotted = dotted_name(node)
-            if dotted:
-                yield dotted
 
 
 class _Unit(Texts):

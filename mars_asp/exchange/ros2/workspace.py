@@ -71,6 +71,8 @@ class Workspace:
         self._ignored: list[tuple[Path, tuple[str, ...]]] | None = None
         self._contents: dict[Path, tuple[frozenset[str], str]] = {}
         self._shared: dict[Path, list[Installed]] = {}
+        #: What paths name, as the defaults of arguments are looked up for each include.
+        self._found: dict[tuple[str, Path], Path | None] = {}
 
     def given(self, path: str, text: str) -> Path:
         """Return the path of a file or folder that the user names, of a file with its text.
@@ -172,6 +174,12 @@ class Workspace:
 
     def find(self, path: str, folder: Path) -> Path | None:
         """Return the file that a path of a launch file in a folder names, if it lies here."""
+        key = (path, folder)
+        if key not in self._found:
+            self._found[key] = self._find(path, folder)
+        return self._found[key]
+
+    def _find(self, path: str, folder: Path) -> Path | None:
         if not path or "\0" in path or len(path) > 4096:
             return None
         match = _SHARE.match(path)

@@ -101,9 +101,14 @@ class _TreeFacts:
             yield _fact_at(span, "open_tree", path)
         for text, span in self.tree.broken:
             yield from self.with_place(span, "unreadable", text)
-        for text, span in self.tree.repeated:
-            yield from self.with_place(span, "has_twice", span.path, text)
-            yield _fact_at(span, "loads", path, span.path)
+        for key in self.tree.repeated:
+            file, sort = key.span.path, "lost"
+            if key.is_merged or key.within:
+                sort = "merged" if key.is_merged else "within_merged"
+            yield from self.with_place(key.span, "has_twice", file, key.name, Atom(sort))
+            yield _fact_at(key.span, "loads", path, file)
+            if file in self.tree.rewritten:
+                yield _fact_at(key.span, "rewrites", path, file)
         for each in self.tree.missing:
             name = "lacks_program" if each.is_program else "lacks_file"
             yield from self.with_place(each.span, name, path, each.package, each.name)
