@@ -25,6 +25,8 @@ MOST_NODES = 100_000
 MOST_BYTES_OF_DUMP = 16 * 1024 * 1024
 MOST_NODES_OF_DUMP = 1_000_000
 _TAGS = frozenset(f"tag:yaml.org,2002:{of}" for of in "str int float bool null map seq".split())
+#: Tags of rosparam (https://github.com/ros/ros_comm), which turns angles into radians.
+_ANGLES = frozenset({"!degrees", "!radians"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,7 +252,7 @@ class _Reader:
     def check_tag(self, event: yaml.Event, span: Span) -> None:
         """Raise for a tag that asks for more than plain values."""
         tag = getattr(event, "tag", None)
-        if tag is not None and tag != "!" and tag not in _TAGS:
+        if tag is not None and tag != "!" and tag not in _TAGS | _ANGLES:
             raise _wrong(span, f"tag `{tag}` is not read", "write the plain value, without a tag")
 
     def keep(self, anchor: str | None, node: Node, size: int) -> None:

@@ -170,3 +170,33 @@ def generate_launch_description():
         folder = tmp_path / str(len(end))
         found = missing(folder, {"base/launch/base.launch.py": text.format(end)})
         assert [name for name, _, _ in found] == lacking
+
+
+@pytest.mark.parametrize(
+    ("file", "build", "is_there"),
+    [
+        ("arm/launch/grip.launch", "", False),
+        ("arm/scripts/grip.py", "", True),
+        ("arm/src/grip.cpp", "", False),
+        ("arm/src/grip.cpp", "add_executable(grip src/grip.cpp)", True),
+        ("arm/src/grip.cpp", "project(gr)\nadd_executable(${PROJECT_NAME}ip src/grip.cpp)", True),
+        ("arm/src/grip.cpp", "foreach(name ${NAMES})", True),
+    ],
+)
+def test_a_program_is_a_script_or_named_in_the_build_file(
+    tmp_path: Path, file: str, build: str, is_there: bool
+) -> None:
+    files = {file: "# grip\n", "arm/CMakeLists.txt": build}
+    lines = launch('<node pkg="arm" exec="grip"/>')
+    expected = [] if is_there else [("grip", "arm", True)]
+    assert missing(tmp_path, {**files, **lines}) == expected
+
+
+def test_angles_of_rosparam_are_read(tmp_path: Path) -> None:
+    files = {"arm/config/arm.yaml": "a: !degrees 60.0\nb: !radians 1\n", **launch(PARAMETERS)}
+    for name, text in {"base/package.xml": PACKAGE.format("base"), **files}.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (tmp_path / "arm/package.xml").write_text(PACKAGE.format("arm"))
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert not tree.broken

@@ -51,13 +51,22 @@ def values_for(document: Node, name: str) -> dict[str, Given]:
     loaded for the node as a whole.
     """
     found: dict[str, Given] = {}
-    parts = [part for part in name.split("/") if part]
+    parts = list(_steps_in(name))
     if not any(_sections(document, ())):
         return dict(_flat(document, ()))
     for keys, section in _sections(document, ()):
         if _fits(keys, parts):
             found |= _flat(section, ())
     return found
+
+
+def is_for(written: str, name: str) -> bool:
+    """Whether parameters below a key of a file are for the node of a full name."""
+    return _fits(_steps_in(written), list(_steps_in(name)))
+
+
+def _steps_in(name: str) -> tuple[str, ...]:
+    return tuple(part for part in name.split("/") if part)
 
 
 def _sections(node: Node, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Node]]:
@@ -68,8 +77,7 @@ def _sections(node: Node, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ..
         if key.text == PARAMETERS:
             yield keys, value
         else:
-            inner = tuple(part for part in key.text.split("/") if part)
-            yield from _sections(value, (*keys, *inner))
+            yield from _sections(value, (*keys, *_steps_in(key.text)))
 
 
 def _fits(keys: tuple[str, ...], parts: list[str]) -> bool:

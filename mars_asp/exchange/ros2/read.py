@@ -19,7 +19,7 @@ from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.names import joined as name_in
-from mars_asp.exchange.ros2.parameters import PARAMETERS, Given, document_of, values_for
+from mars_asp.exchange.ros2.parameters import PARAMETERS, Given, document_of, is_for, values_for
 from mars_asp.exchange.ros2.programs import Program, Programs
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.topics import configuration_of
@@ -741,7 +741,10 @@ class _Robot:
         of_its_own = named and self.workspace.find(named.text, self.workspace.root)
         for file in () if found else (*started.files, *filter(None, (of_its_own,))):
             text, shown = self.workspace.text(file), self.workspace.shown(file)
-            found += self._muxes(partial(read_parts, text, shown))
+            muxes = self._muxes(partial(read_parts, text, shown))
+            # A node of ROS 2 takes the parameters for its name; a launch file may take a part itself.
+            takes_all = started.is_rewritten or PARAMETERS not in text
+            found += (each for each in muxes if takes_all or is_for(each.node, full))
         yield from found or (mux for _, document in self.muxes for mux in document.muxes)
 
     def _muxes(self, read: Callable[[], Document]) -> Sequence[MuxParameters]:

@@ -35,12 +35,32 @@ _FILE_NAME = re.compile(r"[\w+-][\w .+-]*\.\w+")
 OWN_LAUNCH_FILES = "mars-launch"
 _CATALOGUE = Path(__file__).parent / "launch_catalogue"
 _OF_USERS = re.compile(r"(?:^|/)maps?/|\.(?:bag|db3|mcap|pcd|pgm|pbstream|posegraph)$")
+#: Endings of sources of compiled programs, and of files that never are programs.
+_COMPILED = frozenset({".cpp", ".cc", ".cxx", ".c", ".cu"})
+_NO_PROGRAMS = frozenset(
+    {
+        ".launch",
+        ".xml",
+        ".yaml",
+        ".yml",
+        ".rviz",
+        ".urdf",
+        ".xacro",
+        ".sdf",
+        ".world",
+        ".md",
+        ".txt",
+    }
+    | {".msg", ".srv", ".action", ".cfg", ".stl", ".dae", ".png", ".jpg", ".h", ".hpp", ".hh"}
+)
 _BUILD_FILES = frozenset({"CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml"})
 #: Programs whose names a build file computes.
 _COMPOSED = re.compile(
     r"(?i)add_executable\s*\(\s*[^)\s]*\$\{|add_example|add_demo|install\s*\(\s*PROGRAMS\s+\$\{"
     r"|foreach\s*\(|catkin_install_python\s*\([^)]*\$\{"
 )
+_PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
+_PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
@@ -289,15 +309,17 @@ class Workspace:
             for folder, folders, names in os.walk(package.folder):
                 folders[:] = [each for each in folders if not each.startswith(".")]
                 stems.update(names)
-                stems.update(each.partition(".")[0] for each in names)
+                stems.update(_as_program(each) for each in names)
                 for each in names:
                     if each in _BUILD_FILES or each.endswith(".cmake"):
                         with suppress(MarsError):
                             build += self.text(Path(folder) / each)
-            build = re.sub(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}", package.name, build)
+            projects = dict.fromkeys((package.name, *_PROJECT.findall(build)))
+            build = "\n".join(_PROJECT_NAME.sub(each, build) for each in projects)
             self._contents[package.folder] = frozenset(stems), build
         contents, build = self._contents[package.folder]
-        if "." not in name and "console_scripts" in build and "CMakeLists.txt" not in contents:
+        has_build_file = "CMakeLists.txt" in contents
+        if "." not in name and "console_scripts" in build and not has_build_file:
             # A package of Python has the programs that its build file lists, whatever its files.
             return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build) is not None
         stem = name.partition(".")[0]
@@ -305,7 +327,10 @@ class Workspace:
         if not contents.isdisjoint((name, f"{name}.in", *templates)):
             return True
         is_program = "." not in name
-        if is_program and stem in contents:
+        if is_program and _as_program(stem) in contents:
+            return True
+        # A source is built only where the build file names it.
+        if is_program and _as_program(f"{stem}.cpp") in contents and not has_build_file:
             return True
         if re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build):
             return True
@@ -366,3 +391,12 @@ class Workspace:
                 raise MarsError((Diagnostic("encoding", "error", message, place, help=help_text),))
             self._texts[file] = text
         return self._texts[file]
+
+
+def _as_program(file: str) -> str:
+    """Return how the contents of a package list the program that a file may be."""
+    stem, _, _ = file.partition(".")
+    suffix = Path(file).suffix.lower()
+    if suffix in _NO_PROGRAMS:
+        return file
+    return f"{stem} (source)" if suffix in _COMPILED else f"{stem} (script)"

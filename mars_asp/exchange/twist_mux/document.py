@@ -182,6 +182,7 @@ class _Reader:
         leaves: list[_Leaf] = []
         output = OUTPUT
         spans: dict[Sort, Span] = {}
+        lists: list[Scalar] = []
         for key, value in node.pairs:
             head = key.text.partition(".")[0]
             sort = next((sort for sort in SORTS if sort == head), None)
@@ -197,12 +198,7 @@ class _Reader:
                 if listed:
                     entries[sort] += self.listed(value)
                 else:
-                    self.wrong(
-                        key.span,
-                        f"`{key.text}` is a list under `{PARAMETERS}`, which ROS 2 cannot read as"
-                        " parameters",
-                        "write a map: each input by its name, without `-` and `name:`",
-                    )
+                    lists.append(key)
             elif isinstance(value, Scalar) and key.text == head:
                 if value.quoted or value.text.lower() not in ("", "~", "null"):
                     self.wrong(
@@ -212,6 +208,14 @@ class _Reader:
                     )
             else:
                 leaves += _leaves(key, value)
+        for key in lists[:1]:
+            self.wrong(
+                key.span,
+                f"`{key.text}` is a list under `{PARAMETERS}`, which ROS 2 cannot read as"
+                " parameters",
+                "write a map: each input by its name, without `-` and `name:`",
+                *((other.span, f"and `{other.text}`") for other in lists[1:]),
+            )
         for sort in entries:
             entries[sort] += self.mapped([leaf for leaf in leaves if leaf.parts[0][0] == sort])
         for lock in entries.get("locks", ()):
