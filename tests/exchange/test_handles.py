@@ -264,3 +264,36 @@ def test_an_empty_launch_file_is_broken(tmp_path: Path, capsys: pytest.CaptureFi
     assert "the launch file is empty [launch/nodes/broken-file]" in " ".join(
         capsys.readouterr().err.split()
     )
+
+
+def test_a_parameter_counts_before_a_constant_in_a_header() -> None:
+    source = (
+        'void f() { n.declare_parameter("t", "/imu"); n.get_parameter("t", topic);\n'
+        "  n.create_publisher<A>(topic, 1); }"
+    )
+    for texts in ([source, HEADER], [HEADER, source]):
+        [topic] = read_cpp([(text, f"{at}.cpp") for at, text in enumerate(texts)]).published
+        assert topic.parameter == "t"
+
+
+HEADER = 'struct N { std::string topic = "/other"; };'
+TEMPLATE = (
+    "template <typename T> struct S {\n"
+    '  S() : S<T>(ros::NodeHandle(), ros::NodeHandle("~")) {}\n'
+    "  S(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) : nh_(nh), pnh_(pnh) {\n"
+    '    pnh_.advertise<A>("t", 1); }\n'
+    "  ros::NodeHandle nh_; ros::NodeHandle pnh_; };\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        # A constructor that calls another one of a template.
+        (TEMPLATE, ["~/t"]),
+        # A constructor without a call: other code calls it.
+        (TEMPLATE.replace("  S() :", "  // S() :"), []),
+    ],
+)
+def test_a_handle_of_a_parameter_is_known_by_the_calls(text: str, found: list[str]) -> None:
+    assert [each.name for each in read_cpp([(text, "n.cpp")]).published] == found

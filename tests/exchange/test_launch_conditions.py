@@ -9,6 +9,7 @@ import pytest
 
 from mars_asp.diagnostic import point
 from mars_asp.exchange.foreign import File, read_foreign
+from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.facts.launched import launch_facts
 from mars_asp.reasoning.launch_trees import launch_rules
@@ -190,3 +191,17 @@ def test_pairs_grow_no_faster_than_nodes(line: str, same: bool, tmp_path: Path) 
         atoms = analysis.grounding.control.symbolic_atoms
         pairs.append(sum(1 for _ in atoms.by_signature("weighed_pair", 2)))
     assert pairs[1] < 2.2 * pairs[0]
+
+
+def test_a_launch_file_of_ros_1_keeps_its_arguments(tmp_path: Path) -> None:
+    # Only its name shows that the outer file is of ROS 1.
+    (tmp_path / "outer.launch").write_text(
+        '<launch><arg name="shown" default="true"/>'
+        '<include file="$(dirname)/inner.launch"/></launch>'
+    )
+    (tmp_path / "inner.launch").write_text(
+        '<launch><arg name="shown" default="false"/>'
+        '<node pkg="some" type="thing" name="eye" if="$(arg shown)"/></launch>'
+    )
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert not tree.nodes

@@ -90,7 +90,15 @@ class Handles:
         for file in every:
             self._assigned(file)
             self._passed(file, functions)
-        self._settle()
+        self._settle(
+            {
+                (function.scope, name)
+                for same in functions.values()
+                for function in same
+                for name in function.handles
+                if name is not None
+            }
+        )
 
     def prefixes(self, file: CppCode, begin: int, end: int) -> Sequence[str | None]:
         """Return the prefixes of a handle given by tokens; one is None if it is unknown."""
@@ -239,6 +247,8 @@ class Handles:
             name = objects.get(token.text, token.text)
             if name not in functions or text_at(tokens, at - 1) in ("class", "struct"):
                 continue
+            if text_at(tokens, after) == "<":
+                after = _after_angles(file, after)
             while text_at(tokens, after) in (">", "&", "*"):
                 after += 1
             if is_word(text_at(tokens, after)) and token.text == name:
@@ -321,13 +331,16 @@ class Handles:
         known.append(prefix)
         return True
 
-    def _settle(self) -> None:
-        """Follow the edges to a fixpoint; a handle with no value at all is a public one."""
+    def _settle(self, parameters: Collection[_Key]) -> None:
+        """Follow the edges to a fixpoint; a handle with no value at all is a public one.
+
+        A parameter with no value gets one in a call that was not read.
+        """
         self._spread()
         targets = {target for edges in self._edges.values() for target, _ in edges}
         for key in self._edges:
             if key not in targets and not self._prefixes.get(key):
-                self._add(key, "")
+                self._add(key, None if key in parameters else "")
         self._spread()
 
     def _spread(self) -> None:
@@ -348,6 +361,17 @@ def prefixed_name(prefix: str | None, name: str | None) -> str | None:
     if not prefix or name.startswith(("/", "~")):
         return name
     return f"{prefix}/{name}" if name else prefix
+
+
+def _after_angles(file: CppCode, at: int) -> int:
+    """Return the index after the arguments of a template, which open at a token."""
+    depth = 0
+    for end in range(at, min(at + _MOST_WORDS, len(file.tokens))):
+        text = file.tokens[end].text
+        depth += (text == "<") - text.count(">")
+        if depth <= 0:
+            return end + 1
+    return at
 
 
 def _scope_of(file: CppCode, body: Body) -> str:

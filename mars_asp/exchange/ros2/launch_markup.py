@@ -260,7 +260,9 @@ def _included(entity: _Entity, tests: Tests) -> Iterator[Action]:
     )
     # Only ROS 1 writes `$(find ...)`, and passes arguments on where it is asked to.
     passed = entity.attributes.get("pass_all_args", "false").lower() in ("true", "1")
-    inherits = passed or "$(find " not in entity.attributes.get("file", "")
+    file = entity.attributes.get("file", "")
+    is_old = entity.span.path.endswith(".launch") and "$(find-pkg-" not in file
+    inherits = passed or not (is_old or "$(find " in file)
     include = Include(path, entity.span, given, tests, inherits)
     yield Group((PushNamespace(namespace, entity.span), include)) if namespace else include
 

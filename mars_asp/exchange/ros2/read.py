@@ -448,15 +448,20 @@ class _Robot:
         """Yield each program of a folder as if it were started, where no launch file is."""
         if not any(path.is_dir() for path in paths):
             return
+        here = point(self.workspace.shown(paths[0]), 1, 1)
+        found: dict[bool, list[Started]] = {True: [], False: []}
         for program in self.programs.all():
             interface = self.programs.interface(program)
-            if interface is not None and (interface.published or interface.subscribed):
-                first = (*interface.published, *interface.subscribed)[0]
-                span = first.span or point(self.workspace.shown(paths[0]), 1, 1)
-                yield Started(
+            if interface is not None:
+                topics = (*interface.published, *interface.subscribed)
+                span = (topics[0].span if topics else None) or here
+                started = Started(
                     program.package, program.executable, program.plugin, "", "/", (), {}, (), {},
                     span,
                 )  # fmt: skip
+                found[bool(topics)].append(started)
+        # A package may have programs with services alone.
+        yield from found[True] or found[False]
 
     def _by_hand(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Iterator[Node]:
         """Yield the nodes of programs of a folder that no launch file starts.
@@ -742,7 +747,7 @@ class _Robot:
         for file in () if found else (*started.files, *filter(None, (of_its_own,))):
             text, shown = self.workspace.text(file), self.workspace.shown(file)
             muxes = self._muxes(partial(read_parts, text, shown))
-            # A node of ROS 2 takes the parameters for its name; a launch file may take a part itself.
+            # A node of ROS 2 takes the parameters for its name; a launch file may take others.
             takes_all = started.is_rewritten or PARAMETERS not in text
             found += (each for each in muxes if takes_all or is_for(each.node, full))
         yield from found or (mux for _, document in self.muxes for mux in document.muxes)

@@ -107,7 +107,10 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     values: dict[str, _Value] = {}
     kinds: dict[str, str] = {}
     for file in files:
-        values |= file.values()
+        # A variable that gets a parameter may have another value before, as in a header.
+        kept = {name: value for name, value in values.items() if value.parameter is not None}
+        own = file.values()
+        values |= {name: own[name] for name in own if own[name].parameter or name not in kept}
         kinds |= file.callbacks()
 
     def literal(file: CppCode, tokens: Sequence[Token]) -> str | None:
