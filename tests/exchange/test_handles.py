@@ -297,3 +297,47 @@ TEMPLATE = (
 )
 def test_a_handle_of_a_parameter_is_known_by_the_calls(text: str, found: list[str]) -> None:
     assert [each.name for each in read_cpp([(text, "n.cpp")]).published] == found
+
+
+@pytest.mark.parametrize(
+    ("text", "is_whole"),
+    [
+        # An object that is made for the node may have topics.
+        ('struct N : public rclcpp::Node { Polling<A> sub_{this, "~/in"}; };', False),
+        (
+            "struct N : public rclcpp::Node { N() : fitter_(this) {} other::Fitter fitter_; };",
+            False,
+        ),
+        ("void f() { auto x = std::make_unique<Fitter>(this); }", False),
+        ("void f() { auto x = std::make_unique<tf2_ros::TransformBroadcaster>(*this); }", True),
+        ("void f() { s_ = create_subscription<A>(t, 1, std::bind(&N::g, this, _1)); }", True),
+        ('void f() { s_ = n.subscribe("t", 1, &N::g, this); }', True),
+        # The base class is not here, and gets the name of the node.
+        ('class N : public other::Filter { N() : Filter("n") {} };', False),
+        ('class N : public rclcpp::Node { N() : Node("n") {} };', True),
+        (
+            "class F : public rclcpp::Node { F(const char* n) : Node(n) {} };\n"
+            'class N : public F { N() : F("n") {} };',
+            True,
+        ),
+    ],
+)
+def test_objects_and_base_classes_that_are_not_here_may_have_topics(
+    text: str, is_whole: bool
+) -> None:
+    assert read_cpp([(text, "n.cpp")]).unnamed != is_whole
+
+
+def test_a_name_with_two_texts_is_known_at_run_time() -> None:
+    text = (
+        'void f() { std::string t = "a"; create_publisher<A>(t, 1); }\n'
+        'void g() { std::string t = "b"; create_publisher<A>(t, 1); }'
+    )
+    found = read_cpp([(text, "n.cpp")])
+    assert not found.published
+    assert found.unread
+
+
+def test_a_path_in_quotes_may_be_a_topic() -> None:
+    found = read_cpp([('std::vector<std::string> names{"~/in/cloud", "odom"};', "n.cpp")])
+    assert [each.name for each in found.names] == ["~/in/cloud"]

@@ -181,6 +181,8 @@ def generate_launch_description():
         ("arm/src/grip.cpp", "add_executable(grip src/grip.cpp)", True),
         ("arm/src/grip.cpp", "project(gr)\nadd_executable(${PROJECT_NAME}ip src/grip.cpp)", True),
         ("arm/src/grip.cpp", "foreach(name ${NAMES})", True),
+        ("arm/src/a.cpp", 'register_node(a PLUGIN "A" EXECUTABLE ${NAME}_exe)', True),
+        ("arm/src/a.cpp", 'register_node(a PLUGIN "A" EXECUTABLE ${PROJECT_NAME}_exe)', False),
     ],
 )
 def test_a_program_is_a_script_or_named_in_the_build_file(

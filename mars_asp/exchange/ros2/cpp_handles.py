@@ -27,12 +27,16 @@ _CLASSES = frozenset({"NodeHandle", "NodeHandlePtr", "ImageTransport"})
 _SUB_NODE = "create_sub_node"
 #: Types of parameters that may take a sub-node.
 _NODES = frozenset({"Node", "LifecycleNode"})
+_MAKERS = frozenset({"make_shared", "make_unique"})
+_NODELETS = frozenset({"Nodelet", "NodeletLazy"})
 #: Classes of libraries that are given a node or its handle, and whose names are read or not topics.
 _READ = frozenset({
     "NodeHandle", "ImageTransport", "SimpleActionServer", "SimpleActionClient", "ActionServer",
     "ActionClient", "Subscriber", "RealtimePublisher", "Buffer", "TransformListener",
     "TransformBroadcaster", "StaticTransformBroadcaster", "MessageFilter", "Updater",
-    "CameraInfoManager", "Server",
+    "CameraInfoManager", "Server", "CreateTimerROS", "CreateTimerInterface",
+    # Functions that are given an object for other ends.
+    "bind", "connect", "if", "switch", "while", "return", "dynamic_cast", "static_cast",
 })  # fmt: skip
 #: Classes of libraries that have topics of their own, whatever they are given.
 _OWN_TOPICS = frozenset({
@@ -115,13 +119,26 @@ class Handles:
                 )
         return list(dict.fromkeys(found)) or ("",)
 
-    def leave_topics_unread(self, files: Sequence[CppCode]) -> bool:
-        """Return whether an object that is not read has topics, or a function may make some."""
+    def leave_topics_unread(self, files: Sequence[CppCode], called: Collection[str]) -> bool:
+        """Return whether an object that is not read has topics, or a function may make some.
+
+        `called` are the functions whose calls are read.
+        """
         if any(token.text in _OWN_TOPICS for file in files for token in file.tokens):
+            return True
+        bodies = {body.name for file in files for body in file.bodies}
+        known = _READ | self._names | bodies
+        # A node may have the topics of its base class.
+        if not bodies.union(_NODES, _NODELETS).issuperset(_named_bases(files)):
+            return True
+        if any(
+            known.union(called).isdisjoint(_callee_words(file, opening))
+            for file in files
+            for opening in _calls_with_nodes(file)
+        ):
             return True
         if self.is_empty:
             return False
-        known = _READ | self._names | {body.name for file in files for body in file.bodies}
         for file in files:
             known |= set(_objects_of_classes(file, known))
         return any(
@@ -384,14 +401,48 @@ def _is_defined(file: CppCode, opening: int) -> bool:
     return body is not None and body.opening == opening
 
 
+def _named_bases(files: Sequence[CppCode]) -> Iterator[str]:
+    """Yield the base classes to which constructors pass a name in quotes."""
+    bases: set[str] = set()
+    for file in files:
+        for at, token in enumerate(file.tokens):
+            if token.text in ("public", "protected", "private"):
+                last = at + 1
+                while text_at(file.tokens, last + 1) == "::":
+                    last += 2
+                bases.add(text_at(file.tokens, last))
+    for file in files:
+        for at, token in enumerate(file.tokens):
+            is_call = text_at(file.tokens, at + 1) in ("(", "{")
+            if is_call and token.text in bases and text_at(file.tokens, at + 2).startswith('"'):
+                yield token.text
+
+
+def _calls_with_nodes(file: CppCode) -> Iterator[int]:
+    """Yield the brackets whose first argument is the object itself, such as a node."""
+    tokens = file.tokens
+    for at, token in enumerate(tokens):
+        if token.text == "this" and text_at(tokens, at + 1) in (",", ")", "}"):
+            opening = at - 2 if text_at(tokens, at - 1) == "*" else at - 1
+            if text_at(tokens, opening) in ("(", "{") and opening in file.closed:
+                yield opening
+
+
 def _callee_words(file: CppCode, opening: int) -> set[str]:
     """Return the words before a bracket: the function, or the class and the name of an object."""
-    begin = opening
+    begin, depth = opening, 0
+    found: set[str] = set()
+    types: set[str] = set()
     while begin > 0 and opening - begin < _MOST_WORDS:
-        if text_at(file.tokens, begin - 1) in (";", "{", "}", "(", ")", ",", "="):
+        text = text_at(file.tokens, begin - 1)
+        if text in (";", "{", "}", "(", ")", "=") or (text == "," and not depth):
             break
+        depth += text.count(">") * (text != "->") - (text == "<")
+        if is_word(text):
+            (types if depth > 0 else found).add(text)
         begin -= 1
-    return {token.text for token in file.tokens[begin:opening] if is_word(token.text)}
+    # The types in angles are of messages, but for what makes objects.
+    return (found | types) - _MAKERS if found & _MAKERS else found
 
 
 def _objects_of_classes(file: CppCode, classes: Collection[str]) -> Iterator[str]:

@@ -48,6 +48,7 @@ _CAMERAS = frozenset(
     | {"advertiseCamera", "subscribeCamera"}
 )
 _IMAGE, _CAMERA_INFO = "sensor_msgs::msg::Image", "sensor_msgs::msg::CameraInfo"
+_PATH = re.compile(r"~?/?\w+(?:/\w+)+")
 #: What filters messages of a type; the node comes first, and then the topic.
 _FILTER = re.compile(r"(?:\w+::)*Subscriber\s*<(?P<type>[^<>,]+)[^<>]*>")
 _TIMERS = frozenset({"create_wall_timer", "create_timer", "createTimer", "createWallTimer"})
@@ -158,7 +159,8 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     # A service with a name that only a run knows is noted, but gives no name.
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
-    unnamed |= handles.leave_topics_unread(files)
+    unnamed |= handles.leave_topics_unread(files, _CALLED)
+    named += (Topic(each, "", None) for each in dict.fromkeys(_paths_in(files)))
     name, namespace = next(iter(names), (None, ""))
     return Interface(
         tuple(published),
@@ -171,12 +173,22 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     )
 
 
+def _paths_in(files: Iterable[CppCode]) -> Iterator[str]:
+    """Yield the texts in quotes that look like topics below a namespace."""
+    for file in files:
+        for token in file.tokens:
+            text = file.string(token) if token.text.startswith('"') else None
+            if text and _PATH.fullmatch(text):
+                yield text
+
+
 class _File(CppCode):
     """What the calls and functions of a file mean to ROS."""
 
     def values(self) -> dict[str, _Value]:
         """Return the texts that variables have."""
         found: dict[str, _Value] = {}
+        texts: dict[str, set[str | None]] = {}
         tokens = self.tokens
         for at, token in enumerate(tokens):
             if not is_word(token.text):
@@ -198,7 +210,12 @@ class _File(CppCode):
             else:
                 continue
             if value.text is not None or value.parameter is not None:
+                texts.setdefault(token.text, set()).add(value.text)
                 found[token.text] = value
+        for name, known in texts.items():
+            # A name with two texts is known at run time.
+            if len(known) > 1 and found[name].parameter is None:
+                found[name] = _Value(None)
         defaults: dict[str | None, str | None] = {
             value.parameter: value.text for value in found.values() if value.parameter
         }

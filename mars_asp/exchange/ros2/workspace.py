@@ -57,7 +57,7 @@ _BUILD_FILES = frozenset({"CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.
 #: Programs whose names a build file computes.
 _COMPOSED = re.compile(
     r"(?i)add_executable\s*\(\s*[^)\s]*\$\{|add_example|add_demo|install\s*\(\s*PROGRAMS\s+\$\{"
-    r"|foreach\s*\(|catkin_install_python\s*\([^)]*\$\{"
+    r"|\bEXECUTABLE\s+[^)\s]*\$\{|foreach\s*\(|catkin_install_python\s*\([^)]*\$\{"
 )
 _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
 _PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
