@@ -110,7 +110,7 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     for file in files:
         # A variable that gets a parameter may have another value before, as in a header.
         kept = {name: value for name, value in values.items() if value.parameter is not None}
-        own = file.values()
+        own = file.values
         values |= {name: own[name] for name in own if own[name].parameter or name not in kept}
         kinds |= file.callbacks()
 
@@ -185,8 +185,9 @@ def _paths_in(files: Iterable[CppCode]) -> Iterator[str]:
 class _File(CppCode):
     """What the calls and functions of a file mean to ROS."""
 
-    def values(self) -> dict[str, _Value]:
-        """Return the texts that variables have."""
+    @cached_property
+    def values(self) -> Mapping[str, _Value]:
+        """The texts that variables have."""
         found: dict[str, _Value] = {}
         texts: dict[str, set[str | None]] = {}
         tokens = self.tokens

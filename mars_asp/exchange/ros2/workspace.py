@@ -190,7 +190,11 @@ class Workspace:
 
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
-        return next((each for each in self.packages if each.folder in file.parents), None)
+        return next((self._by_folder[f] for f in file.parents if f in self._by_folder), None)
+
+    @cached_property
+    def _by_folder(self) -> dict[Path, Package]:
+        return {each.folder: each for each in self.packages}
 
     def find(self, path: str, folder: Path) -> Path | None:
         """Return the file that a path of a launch file in a folder names, if it lies here."""
