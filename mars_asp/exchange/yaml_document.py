@@ -5,7 +5,7 @@ It is read event by event, so that neither depth nor aliases cost more than thei
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple, TypeAlias
@@ -278,7 +278,7 @@ class _Reader:
         """Return a list or map that is complete."""
         if not of.is_map:
             return Items(tuple(of.nodes), span)
-        pairs: dict[str, tuple[Scalar, Node]] = {}
+        given: list[tuple[Scalar, Node]] = []
         merged: list[tuple[Scalar, Node]] = []
         for key, value in zip(of.nodes[::2], of.nodes[1::2], strict=True):
             if not isinstance(key, Scalar):
@@ -286,31 +286,41 @@ class _Reader:
             if key.text == "<<" and not key.quoted:
                 merged += _merged(value)
                 continue
-            self.put(pairs, key, value, within=False)
+            given.append((key, value))
+        noted = len(self.repeated)
+        pairs = self.by_key(given, within=False)
+        self.repeated[noted:] = sorted(self.repeated[noted:], key=lambda each: each.key.span)
         for key, value in merged:
             pairs.setdefault(key.text, (key, value))
         return Pairs(tuple(pairs.values()), span)
 
-    def put(
-        self, pairs: dict[str, tuple[Scalar, Node]], key: Scalar, value: Node, *, within: bool
-    ) -> None:
-        """Add a key to those of a map, and note it where the map has it."""
-        if key.text not in pairs:
-            pairs[key.text] = key, value
-            return
-        first, old = pairs[key.text]
-        if self.merges and isinstance(value, Pairs) and isinstance(old, Pairs):
-            if not within:
-                self.repeated.append(Repeat(key, first.span, is_merged=True))
-            inner = {each.text: (each, node) for each, node in old.pairs}
-            for each, node in value.pairs:
-                self.put(inner, each, node, within=True)
-            pairs[key.text] = first, Pairs(tuple(inner.values()), old.span)
-            return
-        texts = [each.text for each in (value, old) if isinstance(each, Scalar)]
-        if not (self.allows_copies and len(texts) == 2 and texts[0] == texts[1]):
-            self.repeated.append(Repeat(key, first.span, within=within))
-            pairs[key.text] = key, value
+    def by_key(
+        self, given: Sequence[tuple[Scalar, Node]], *, within: bool
+    ) -> dict[str, tuple[Scalar, Node]]:
+        """Return the keys of a map with their values, and note those that it has again."""
+        pairs: dict[str, tuple[Scalar, Node]] = {}
+        # Joined once at the end: a key may have thousands of maps.
+        maps: dict[str, list[tuple[Scalar, Node]]] = {}
+        for key, value in given:
+            if key.text not in pairs:
+                pairs[key.text] = key, value
+                continue
+            first, old = pairs[key.text]
+            if self.merges and isinstance(value, Pairs) and isinstance(old, Pairs):
+                if not within:
+                    self.repeated.append(Repeat(key, first.span, is_merged=True))
+                maps.setdefault(key.text, list(old.pairs)).extend(value.pairs)
+                continue
+            texts = [each.text for each in (value, old) if isinstance(each, Scalar)]
+            if not (self.allows_copies and len(texts) == 2 and texts[0] == texts[1]):
+                self.repeated.append(Repeat(key, first.span, within=within))
+                pairs[key.text] = key, value
+                # Keys that repeat in the lost maps are noted as well.
+                self.by_key(maps.pop(key.text, ()), within=True)
+        for text, inner in maps.items():
+            first, old = pairs[text]
+            pairs[text] = first, Pairs(tuple(self.by_key(inner, within=True).values()), old.span)
+        return pairs
 
 
 def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:

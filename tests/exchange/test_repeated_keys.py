@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.exchange.yaml_document import Pairs, Repeat, read_yaml
 from mars_asp.model.graph import RepeatedKey
 from tests.support.packages import write_package
 
@@ -74,3 +75,15 @@ def test_a_file_of_ros_1_is_read_as_yaml(tmp_path: Path) -> None:
 
 def sort_of(key: RepeatedKey) -> str:
     return "merged" if key.is_merged else "within" if key.within else "lost"
+
+
+def test_thousands_of_maps_of_one_node_are_joined_once() -> None:
+    count = 5000
+    text = "".join(f"arm: {{a{at}: 1, same: {at}}}\n" for at in range(count))
+    repeated: list[Repeat] = []
+    root = read_yaml(text, "arm.yaml", repeated=repeated, merges=True)
+    assert isinstance(root, Pairs)
+    [(_, arm)] = root.pairs
+    assert isinstance(arm, Pairs)
+    assert len(arm.pairs) == count + 1
+    assert sum(each.within for each in repeated) == count - 1
