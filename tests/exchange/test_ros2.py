@@ -21,6 +21,7 @@ from mars_asp.language import Parsed
 from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import Control
 from tests.support.documents import ROOT
+from tests.support.packages import write_package
 
 FOLDER = ROOT / "tests" / "ros2"
 TREES = [
@@ -128,6 +129,13 @@ DESCRIPTIONS = [
     (
         "def start(event, context): return [" + JOY + "]",
         "RegisterEventHandler(OnProcessStart(target_action=None, on_start=start))",
+        ["/joy_node"],
+    ),
+    (
+        "def again(event, context): return restarted()\n"
+        "    def restarted():\n"
+        "        return [" + JOY + ", RegisterEventHandler(OnProcessExit(on_exit=again))]",
+        "*restarted()",
         ["/joy_node"],
     ),
     (
@@ -408,6 +416,66 @@ def test_broken_files_of_a_folder_are_noted(tmp_path: Path) -> None:
     assert any(m.startswith("launch files with errors not read: 3") for m in messages)
     assert any("named as launch files but are none not read: 1" in m for m in messages)
     assert time.process_time() - begun < 2
+
+
+def test_a_broken_file_that_another_includes_is_broken_once(tmp_path: Path) -> None:
+    files = {
+        "launch/inner.launch.py": "def generate_launch_description(:\n",
+        "launch/outer.launch.xml": "<launch><include"
+        ' file="$(find-pkg-share mine)/launch/inner.launch.py"/></launch>',
+    }
+    write_package(files, tmp_path)
+    trees = import_ros2([("", str(tmp_path))]).trees
+    assert [Path(tree.path).name for tree in trees] == ["outer.launch.xml"]
+    [(text, _)] = trees[0].broken
+    assert text.endswith("launch/inner.launch.py: this is not Python: invalid syntax")
+
+
+def test_a_list_in_brackets_is_a_list(tmp_path: Path) -> None:
+    manager = '<node pkg="nav2_lifecycle_manager" exec="lifecycle_manager" name="m">{}</node>'
+    given = '<param name="node_names" value="[a, \'b\']"/>'
+    write_package({"launch/x.launch.xml": f"<launch>{manager.format(given)}</launch>"}, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    [node] = tree.nodes
+    assert [name for name, _ in node.manages] == ["/a", "/b"]
+
+
+@pytest.mark.parametrize(
+    ("space", "topic"), [("", "/camera/camera"), (' ns="left"', "/left/camera")]
+)
+def test_a_node_of_the_catalogue_may_have_a_namespace(
+    space: str, topic: str, tmp_path: Path
+) -> None:
+    node = f'<node pkg="realsense2_camera" exec="realsense2_camera_node"{space}/>'
+    write_package({"launch/x.launch.xml": f"<launch>{node}</launch>"}, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert f"{topic}/color/image_raw" in [end.topic for end in tree.nodes[0].published]
+
+
+MADE = (
+    "import rospy, sys\nclass N:\n  def __init__(self, name):\n"
+    "    rospy.Publisher('/' + name + '/cmd', Twist)\n{}"
+)
+
+
+@pytest.mark.parametrize(
+    ("calls", "topics"),
+    [
+        ("N('a')\n", ["/a/cmd"]),
+        ("N('a')\nN('b')\n", ["/a/cmd", "/b/cmd"]),
+        ("if sys.argv: N(sys.argv[1])\nelse: N('a')\n", []),
+        ("if sys.argv: N('a')\nelse: N('b')\n", []),
+        ("if sys.argv: N('a')\nelse: N('a')\n", ["/a/cmd"]),
+        ("if sys.argv: N('a')\n", ["/a/cmd"]),
+    ],
+)
+def test_arguments_of_a_constructor_may_depend_on_a_condition(
+    calls: str, topics: list[str], tmp_path: Path
+) -> None:
+    launch = '<launch><node pkg="mine" type="n.py" name="n"/></launch>'
+    write_package({"scripts/n.py": MADE.format(calls), "launch/x.launch": launch}, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert [end.topic for node in tree.nodes for end in node.published] == topics
 
 
 def test_programs_count_as_started_where_no_launch_file_is() -> None:

@@ -59,8 +59,7 @@ REFUSED = [
         "topics:\n- {name: a}\n- {name: a}\n",
         [
             "2:10: error: input `a` has no `topic` and no `timeout` and no `priority`",
-            "3:10: error: input `a` has no `topic` and no `timeout` and no `priority`",
-            "3:10: error: two inputs are named `a`",
+            "3:10: error: input `a_2` has no `topic` and no `timeout` and no `priority`",
         ],
     ),
     (
@@ -324,3 +323,12 @@ def test_what_others_wrote_is_quoted_within_reason(
     told = capsys.readouterr().err
     assert "xxx...xxx" in told
     assert len(told) < 3000
+
+
+def test_names_in_a_list_are_labels() -> None:
+    inputs = (("a", "x", 1), ("a", "y", 2), ("a_2", "z", 3))
+    item = "- {{name: {}, topic: {}, timeout: 0.5, priority: {}}}\n"
+    text = "topics:\n" + "".join(item.format(*each) for each in inputs)
+    lines = import_twist_mux(text, "mux.yaml").configuration.relationships
+    found = [(str(each.controller), each.priority) for each in lines if isinstance(each, Control)]
+    assert found == [("a", 1), ("a_2", 2), ("a_2_2", 3)]

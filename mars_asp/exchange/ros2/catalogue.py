@@ -16,7 +16,7 @@ _BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<def
 _PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
 _TOPICS = ("publishes", "measures", "subscribes", "optional")
 #: `read` is where an entry was read, for people.
-_TEXTS = ("plugin", "node", "read")
+_TEXTS = ("plugin", "node", "namespace", "read")
 _FLAGS = ("guard", "clients", "listens", "spread")
 
 
@@ -91,6 +91,7 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
         if not fits:
             raise _wrong(path, f"`{key}` of `{called}` is not {expected}")
     plugin, node = program.get("plugin"), program.get("node")
+    namespace = program.get("namespace")
     return Entry(
         package,
         executable,
@@ -109,6 +110,7 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
             clients=program.get("clients") is True,
             listens=program.get("listens") is True,
             spread=program.get("spread") is True,
+            namespace=namespace if isinstance(namespace, str) else "",
         ),
     )
 

@@ -1,10 +1,12 @@
 """Commands of a `CMakeLists.txt`, as far as they say which sources a program has."""
 
+import posixpath
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 #: Comments and strings, brackets and words; one pattern that any text fits.
 _TOKEN = re.compile(
@@ -15,7 +17,16 @@ _TOKEN = re.compile(
 _VARIABLE = re.compile(r"\$\{([\w-]+)\}")
 _EXECUTABLES = frozenset({"add_executable", "ament_auto_add_executable", "cuda_add_executable"})
 _LIBRARIES = frozenset({"add_library", "ament_auto_add_library", "cuda_add_library"})
+_BLOCKS = frozenset({"macro", "function", "foreach"})
+#: The folder of the package at the start of absolute paths.
+_PACKAGE = "/package"
 _MOST_WORDS = 10_000
+_MOST_COMMANDS = 10_000
+_DEEPEST = 20
+
+#: A command and its words, and the words of variables.
+_Command: TypeAlias = tuple[str, list[str]]
+_Values: TypeAlias = dict[str, list[str]]
 
 
 class Installed(NamedTuple):
@@ -59,32 +70,126 @@ class Targets:
         return found
 
 
-def read_cmake(text: str) -> Targets:  # noqa: C901 -- one case for each command
-    """Return the targets of a `CMakeLists.txt`; conditions are taken whatever they say."""
-    targets = Targets()
-    values: dict[str, list[str]] = {}
-    automatic: list[str] = []
-    for name, words in _commands(text):
-        given = _expanded(words, values)
-        if not given:
-            continue
+def read_cmake(text: str, files: Mapping[str, Callable[[], str]] | None = None) -> Targets:
+    """Return the targets of a `CMakeLists.txt`; conditions are taken whatever they say.
+
+    `files` are the files of the package by their paths in it, each with a function that returns
+    its text: included files and those of subfolders are read, and patterns name their files.
+    Paths are relative to the package.
+    """
+    reader = _Reader(files or {})
+    reader.follow(list(_commands(text)), "", {})
+    return reader.targets
+
+
+class _Reader:
+    """Follows the commands of a package, through loops, macros and the files they name."""
+
+    def __init__(self, files: Mapping[str, Callable[[], str]]) -> None:
+        self.files = files
+        self.targets = Targets()
+        self.macros: dict[str, tuple[Sequence[str], Sequence[_Command]]] = {}
+        self.automatic: list[str] = []
+        self.depth = 0
+        self.left = _MOST_COMMANDS
+
+    def follow(self, commands: Sequence[_Command], folder: str, values: _Values) -> None:
+        """Take the commands of a file in a folder of the package, which may set variables."""
+        if self.depth > _DEEPEST:
+            return
+        self.depth += 1
+        values["CMAKE_CURRENT_SOURCE_DIR"] = values["CMAKE_CURRENT_LIST_DIR"] = [
+            posixpath.join(_PACKAGE, folder).rstrip("/")
+        ]
+        values["CMAKE_SOURCE_DIR"] = values["PROJECT_SOURCE_DIR"] = [_PACKAGE]
+        at = 0
+        while at < len(commands) and self.left > 0:
+            name, words = commands[at]
+            at += 1
+            self.left -= 1
+            given = _expanded(words, values)
+            if name in _BLOCKS:
+                end = _end_of_block(commands, at, name)
+                body = commands[at:end]
+                at = end + 1
+                if name == "foreach":
+                    self.follow_loop(given, body, folder, values)
+                elif given:
+                    self.macros[given[0].lower()] = given[1:], body
+            elif name in self.macros:
+                parameters, body = self.macros[name]
+                arguments: _Values = {f"ARGV{at}": [each] for at, each in enumerate(given)}
+                arguments |= {name: [each] for name, each in zip(parameters, given, strict=False)}
+                arguments |= {"ARGV": given, "ARGN": given[len(parameters) :]}
+                inner = {**values, **arguments}
+                self.follow(body, folder, inner)
+                values |= {key: inner[key] for key in inner.keys() - arguments.keys()}
+            elif given:
+                self.take_command(name, given, folder, values)
+        self.depth -= 1
+
+    def follow_loop(
+        self, given: Sequence[str], body: Sequence[_Command], folder: str, values: _Values
+    ) -> None:
+        """Take the commands of a loop for each of its items."""
+        variable, *items = given or [""]
+        if items[:1] == ["IN"]:
+            named = {word for word in items if word in values}
+            listed = [
+                each for word in items for each in (values[word] if word in named else [word])
+            ]
+            items = [each for each in listed if each not in ("IN", "LISTS", "ITEMS")]
+        for item in items[:_MOST_WORDS]:
+            if self.left <= 0:
+                return
+            values[variable] = [item]
+            self.follow(body, folder, values)
+
+    def take_command(self, name: str, given: Sequence[str], folder: str, values: _Values) -> None:
+        """Take a command with the words that it is given, of which there is one at least."""
         first, *others = given
         match name:
             case "set":
                 values[first] = others[:_MOST_WORDS]
+            case "list" if others and first == "APPEND":
+                values[others[0]] = [*values.get(others[0], ()), *others[1:]][:_MOST_WORDS]
+            case "file" if others and first in ("GLOB", "GLOB_RECURSE"):
+                values[others[0]] = list(self.matching(first, others[1:], folder))
+            case "aux_source_directory" if others:
+                patterns = [f"{first}/*{suffix}" for suffix in (".cpp", ".cc", ".cxx", ".c")]
+                values[others[0]] = list(self.matching("GLOB", patterns, folder))
             case "project":
                 values["PROJECT_NAME"] = [first]
                 values["CATKIN_PACKAGE_SHARE_DESTINATION"] = [f"share/{first}"]
+            case "include" if first.endswith(".cmake"):
+                self.follow(self.commands_of(_in_package(first, folder)), folder, values)
+            case "add_subdirectory":
+                inner = _in_package(first, folder)
+                self.follow(self.commands_of(f"{inner}/CMakeLists.txt"), inner, dict(values))
+            case "install" if first in ("DIRECTORY", "FILES"):
+                installed = _installed(first == "DIRECTORY", others, folder, values)
+                self.targets.installed += installed
+            case _:
+                self.take_of_target(name, first, others, folder)
+
+    def take_of_target(self, name: str, first: str, others: Sequence[str], folder: str) -> None:
+        """Take a command about the target or the sort of files that its first word names."""
+        targets = self.targets
+        match name:
             case _ if name in _EXECUTABLES:
-                targets.sources[first] = others
+                targets.sources[first] = [_in_package(each, folder) for each in others]
                 targets.executables[first] = first
                 if name.startswith("ament_auto"):
-                    targets.links.setdefault(first, []).extend(automatic)
+                    targets.links.setdefault(first, []).extend(self.automatic)
+            case _ if name in _LIBRARIES and others[:1] == ["ALIAS"]:
+                targets.links[first] = [*others[1:]]
             case _ if name in _LIBRARIES:
-                targets.sources[first] = others
-                automatic += [first] * name.startswith("ament_auto")
+                targets.sources[first] = [_in_package(each, folder) for each in others]
+                self.automatic += [first] * name.startswith("ament_auto")
             case "target_sources":
-                targets.sources.setdefault(first, []).extend(others)
+                targets.sources.setdefault(first, []).extend(
+                    _in_package(each, folder) for each in others
+                )
             case "target_link_libraries":
                 targets.links.setdefault(first, []).extend(others)
             case "rclcpp_components_register_node":
@@ -100,18 +205,56 @@ def read_cmake(text: str) -> Targets:  # noqa: C901 -- one case for each command
                 programs = (
                     others[: others.index("DESTINATION")] if "DESTINATION" in others else others
                 )
-                targets.programs += programs
-            case "install" if first in ("DIRECTORY", "FILES"):
-                targets.installed += _installed(first == "DIRECTORY", others, values)
+                targets.programs += [_in_package(each, folder) for each in programs]
             case "set_target_properties":
                 for key, value in pairwise(others):
                     if key == "OUTPUT_NAME":
                         targets.executables[value] = first
-    return targets
+
+    def commands_of(self, path: str) -> list[_Command]:
+        """Return the commands of a file of the package, none where it is not there."""
+        text = self.files.get(path)
+        return [] if text is None else list(_commands(text()))
+
+    def matching(self, command: str, words: Sequence[str], folder: str) -> Iterator[str]:
+        """Yield the files of the package that patterns name, as absolute paths."""
+        options = {word for word, _ in pairwise(words) if word in ("RELATIVE", "LIST_DIRECTORIES")}
+        skipped = {at + 1 for at, word in enumerate(words) if word in options}
+        for at, word in enumerate(words):
+            pattern = _in_package(word, folder)
+            above, _, name = pattern.rpartition("/")
+            if at in skipped or word in options or word.isupper() or "*" not in name:
+                continue
+            self.left -= 1 + len(self.files) // 100
+            for path in self.files if self.left > 0 else ():
+                place, _, last = path.rpartition("/")
+                is_below = command == "GLOB_RECURSE" and f"{place}/".startswith(
+                    f"{above}/" * bool(above)
+                )
+                if (place == above or is_below) and fnmatchcase(last, name):
+                    yield f"{_PACKAGE}/{path}"
+
+
+def _in_package(path: str, folder: str) -> str:
+    """Return a path of a file in a folder of the package, relative to the package."""
+    whole = path if path.startswith(_PACKAGE) else posixpath.join(_PACKAGE, folder, path)
+    normal = posixpath.normpath(whole)
+    return normal.removeprefix(_PACKAGE).lstrip("/") if normal.startswith(_PACKAGE) else path
+
+
+def _end_of_block(commands: Sequence[_Command], at: int, name: str) -> int:
+    """Return the place of the command that ends a block whose first command is before `at`."""
+    depth = 1
+    while at < len(commands):
+        depth += (commands[at][0] == name) - (commands[at][0] == f"end{name}")
+        if depth == 0:
+            break
+        at += 1
+    return at
 
 
 def _installed(
-    is_folder: bool, words: Sequence[str], values: Mapping[str, Sequence[str]]
+    is_folder: bool, words: Sequence[str], folder: str, values: Mapping[str, Sequence[str]]
 ) -> Iterator[Installed]:
     """Yield what a command installs to the shared folder of the package."""
     if "DESTINATION" not in words[:-1]:
@@ -121,11 +264,12 @@ def _installed(
     target = words[at + 1].rstrip("/")
     if target == share or target.startswith(f"{share}/"):
         for word in words[:at]:
-            source = word.removeprefix("${CMAKE_CURRENT_SOURCE_DIR}/")
+            # With a slash at its end a folder is installed by its content.
+            source = _in_package(word, folder) + "/" * word.endswith("/")
             yield Installed(source, target.removeprefix(share).lstrip("/"), is_folder)
 
 
-def _commands(text: str) -> Iterator[tuple[str, list[str]]]:
+def _commands(text: str) -> Iterator[_Command]:
     """Yield each command with its words."""
     before, words, depth = "", list[str](), 0
     for match in _TOKEN.finditer(text):
@@ -147,7 +291,7 @@ def _commands(text: str) -> Iterator[tuple[str, list[str]]]:
             before = token
 
 
-def _expanded(words: Sequence[str], values: dict[str, list[str]]) -> list[str]:
+def _expanded(words: Sequence[str], values: _Values) -> list[str]:
     """Return words with the variables in them replaced, a whole one by all its words."""
     found: list[str] = []
     for word in words:

@@ -317,7 +317,8 @@ class Launch:
         except MarsError as error:
             first = error.diagnostics[0]
             sort = "included launch files with errors"
-            self.unread.append(Unread(sort, f"{written}: {first.message}", first.span))
+            name = f"{self.workspace.shown(found)}: {first.message}"
+            self.unread.append(Unread(sort, name, first.span))
             return
         self._enter(actions, action, scope, (*files, found))
 
@@ -325,9 +326,13 @@ class Launch:
         self, file: Path, action: Include, scope: _Scope, files: tuple[Path, ...]
     ) -> None:
         """Take up a launch file of the catalogue; all of it is at the line that includes it."""
-        span, started, unread = action.span, self.started, self.unread
-        self.started, self.unread = [], []
+        span, started, unread, missing = action.span, self.started, self.unread, self.missing
+        self.started, self.unread, self.missing = [], [], {}
         self._enter(self._read(file), action, scope, (*files, file))
+        self.missing = {
+            **missing,
+            **dict.fromkeys(replace(each, span=span) for each in self.missing),
+        }
         rewrites = file.parent.parent.name in _REWRITING
         self.started = [*started, *(_at_include(each, span, rewrites) for each in self.started)]
         # Its own default files are not here, and name no topics.

@@ -306,7 +306,12 @@ def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[
         yield Parameter(keys, (), entity.span, listed)
     if value is not None:
         apart = entity.attributes.get("value-sep", entity.attributes.get("value_sep"))
-        words = entity.attributes["value"].split(apart) if apart else None
+        shown = entity.attributes["value"]
+        words = shown.split(apart) if apart else None
+        # ROS 2 takes a value for YAML, in which a list has brackets.
+        listing = re.fullmatch(r"\s*\[([^][]*)\]\s*", shown)
+        if listing and not words:
+            words = [word.strip(" \t\n'\"") for word in listing[1].split(",") if word.strip()]
         items = None if words is None else tuple(map(substituted, words))
         yield Parameter(keys, value, entity.span, items)
     for inner in entity.named("param"):

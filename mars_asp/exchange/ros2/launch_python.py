@@ -102,6 +102,7 @@ class _Reader(Evaluator):
 
     def actions(self, tree: ast.Module) -> tuple[Action, ...]:
         """Return the actions of the description that the file generates."""
+        self.handling: set[ast.AST] = set()
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom):
                 self.called.update((n.asname, n.name) for n in node.names if n.asname)
@@ -260,9 +261,14 @@ class _Reader(Evaluator):
         """Yield the actions of timers and event handlers, which start some time."""
         held = [value for name, value in call.named.items() if name != "target_action"]
         for each in (*call.arguments, *held):
-            # A handler may be a function that takes the event and the context.
-            given = self.call_local(each, (), {}) if isinstance(each, Local) else each
-            yield from self.interpret(given, tests)
+            # A handler may be a function that takes the event and the context, and that
+            # handles the end of the process that it starts again.
+            if not isinstance(each, Local):
+                yield from self.interpret(each, tests)
+            elif each.of not in self.handling:
+                self.handling.add(each.of)
+                yield from self.interpret(self.call_local(each, (), {}), tests)
+                self.handling.discard(each.of)
 
     def started(self, call: Call, tests: Tests) -> Iterator[Action]:
         """Yield the node that a call starts, or those that go into a container."""

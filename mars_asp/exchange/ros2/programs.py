@@ -10,7 +10,6 @@ from pathlib import Path
 from mars_asp.annotations.comments import blanked
 from mars_asp.annotations.declarations.tokens import text_at, tokenise
 from mars_asp.diagnostic import MarsError
-from mars_asp.exchange.ros2.cmake import Targets, read_cmake
 from mars_asp.exchange.ros2.interface import Interface
 from mars_asp.exchange.ros2.setup_files import scripts_of_configuration, scripts_of_setup
 from mars_asp.exchange.ros2.source_cpp import read_cpp
@@ -57,16 +56,15 @@ class Programs:
         for package in self.workspace.packages:
             for name in self._scripts.get(package.name, {}):
                 yield Program(package.name, name, False)
-            targets = self._targets.get(package.name)
-            if targets is not None:
-                for name in targets.executables:
-                    yield Program(package.name, name, False)
-                for path in targets.programs:
-                    yield Program(package.name, Path(path).name, False)
-                started = set(targets.executables.values())
-                for plugin, target in targets.plugins.items():
-                    if target not in started:
-                        yield Program(package.name, plugin, True)
+            targets = self.workspace.targets(package)
+            for name in targets.executables:
+                yield Program(package.name, name, False)
+            for path in targets.programs:
+                yield Program(package.name, Path(path).name, False)
+            started = set(targets.executables.values())
+            for plugin, target in targets.plugins.items():
+                if target not in started:
+                    yield Program(package.name, plugin, True)
 
     # ---- From a program to its sources
 
@@ -80,8 +78,8 @@ class Programs:
         if entry is not None:
             module, _, function = entry.partition(":")
             return self._python.interface(module.strip(), function.strip() or None)
-        targets = self._targets.get(package.name)
-        if targets is not None and program.executable in targets.executables:
+        targets = self.workspace.targets(package)
+        if program.executable in targets.executables:
             target = targets.executables[program.executable]
             plugin = targets.started.get(program.executable)
             return (self._component(plugin) if plugin else None) or self._compiled(
@@ -91,8 +89,7 @@ class Programs:
 
     def _by_name(self, package: Package, executable: str) -> Interface | None:
         """Return the interface of a script, or of the one source of a name."""
-        targets = self._targets.get(package.name)
-        installed = () if targets is None else targets.programs
+        installed = self.workspace.targets(package).programs
         paths = [path for path in installed if Path(path).name == executable]
         # Programs of ROS 2 may be in the folder of the modules.
         paths += [
@@ -163,7 +160,7 @@ class Programs:
 
         Where no target has the file, these are all sources of the package that are no program.
         """
-        targets = self._targets.get(package.name) or Targets()
+        targets = self.workspace.targets(package)
         libraries = [
             list(self._found(package, targets.of(target)))
             for target, sources in targets.sources.items()
@@ -182,11 +179,16 @@ class Programs:
 
     def _included(self, package: Package, file: Path) -> list[Path]:
         """Return the headers of a package that a file of it includes."""
-        return [
-            header
-            for name in _INCLUDE.findall(self._text(file) or "")
-            for header in self._headers.get(name.rpartition("/")[2], {}).get(package.folder, ())
-        ]
+        found: list[Path] = []
+        for name in _INCLUDE.findall(self._text(file) or ""):
+            last = name.rpartition("/")[2]
+            headers = self._headers.get(last, {}).get(package.folder, [])
+            # One beside the file comes first, then those whose path ends so.
+            beside = file.parent / name
+            parts = Path(name).parts
+            ending = [each for each in headers if each.parts[-len(parts) :] == parts]
+            found += [beside] if beside in headers else ending or headers
+        return found
 
     def _component(self, plugin: str) -> Interface | None:
         """Return the interface of a component by its class."""
@@ -196,8 +198,8 @@ class Programs:
             package = self.workspace.package_of(file)
             return None if package is None else self._with_library(package, file)
         for package in self.workspace.packages:
-            targets = self._targets.get(package.name)
-            if targets is not None and plugin in targets.plugins:
+            targets = self.workspace.targets(package)
+            if plugin in targets.plugins:
                 return self._compiled(package, targets.of(targets.plugins[plugin]))
         return None
 
@@ -215,20 +217,10 @@ class Programs:
     # ---- What is where
 
     @cached_property
-    def _by_package(self) -> dict[Path, list[Path]]:
-        """The files of each package, by its folder."""
-        found: dict[Path, list[Path]] = {each.folder: [] for each in self.workspace.packages}
-        for file in self.workspace.files:
-            folder = next((each for each in file.parents if each in found), None)
-            if folder is not None:
-                found[folder].append(file)
-        return found
-
-    @cached_property
     def _sources(self) -> dict[Path, list[Path]]:
         return {
             folder: [file for file in files if file.suffix in _CPP | _HEADERS]
-            for folder, files in self._by_package.items()
+            for folder, files in self.workspace.by_package.items()
         }
 
     @cached_property
@@ -245,7 +237,7 @@ class Programs:
     def _modules(self) -> dict[str, Path]:
         """The files of Python modules, by their names in their packages."""
         found: dict[str, Path] = {}
-        for folder, files in self._by_package.items():
+        for folder, files in self.workspace.by_package.items():
             for file in files:
                 if file.suffix != ".py":
                     continue
@@ -255,16 +247,6 @@ class Programs:
                 if len(parts) > 1 and parts[0] in ("src", "scripts", "nodes", "include"):
                     found.setdefault(".".join(parts[1:]), file)
                 found.setdefault(".".join(parts), file)
-        return found
-
-    @cached_property
-    def _targets(self) -> dict[str, Targets]:
-        """The targets of each package that CMake builds."""
-        found = {}
-        for package in self.workspace.packages:
-            text = self._text(package.folder / "CMakeLists.txt")
-            if text is not None:
-                found[package.name] = read_cmake(text)
         return found
 
     @cached_property

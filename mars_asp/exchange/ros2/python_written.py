@@ -156,6 +156,31 @@ def given_by(
     return {name: ast.Constant(text(value)) for name, value in given}
 
 
+def alternatives(part: ast.AST, calls: Sequence[ast.Call]) -> Iterator[list[ast.Call]]:
+    """Yield calls of a part of a program, those together of which a condition decides for one."""
+    left = {id(call): call for call in calls}
+    for test in ast.walk(part) if len(calls) > 1 else ():
+        if isinstance(test, ast.If) and test.orelse:
+            sides = [
+                [each for of in side for each in ast.walk(of) if id(each) in left]
+                for side in (test.body, test.orelse)
+            ]
+            if all(sides):
+                yield [left.pop(id(each)) for side in sides for each in side]
+    yield from ([call] for call in left.values())
+
+
+def made_alike(made: Sequence[dict[str, ast.expr]]) -> dict[str, ast.expr]:
+    """Return what one of several objects is made with, nothing where they differ."""
+    first, *others = made
+    return {
+        name: value
+        if all(ast.dump(each[name]) == ast.dump(value) for each in others if name in each)
+        else ast.Constant(None)
+        for name, value in first.items()
+    }
+
+
 def _parameters(node: ast.ClassDef) -> ast.arguments | None:
     made = (each for each in node.body if isinstance(each, ast.FunctionDef))
     return next((each.args for each in made if each.name == "__init__"), None)

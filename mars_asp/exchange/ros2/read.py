@@ -358,20 +358,23 @@ class _Robot:
             return
         included: set[Path] = set()
         launches: dict[Path, Launch] = {}
+        broken: dict[Path, Diagnostic] = {}
         for file in files:
             launch = Launch(self.workspace, launch)
             launch.path = file
             try:
                 launch.launch(file)
             except MarsError as error:
-                wrong = error.diagnostics[0]
+                broken[file] = error.diagnostics[0]
+            else:
+                launches[file] = launch
+            included |= launch.reached - {file}
+        for file, wrong in broken.items():
+            if file not in included:
                 path = self.workspace.shown(file)
                 name = f"{path}: {wrong.message}"
                 self.unread.append(Unread("launch files with errors", name, wrong.span))
                 self.trees.append(LaunchTree(path, broken=((name, wrong.span),)))
-            else:
-                launches[file] = launch
-            included |= launch.reached - {file}
         tops = [launch for file, launch in launches.items() if file not in included]
         # Files that include each other have no top.
         yield from tops or [*launches.values()][:1]

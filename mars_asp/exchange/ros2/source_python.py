@@ -32,9 +32,11 @@ from mars_asp.exchange.ros2.python_files import (
 )
 from mars_asp.exchange.ros2.python_texts import Texts
 from mars_asp.exchange.ros2.python_written import (
+    alternatives,
     defaults_of,
     distinct,
     given_by,
+    made_alike,
     rounds,
 )
 from mars_asp.exchange.unread import Unread
@@ -152,13 +154,20 @@ class _Program:
             return [{}]
         made = [defaults_of(node)]
         for of, part in islice(self.reached.values(), _MOST_FOLLOWED):
-            for call in ast.walk(part) if node.name in self.files.words(part) else ():
-                if isinstance(call, ast.Call) and len(made) <= _MOST_MADE:
-                    found = self.target(of, dotted_name(call.func))
-                    if found is not None and found[1] is node:
-                        unit = Texts(self.files, of, ast.Module([], []))
-                        made.append({**made[0], **given_by(node, call, unit.text)})
-        return distinct(made[1:] or made)
+            if node.name not in self.files.words(part):
+                continue
+            unit = Texts(self.files, of, ast.Module([], []))
+            calls = [
+                call
+                for call in ast.walk(part)
+                if isinstance(call, ast.Call)
+                and (found := self.target(of, dotted_name(call.func))) is not None
+                and found[1] is node
+            ]
+            for either in alternatives(part, calls[:_MOST_MADE]):
+                each = [{**made[0], **given_by(node, call, unit.text)} for call in either]
+                made.append(made_alike(each))
+        return distinct(made[1 : _MOST_MADE + 1] or made)
 
     def reach(self, file: SourceFile, node: ast.AST) -> None:
         """Take up a part of a program and what it names."""

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.exchange.ros2.cmake import Installed, read_cmake
+from mars_asp.exchange.ros2.cmake import Installed, Targets, read_cmake
 from mars_asp.exchange.ros2.setup_files import files_of_setup
 from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
@@ -91,6 +91,7 @@ class Workspace:
         self._ignored: list[tuple[Path, tuple[str, ...]]] | None = None
         self._contents: dict[Path, tuple[frozenset[str], str]] = {}
         self._shared: dict[Path, list[Installed]] = {}
+        self._targets: dict[Path, Targets] = {}
         #: What paths name, as the defaults of arguments are looked up for each include.
         self._found: dict[tuple[str, Path], Path | None] = {}
 
@@ -195,6 +196,16 @@ class Workspace:
     @cached_property
     def _by_folder(self) -> dict[Path, Package]:
         return {each.folder: each for each in self.packages}
+
+    @cached_property
+    def by_package(self) -> dict[Path, list[Path]]:
+        """The files of each package, by its folder."""
+        found: dict[Path, list[Path]] = {each.folder: [] for each in self.packages}
+        for file in self.files:
+            folder = next((each for each in file.parents if each in found), None)
+            if folder is not None:
+                found[folder].append(file)
+        return found
 
     def find(self, path: str, folder: Path) -> Path | None:
         """Return the file that a path of a launch file in a folder names, if it lies here."""
@@ -359,18 +370,26 @@ class Workspace:
     def _installed(self, package: Package) -> Sequence[Installed]:
         """Return the shared files that a package installs."""
         if package.folder not in self._shared:
-            setup, build = (
-                "" if found is None else self._readable(found)
-                for found in (
-                    self.find(name, package.folder) for name in ("setup.py", "CMakeLists.txt")
-                )
-            )
-            self._shared[package.folder] = []
+            found = self.find("setup.py", package.folder)
+            setup = "" if found is None else self._readable(found)
+            self._shared[package.folder] = list(self.targets(package).installed)
             # A path with very many summands is not read.
             with suppress(RecursionError):
                 self._shared[package.folder] += files_of_setup(setup, package.name)
-            self._shared[package.folder] += read_cmake(build).installed
         return self._shared[package.folder]
+
+    def targets(self, package: Package) -> Targets:
+        """Return the targets that CMake builds of a package, none where it does not build it."""
+        if package.folder not in self._targets:
+            files = {
+                file.relative_to(package.folder).as_posix(): partial(self._readable, file)
+                for file in self.by_package[package.folder]
+            }
+            build = files.get("CMakeLists.txt")
+            self._targets[package.folder] = (
+                Targets() if build is None else read_cmake(build(), files)
+            )
+        return self._targets[package.folder]
 
     def _readable(self, file: Path) -> str:
         """Return the text of a file, or an empty one if it has errors."""

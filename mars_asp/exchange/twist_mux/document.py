@@ -4,6 +4,7 @@ The dialects are those of https://wiki.ros.org/twist_mux (lists of maps), of its
 under `ros__parameters`, whose keys may be dotted) and of cmd_vel_mux, which has `subscribers`.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -229,7 +230,12 @@ class _Reader:
                 self.muxes.append(Mux(engine, "/".join(names), at, output, found))
 
     def listed(self, items: Items) -> Iterator[_Entry]:
-        """Yield what stands in a list of maps."""
+        """Yield the entries of a list of maps, a name that comes again with its number.
+
+        For the twist_mux of ROS 1, which reads lists, names are labels and need not differ.
+        """
+        seen: set[str] = set()
+        times: defaultdict[str, int] = defaultdict(lambda: 1)
         for item in items.nodes:
             if not isinstance(item, Pairs):
                 self.wrong(
@@ -241,7 +247,12 @@ class _Reader:
             fields = {key.text: (key, value) for key, value in item.pairs}
             _, name = fields.pop("name", (None, None))
             if isinstance(name, Scalar) and name.text:
-                yield _Entry(name.text, name.span, fields)
+                own = name.text
+                while own in seen:
+                    times[name.text] += 1
+                    own = f"{name.text}_{times[name.text]}"
+                seen.add(own)
+                yield _Entry(own, name.span, fields)
             else:
                 begin = item.span._replace(end_line=item.span.line, end_column=item.span.column)
                 self.wrong(
@@ -286,16 +297,7 @@ class _Reader:
 
     def inputs(self, entries: Sequence[_Entry]) -> Iterator[Input]:
         """Yield the inputs of a mux, and note what is wrong with them."""
-        first: dict[str, Span] = {}
         for entry in entries:
-            if entry.name in first:
-                self.wrong(
-                    entry.span,
-                    f"two inputs are named `{entry.name}`",
-                    "give each a name of its own",
-                    (first[entry.name], "the first one"),
-                )
-            first.setdefault(entry.name, entry.span)
             if read_name(written(entry.name)) is None:
                 message = "the name of an input is empty, or has a line break or control character"
                 self.wrong(entry.span, message, "write a name of one visible line")
