@@ -341,3 +341,34 @@ def test_a_name_with_two_texts_is_known_at_run_time() -> None:
 def test_a_path_in_quotes_may_be_a_topic() -> None:
     found = read_cpp([('std::vector<std::string> names{"~/in/cloud", "odom"};', "n.cpp")])
     assert [each.name for each in found.names] == ["~/in/cloud"]
+
+
+PARTLY_READ = """import rclpy, sys
+class N(Node):
+  def __init__(self):
+    super().__init__('n')
+    self.create_publisher(CameraInfo, sys.argv[1], 1)
+"""
+LIKE_IT = PARTLY_READ.replace("sys.argv[1]", "'/camera_info'")
+IN_VAIN = (
+    "import rclpy\nclass N(Node):\n  def __init__(self):\n    super().__init__('n')\n"
+    "    self.create_subscription(CameraInfo, '/front/camera_info', self.f, 1)\n"
+)
+
+
+@pytest.mark.parametrize(("name", "is_found"), [("front", False), ("rear", True)])
+def test_a_node_not_wholly_read_may_publish_topics_named_like_it(
+    name: str, is_found: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    launch = '<launch><node pkg="mine" exec="{}.py" name="{}"/></launch>'
+    files = {
+        "scripts/driver.py": PARTLY_READ,
+        "scripts/like.py": LIKE_IT,
+        "scripts/viewer.py": IN_VAIN,
+        "launch/driver.launch.xml": launch.format("driver", name),
+        "launch/like.launch.xml": launch.format("like", "like"),
+        "launch/viewer.launch.xml": launch.format("viewer", "viewer"),
+    }
+    write_package(files, tmp_path)
+    assert run_here(["check", str(tmp_path)]) == 0
+    assert ("[launch/topics/loose-ends]" in capsys.readouterr().err) == is_found

@@ -40,15 +40,21 @@ def launch_facts(trees: Iterable[LaunchTree]) -> tuple[Fact, ...]:
 
 
 def _similar_names(nodes: Sequence[Node]) -> Iterator[Fact]:
-    """Yield the topics without a publisher that are named like topics without a subscriber."""
+    """Yield topics without a publisher and names like theirs: of topics without a subscriber and
+    of nodes that are not wholly read.
+    """
     heard = {end.topic: end.span for node in nodes for end in node.subscribed}
     sent = {end.topic for node in nodes for end in node.published}
     free = sorted(sent - heard.keys())
+    unread = sorted({node.name for node in nodes if node.unread})
     for topic, span in heard.items():
         if topic not in sent:
             for other in free:
                 if _are_alike(topic, other):
                     yield _fact_at(span, "like_named", topic, other)
+            for name in unread:
+                if topic.split("/")[1] in name.split("/"):
+                    yield _fact_at(span, "near_node", topic, name)
 
 
 def _are_alike(topic: str, other: str) -> bool:
