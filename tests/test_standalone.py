@@ -14,7 +14,7 @@ from mars_asp.cli import run_here
 from mars_asp.language import parse_file
 from mars_asp.language.relocate import relocated, sources_seen_from
 from mars_asp.reasoning.project import load_project
-from tests.support.campaigns import seeds
+from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
 from tests.support.random_configurations import random_configuration
 
@@ -72,7 +72,7 @@ def stands_alone(configuration: Path, folder: Path, capsys: Captured) -> None:
     assert (folder / "again.mars").read_text() == specification.read_text()
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: str(path.relative_to(ROOT)))
+@pytest.mark.parametrize("path", sample(EXAMPLES, 3), ids=lambda path: str(path.relative_to(ROOT)))
 def test_examples(path: Path, tmp_path: Path, capsys: Captured, monkeypatch: Patch) -> None:
     (tmp_path / "third").mkdir()
     monkeypatch.chdir(tmp_path / "third")

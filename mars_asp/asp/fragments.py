@@ -2,6 +2,8 @@
 
 import re
 from collections.abc import Iterable, Iterator, Sequence, Set
+from functools import lru_cache
+from itertools import chain
 from typing import NamedTuple
 
 from mars_asp.asp.signature import plain
@@ -110,11 +112,17 @@ def _of_rules(fragment: Fragment, able: Set[int], first: int) -> Fragment:
     if fragment.premises is None:
         return fragment
     rest, rules, _, _ = fragment.premises
-    kept = (rule if at in able else blank(rule) for at, rule in enumerate(rules, first))
-    text = "".join(part for pair in zip(rest, (*kept, ""), strict=True) for part in pair)
-    return fragment._replace(text=text)
+    left_out = [at for at in range(len(rules)) if first + at not in able]
+    if not left_out:
+        return fragment
+    kept = [*rules, ""]
+    for at in left_out:
+        kept[at] = blank(rules[at])
+    text = "".join(chain.from_iterable(zip(rest, kept, strict=True)))
+    return Fragment(text, fragment.path, fragment.rule, fragment.premises)
 
 
+@lru_cache(maxsize=4096)
 def blank(text: str) -> str:
     """Return what takes as much place as a text, and holds nothing."""
     return "\n" * text.count("\n") + " " * len(text.rpartition("\n")[2])

@@ -84,10 +84,10 @@ def settings_for(folder: Path) -> Settings:
     for place in (here, *here.parents):
         own, shared = place / _OWN, place / _SHARED
         if os.path.isfile(own):  # noqa: PTH113 -- false where a folder may not be entered
-            return _read(own, _text(own), ())
+            return _read(os.path.relpath(own), _text(own), ())
         # Most projects have one, and few say anything of robots.
         if os.path.isfile(shared) and re.search(_NAMED, text := _text(shared)):  # noqa: PTH113
-            found = _read(shared, text, _TABLE)
+            found = _read(os.path.relpath(shared), text, _TABLE)
             if found is not NO_SETTINGS:
                 return found
     return NO_SETTINGS
@@ -98,17 +98,17 @@ def _text(path: Path) -> str:
     return decode(read_bytes(Path(shown), _MOST_BYTES), shown, _MOST_BYTES).replace("\r\n", "\n")
 
 
-def _read(path: Path, text: str, table: tuple[str, ...]) -> Settings:
+@lru_cache(maxsize=8)
+def _read(path: str, text: str, table: tuple[str, ...]) -> Settings:
+    """Return the settings of a text; `path` is relative, as people know their files."""
     from mars_asp.toml_text import read_tables
 
-    # People know their files from where they are.
-    path = Path(os.path.relpath(path))
-    values: Any = read_tables(text, str(path), "settings")
+    values: Any = read_tables(text, path, "settings")
     for name in table:
         values = values.get(name) if isinstance(values, Mapping) else None
     if values is None:
         return NO_SETTINGS
-    where = Settings(path=str(path), text=text, table=table)
+    where = Settings(path=path, text=text, table=table)
     if not isinstance(values, Mapping):
         raise MarsError([_wrong(where, "`tool.mars-asp` must be a table")])
     problems = list(_problems(where, values))
@@ -118,8 +118,8 @@ def _read(path: Path, text: str, table: tuple[str, ...]) -> Settings:
     return Settings(
         None if select is None else tuple(select),
         None if ignore is None else tuple(ignore),
-        None if baseline is None else str(path.parent / baseline),
-        tuple(str(path.parent / each) for each in rules or ()),
+        None if baseline is None else str(Path(path).parent / baseline),
+        tuple(str(Path(path).parent / each) for each in rules or ()),
         where.path,
         text,
         table,

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
 from tests.support.runaways import PACKS, contained
 from tests.support.signals import end_at_random
@@ -355,12 +356,12 @@ def test_a_crash_is_told_apart_from_a_limit(body: str, tmp_path: Path) -> None:
     assert "limit" not in said.decode()
 
 
-@pytest.mark.parametrize("seed", range(1000, 1008))
+@pytest.mark.parametrize("seed", [1000 + each for each in seeds(3, 8)])
 def test_a_command_that_is_ended_at_random_leaves_nothing(seed: int) -> None:
     assert end_at_random(seed) == []
 
 
-@pytest.mark.parametrize("name", sorted(PACKS))
+@pytest.mark.parametrize("name", sample(sorted(PACKS), 3))
 def test_runaways_are_contained(name: str) -> None:
     options = ("--time-limit", "1", "--memory-limit", "400")
     _, wrong = contained(name, options, "the time limit of 1 s ended this", 4.0)

@@ -12,6 +12,7 @@ from mars_asp.cli import run_here
 from mars_asp.draw.part import SCREEN, about, fitting, left_out, of_kinds
 from mars_asp.draw.picture import Box, Line, LineKind, Picture
 from mars_asp.draw.svg import drawn_width, svg_text
+from tests.support.campaigns import sample
 
 KINDS: tuple[LineKind, ...] = ("mount", "data", "control")
 ROBOT = """\
@@ -89,7 +90,7 @@ def test_lines_of_some_kinds_bring_their_boxes(picture: Picture, kinds: set[Line
 
 
 @pytest.mark.parametrize("count", [31, 400])
-@pytest.mark.parametrize("shape", ["star", "chain", "apart", "dense"])
+@pytest.mark.parametrize("shape", sample(["star", "chain", "apart", "dense"], 3))
 def test_a_large_picture_is_as_wide_as_a_screen(shape: str, count: int) -> None:
     ends = {
         "star": [(0, n) for n in range(1, count)],

@@ -14,6 +14,7 @@ from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.facts.launched import launch_facts
 from mars_asp.reasoning.launch_trees import launch_rules
 from mars_asp.reasoning.rules import load_rulebook
+from tests.support.campaigns import seeds
 
 RULES = launch_rules(load_rulebook(stages=("launch",)))
 #: The values that each argument takes; the last of three is any other.
@@ -109,7 +110,7 @@ def judged(text: str, folder: Path) -> Analysis:
     return analyse(launch_facts(parsed.trees), RULES, point("tree", 1, 1))
 
 
-@pytest.mark.parametrize("seed", range(300))
+@pytest.mark.parametrize("seed", seeds(60, 300))
 def test_nodes_of_one_name_are_found_where_some_arguments_start_both(
     seed: int, tmp_path: Path
 ) -> None:
@@ -155,7 +156,7 @@ def test_nodes_of_one_name_are_found_where_some_arguments_start_both(
         assert len(tests) == least
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(15, 60))
 def test_publishers_of_one_topic_are_found_where_some_arguments_start_both(
     seed: int, tmp_path: Path
 ) -> None:

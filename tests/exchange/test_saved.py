@@ -22,6 +22,7 @@ from mars_asp.model.graph import Endpoint, Graph, Mux, MuxInput, Node
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import described, load_project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
+from tests.support.campaigns import IS_CAMPAIGN, sample
 from tests.support.documents import ROOT
 
 #: Robots in each format that can be imported.
@@ -71,7 +72,7 @@ def test_robots_of_each_format_are_tried() -> None:
     assert {path.parent.name for path in ROBOTS} == set(FOLDERS)
 
 
-@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", sample(ROBOTS, 2), ids=lambda path: path.name)
 def test_a_saved_import_has_the_same_findings(path: Path) -> None:
     found = imported(path)
     assert findings(saved(found)) == findings(found, found.origin)
@@ -118,7 +119,7 @@ def graphs(draw: st.DrawFn) -> Graph:
     return Graph("x", tuple(nodes), muxes, draw(st.booleans()))
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30 if IS_CAMPAIGN else 10, deadline=None, derandomize=True)
 @given(graphs(), st.sampled_from(["ros2", "rosgraph", "twist_mux"]))
 def test_whatever_a_graph_holds_is_saved(graph: Graph, origin: str) -> None:
     found = replace(configuration_of(graph).configuration, origin=origin)

@@ -23,7 +23,7 @@ from mars_asp.reasoning.project import load_project, project_facts
 from mars_asp.reasoning.rules import STAGES, load_rulebook, seal
 from mars_asp.reasoning.sample import samples
 from mars_asp.reasoning.verification import verify
-from tests.support.campaigns import seeds
+from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
 from tests.support.mutated_texts import faults
 from tests.support.random_configurations import random_configuration
@@ -127,7 +127,7 @@ def test_what_would_overflow_the_parser_does_not_reach_it(text: str, tmp_path: P
         assert (found.code, found.span.path) == ("rules-refused", str(path))
 
 
-@pytest.mark.parametrize("verb", [["analyse"], ["explain"], ["explain", "deep(Camera)"]])
+@pytest.mark.parametrize("verb", sample([["analyse"], ["explain"], ["explain", "deep(Camera)"]], 2))
 @pytest.mark.parametrize(
     "term",
     [
@@ -260,7 +260,7 @@ def test_a_clean_pack_is_taken_and_lint_tells_what_else_is_noteworthy(tmp_path: 
     assert [each.code for each in lint([path]).diagnostics] == ["rule-arithmetic"]
 
 
-@pytest.mark.parametrize("first", [5_000 * seed + 1 for seed in seeds(2, 30)])
+@pytest.mark.parametrize("first", [5_000 * seed + 1 for seed in seeds(1, 30)])
 def test_no_change_of_a_text_ends_the_process(first: int) -> None:
     seen: Counter[str] = Counter()
     assert list(faults(first, 700, seen)) == []

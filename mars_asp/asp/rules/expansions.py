@@ -20,6 +20,7 @@ A term may have a label, a message in quotes whose holes are filled as those of 
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.asp.rules.computed import computations, leaves
@@ -171,7 +172,7 @@ def wrong(
         )
         yield _wrong(message, place, f"give it a name of its own, `{name}'`")
         return
-    elements = tuple(_elements(written))
+    elements = _elements(written)
     if len(elements) > MOST_ELEMENTS:
         yield _wrong(f"`{key}` lists more than {MOST_ELEMENTS} terms", place, advice)
         return
@@ -218,7 +219,12 @@ def _is_rule(text: str, shown: str, readings: int = 1) -> bool:
     return sorts == ["rule"] and len(statements(text)) == readings
 
 
-def _elements(written: str) -> Iterator[_Element]:
+@lru_cache(maxsize=1024)
+def _elements(written: str) -> tuple[_Element, ...]:
+    return tuple(_elements_of(written))
+
+
+def _elements_of(written: str) -> Iterator[_Element]:
     for element in _split(written, ";"):
         terms, *condition = _split(element, ":", 1)
         for term in _split(terms, ","):

@@ -40,8 +40,9 @@ def launch_facts(trees: Iterable[LaunchTree]) -> tuple[Fact, ...]:
 
 
 def _similar_names(nodes: Sequence[Node]) -> Iterator[Fact]:
-    """Yield topics without a publisher and names like theirs: of topics without a subscriber and
-    of nodes that are not wholly read.
+    """Yield topics without a publisher beside topics and nodes that are named like them.
+
+    These are the topics without a subscriber and the nodes that are not wholly read.
     """
     heard = {end.topic: end.span for node in nodes for end in node.subscribed}
     sent = {end.topic for node in nodes for end in node.published}

@@ -302,7 +302,7 @@ def test_two_robots_come_nearest_when_fine_sampling_says(seed: int) -> None:
 
 def test_many_contacts_of_many_robots_are_listed_in_few_lines() -> None:
     made = trial(
-        "duration = 60\n"
+        "duration = 35\n"
         + "".join(
             f'[[robot]]\nname = "r{k}{"o" * 40}"\nmodule = "P{k}"\nradius = 50\n'
             f"start = [{250 * k}, 0, {180 * (k % 2)}]\n"

@@ -23,6 +23,7 @@ from mars_asp.execution.simulator import (
 )
 from mars_asp.execution.simulator.devices import mounted
 from tests.support.bodies import alone
+from tests.support.campaigns import sample, seeds
 
 
 def row(*rates: float, apart: float = 1000, radius: float = 100) -> tuple[Body, ...]:
@@ -58,11 +59,11 @@ def test_who_is_struck_at_rest_notes_it_and_may_leave() -> None:
 
 def test_who_follows_a_slower_one_is_in_one_contact() -> None:
     one, other = row(200, 100)
-    # They touch at 8 s, and move on together for three more.
-    one.advance(11)
+    # They touch at 8 s, and move on together for one more.
+    one.advance(9)
     assert one.contacts == other.contacts == [pytest.approx(8, abs=1e-5)]
     assert one.collisions == other.collisions == 1
-    assert other.pose.forward == pytest.approx(2100, abs=1e-6)
+    assert other.pose.forward == pytest.approx(1900, abs=1e-6)
     assert other.pose.forward - one.pose.forward == pytest.approx(200, abs=2)
 
 
@@ -86,7 +87,7 @@ def test_others_are_seen_and_hide_marks() -> None:
     assert read(1.0) == [inf, inf, inf]
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", seeds(1, 2))
 def test_what_happens_does_not_depend_on_who_is_asked_or_listed_first(seed: int) -> None:
     random = Random(seed)
     rates = [
@@ -107,7 +108,7 @@ def test_what_happens_does_not_depend_on_who_is_asked_or_listed_first(seed: int)
                 bodies[k].advance(step / 10)
         return [(b.pose, b.contacts, b.struck, b.clearance) for _, b in sorted(bodies.items())]
 
-    orders = tuple(permutations(range(3)))
+    orders = sample(tuple(permutations(range(3))), 2)
     told = driven(orders[0], orders[0])
     assert all(driven(order, order[::-1]) == told for order in orders[1:])
 

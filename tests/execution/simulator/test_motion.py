@@ -10,8 +10,9 @@ import pytest
 from mars_asp.execution.simulator import Circle, Pose, Stretch, World, regular_polygon
 from mars_asp.execution.simulator.motion import Floats
 from tests.support.bodies import alone
+from tests.support.campaigns import seeds
 
-SEEDS = range(60)
+SEEDS = seeds(20, 60)
 
 
 def drawn(random: Random) -> tuple[Stretch, float]:

@@ -28,7 +28,7 @@ from mars_asp.reasoning.questions.evidence import Slice, slice_for
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Evidence, Reasoner
-from tests.support.campaigns import seeds
+from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
 from tests.support.random_configurations import random_configuration
 
@@ -219,7 +219,7 @@ def test_every_atom_is_explained_from_what_it_needs(tmp_path: Path) -> None:
     rulebook = replace(load_rulebook([pack]), packs=0)
     names = {signature for rule in rulebook.rules for signature in rule.heads}
     projects = [load_project(str(path)) for path in CONFIGURATIONS]
-    projects += [load_project("random.mars", text=random_configuration(s)) for s in seeds(2, 6)]
+    projects += [load_project("random.mars", text=random_configuration(s)) for s in seeds(1, 6)]
     fewer = 0
     for number, project in enumerate(projects):
         facts = project_facts(project)
@@ -270,7 +270,7 @@ def test_packs_that_have_one_answer_are_sliced(tmp_path: Path) -> None:
     pack.write_text(STRATIFIED)
     rulebook = load_rulebook([pack])
     fewer = 0
-    for path in CONFIGURATIONS:
+    for path in sample(CONFIGURATIONS, 3):
         project = load_project(str(path))
         count = len(project_facts(project))
         whole = explain(Reasoner(project, rulebook))
@@ -285,7 +285,7 @@ def test_packs_that_have_one_answer_are_sliced(tmp_path: Path) -> None:
             assert found.synthesis is None
             traces = [trace_json(t.trace) for t in found.topics if t.title == topic.title]
             assert trace_json(topic.trace) in traces
-    assert fewer > 10
+    assert fewer > 3
 
 
 @pytest.mark.parametrize(
