@@ -6,6 +6,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
+from tests.support.packages import write_package
 
 PACKAGE = "<package><name>{}</name></package>"
 
@@ -46,6 +47,23 @@ def test_a_file_elsewhere_in_a_package_of_catkin_is_missing(tmp_path: Path) -> N
     assert missing(tmp_path, files) == [("config/arm.yaml", "arm", False)]
     files["arm/CMakeLists.txt"] = "install(FILES config/other/arm.yaml DESTINATION config)"
     assert missing(tmp_path, files) == []
+
+
+def test_a_package_of_the_other_ros_is_not_the_one_that_is_named(tmp_path: Path) -> None:
+    node = '<node pkg="arm" type="arm_node" name="arm"/>'
+    files = {"base/launch/base.launch": f"<launch>{node}</launch>"}
+    assert missing(tmp_path, files) == [("arm_node", "arm", True)]
+    ament = "<export><build_type>ament_cmake</build_type></export></package>"
+    files["arm/package.xml"] = PACKAGE.format("arm").replace("</package>", ament)
+    assert missing(tmp_path, files) == []
+
+
+def test_templates_are_no_launch_files(tmp_path: Path) -> None:
+    text = "<launch> <param [PARAMETERS]/> </launch>"
+    node = '<launch><node pkg="joy" type="joy_node" name="joy"/></launch>'
+    write_package({"templates/x.launch": text, "launch/y.launch": node}, tmp_path)
+    trees = import_ros2([("", str(tmp_path))]).trees
+    assert [each.broken for each in trees if each.broken] == []
 
 
 PASSED = (

@@ -54,6 +54,7 @@ IN_PYTHON = [
     (MAKES, USES, ""),
     (f"if self.odom: {MAKES}", USES, "odom: false"),
     (f"if self.get_parameter('odom').value: {MAKES}", USES, "odom: false"),
+    (f"if bool(self.get_parameter('odom').value): {MAKES}", USES, "odom: false"),
     (f"if not self.odom: {MAKES}", USES, "odom: true"),
     (f"if self.odom and ready: {MAKES}", USES, "odom: false"),
     (f"if self.odom or ready: {MAKES}", USES, ""),

@@ -9,7 +9,7 @@ import clingo
 
 from mars_asp.asp.cases import coverage, find_cases
 from mars_asp.asp.cases.coverage import LEFT_OUT, Case, Coverage, Measure, refusals, watched
-from mars_asp.asp.cases.probes import FIRED, NEAR, fired, probes
+from mars_asp.asp.cases.probes import FIRED, NEAR, probed
 from mars_asp.asp.fragments import joined
 from mars_asp.asp.messages import labelling
 from mars_asp.asp.rules.expansions import Label
@@ -22,7 +22,7 @@ from mars_asp.reasoning.cases import stages_of
 from mars_asp.reasoning.cases.run import tried
 from tests.support.cases_at_once import CHOOSING
 from tests.support.documents import ROOT
-from tests.support.side_by_side import ANY, answered, apart, together
+from tests.support.side_by_side import ANY, answered, apart, each_together, together
 
 CASES = find_cases([ROOT / "tests" / "rules"])
 #: Cases in one program: more of those that choose take longer together than apart.
@@ -76,8 +76,8 @@ def _firings(rulebook: Rulebook) -> Mapping[tuple[str, int], Sequence[Path]]:
     """
     found: dict[str, list[str]] = {}
     for number, rule in enumerate(rulebook.rules):
-        probed = [*probes(number, rule)] if rule.ast.body else [(FIRED, fired(number, rule))]
-        found.setdefault(rule.stage, []).extend(text for _, text in probed)
+        bodies = probed(rule) if rule.ast.body else [(FIRED, [])]
+        found.setdefault(rule.stage, []).extend(text for _, text in each_together(bodies, number))
     firings: dict[tuple[str, int], list[Path]] = {}
     for path, name, number in _held(rulebook, found, CASES):
         firings.setdefault((name, number), []).append(path)
@@ -91,7 +91,7 @@ def _held(
     found = set[tuple[Path, str, int]]()
     for stages, part in _parts(cases):
         rules = [together(rulebook.text(stage)) for stage in stages]
-        rules += [together("\n".join(probes.get(stage, ()))) for stage in stages]
+        rules += [text for stage in stages for text in probes.get(stage, ())]
         for atom in answered([*rules, *_facts(part)], (FIRED, NEAR)):
             case, number = (argument.number for argument in atom.arguments)
             found.add((part[case], atom.name, number))

@@ -39,6 +39,20 @@ def together(rules: str) -> str:
     return "\n".join(_written(rules, _call("case_", _CASE)))
 
 
+def each_together(
+    bodies: Iterable[tuple[str, Sequence[ast.AST]]], number: int
+) -> Iterator[tuple[str, str]]:
+    """Yield rules that derive atoms of a number in each case where their bodies hold."""
+    shown: dict[int, tuple[ast.AST, str]] = {}
+    for name, body in bodies:
+        for literal in body:
+            if id(literal) not in shown:
+                # It is kept, so that its number stays its own.
+                shown[id(literal)] = literal, str(_FIRST(literal))
+        premises = [*(shown[id(literal)][1] for literal in body), str(_call("case_", _CASE))]
+        yield name, f"{name}({_CASE},{number}) :- {'; '.join(premises)}."
+
+
 @cache
 def apart(number: int, facts: str) -> str:
     """Return what a case says, as that of each case `C` where `of_(C, number)`."""

@@ -1,6 +1,8 @@
 """Rules that tell, beside the rules of a program, which of these hold and which just do not."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from itertools import chain
 
 import clingo
 from clingo import ast
@@ -17,14 +19,25 @@ def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
     `_fired` holds where the body does, `_near` where it does but for one literal. Variables that
     only this literal binds count as any value. What clingo finds unsafe is left out.
     """
-    for name, text in _probes(number, rule):
-        if is_safe(text):
-            yield name, text
+    for name, body in probed(rule):
+        yield name, _stated(name, number, body)
+
+
+def probed(rule: Rule) -> Iterator[tuple[str, Sequence[ast.AST]]]:
+    """Yield the predicates that `probes` derives, each with the literals that it needs."""
+    for name, body in _bodies(rule):
+        if is_safe(_stated(name, 0, body)):
+            yield name, body
 
 
 def fired(number: int, rule: Rule) -> str:
     """Return the rule by which it is known that a rule fires."""
-    return next(_probes(number, rule))[1]
+    name, body = next(_bodies(rule))
+    return _stated(name, number, body)
+
+
+def _stated(name: str, number: int, body: Sequence[ast.AST]) -> str:
+    return f"{name}({number}) :- {'; '.join(map(str, body)) or '#true'}."
 
 
 def is_safe(text: str) -> bool:
@@ -48,25 +61,26 @@ def children(node: ast.AST) -> Iterator[ast.AST]:
             yield child
 
 
-def _probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
+def _bodies(rule: Rule) -> Iterator[tuple[str, Sequence[ast.AST]]]:
     body = list(rule.ast.body)
-    yield FIRED, f"{FIRED}({number}) :- {'; '.join(map(str, body)) or '#true'}."
+    yield FIRED, body
+    named = [set(_variables(literal)) for literal in body]
+    times = Counter(chain.from_iterable(named))
     for index, literal in enumerate(body):
-        rest = body[:index] + body[index + 1 :]
-        elsewhere = {name for other in rest for name in _variables(other)}
-        fails = _failing(literal, set(_variables(literal)) - elsewhere)
-        yield NEAR, f"{NEAR}({number}) :- {'; '.join([*map(str, rest), *fails])}."
+        own = {name for name in named[index] if times[name] == 1}
+        yield NEAR, [*body[:index], *body[index + 1 :], *_failing(literal, own)]
 
 
-def _failing(literal: ast.AST, own: set[str]) -> Iterator[str]:
+def _failing(literal: ast.AST, own: set[str]) -> Iterator[ast.AST]:
     """Yield the literal that holds where this one does not, if it can be said as one."""
     if literal.ast_type != _TYPE.Literal:
         return
     if literal.sign == ast.Sign.NoSign:
         symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
-        yield f"not {_Blank(own)(literal) if own and symbolic else literal}"
+        bare = _Blank(own)(literal) if own and symbolic else literal
+        yield bare.update(sign=ast.Sign.Negation)
     else:
-        yield str(literal.update(sign=ast.Sign.NoSign))
+        yield literal.update(sign=ast.Sign.NoSign)
 
 
 def _variables(node: ast.AST) -> Iterator[str]:

@@ -9,6 +9,8 @@ from mars_asp.exchange.ros2.python_files import Files, SourceFile, called_name, 
 from mars_asp.exchange.ros2.python_written import Loop, calls_in, constants_of, declared
 
 #: How many expressions are looked into for a name.
+#: Functions that hand on the value of a parameter.
+_PASSED_ON = frozenset({"get_parameter_value", "as_string", "str", "bool"})
 _MOST_STEPS = 1000
 _DEEPEST = 60
 _MOST_TEXT = 1000
@@ -82,7 +84,7 @@ class Texts:
         match node:
             case ast.Attribute(value=inner, attr="value" | "string_value" | "bool_value"):
                 return self.parameter(inner, depth + 1)
-            case ast.Call() if called_name(node) in ("get_parameter_value", "as_string", "str"):
+            case ast.Call() if called_name(node) in _PASSED_ON:
                 if isinstance(node.func, ast.Attribute):
                     return self.parameter(node.func.value, depth + 1)
                 return self.parameter(node.args[0], depth + 1) if node.args else None

@@ -299,7 +299,8 @@ class _Robot:
                 self.unread.append(each)
                 continue
             is_named = each.executable != "" and not each.plugin
-            if is_named and not self.workspace.has_program(each.package, each.executable):
+            top = launch.path or paths[0]
+            if is_named and not self.workspace.has_program(each.package, each.executable, top):
                 missing[AbsentFile(each.executable, each.package, each.span, is_program=True)] = (
                     None
                 )
@@ -445,7 +446,7 @@ class _Robot:
         package = self.workspace.package_of(file)
         if package is None or not _TYPE.search(self.workspace.text(file)):
             return False
-        return "<build_type>ament" in self.workspace.text(package.folder / "package.xml")
+        return self.workspace.is_of_ros2(package)
 
     def _alone(self, paths: Sequence[Path]) -> Iterator[Started]:
         """Yield each program of a folder as if it were started, where no launch file is."""

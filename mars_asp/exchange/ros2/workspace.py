@@ -22,7 +22,8 @@ from mars_asp.language.parse import decode, plain_lines, read_bytes
 MOST_BYTES = 1024 * 1024
 _MOST_FILES = 100_000
 _SKIPPED = frozenset(
-    {"build", "install", "log", "devel", "node_modules", "__pycache__", "test", "tests"}
+    {"build", "install", "log", "devel", "node_modules", "__pycache__", "templates"}
+    | {"test", "tests"}
 )
 _SHARE = re.compile(r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/[^/]+)?/?")
 _SOURCES = frozenset({".py", ".cpp", ".cc", ".cxx", ".c", ".hpp", ".h", ".hh", ".hxx"})
@@ -282,10 +283,20 @@ class Workspace:
                 return None
         return package.name, inside
 
-    def has_program(self, package: str, executable: str) -> bool:
-        """Whether a package here may have a program of a name; a package elsewhere may."""
+    def has_program(self, package: str, executable: str, file: Path) -> bool:
+        """Whether a package that a launch file names may have a program of a name.
+
+        A package elsewhere may, and so may one that is not here of the same version of ROS.
+        """
         found = self.package(package)
-        return found is None or self._may_have(found, executable)
+        if found is None or self._may_have(found, executable):
+            return True
+        launched = self.package_of(file)
+        return launched is not None and self.is_of_ros2(launched) != self.is_of_ros2(found)
+
+    def is_of_ros2(self, package: Package) -> bool:
+        """Whether a package is built by ROS 2."""
+        return "<build_type>ament" in self._readable(package.folder / "package.xml")
 
     def _is_ignored(self, package: Package, name: str) -> bool:
         """Whether git ignores files of a name in a package."""
