@@ -58,7 +58,7 @@ def test_a_package_of_the_other_ros_is_not_the_one_that_is_named(tmp_path: Path)
     assert missing(tmp_path, files) == []
 
 
-def test_templates_are_no_launch_files(tmp_path: Path) -> None:
+def test_templates_of_launch_files_are_not_read(tmp_path: Path) -> None:
     text = "<launch> <param [PARAMETERS]/> </launch>"
     node = '<launch><node pkg="joy" type="joy_node" name="joy"/></launch>'
     write_package({"templates/x.launch": text, "launch/y.launch": node}, tmp_path)

@@ -20,23 +20,23 @@ def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
     only this literal binds count as any value. What clingo finds unsafe is left out.
     """
     for name, body in probed(rule):
-        yield name, _stated(name, number, body)
+        yield name, _probe_of(name, number, body)
 
 
 def probed(rule: Rule) -> Iterator[tuple[str, Sequence[ast.AST]]]:
     """Yield the predicates that `probes` derives, each with the literals that it needs."""
     for name, body in _bodies(rule):
-        if is_safe(_stated(name, 0, body)):
+        if is_safe(_probe_of(name, 0, body)):
             yield name, body
 
 
 def fired(number: int, rule: Rule) -> str:
     """Return the rule by which it is known that a rule fires."""
     name, body = next(_bodies(rule))
-    return _stated(name, number, body)
+    return _probe_of(name, number, body)
 
 
-def _stated(name: str, number: int, body: Sequence[ast.AST]) -> str:
+def _probe_of(name: str, number: int, body: Sequence[ast.AST]) -> str:
     return f"{name}({number}) :- {'; '.join(map(str, body)) or '#true'}."
 
 

@@ -293,14 +293,14 @@ class _Robot:
         nodes: list[Node] = []
         muxes: list[Mux] = []
         relays: list[Relay] = []
+        of_ros2 = self._is_for_ros2(launch.path or paths[0])
         find = partial(self.workspace.find, folder=self.workspace.root)
         for each in with_controllers(launch.started, self._values, find):
             if isinstance(each, Unread):
                 self.unread.append(each)
                 continue
             is_named = each.executable != "" and not each.plugin
-            top = launch.path or paths[0]
-            if is_named and not self.workspace.has_program(each.package, each.executable, top):
+            if is_named and not self.workspace.has_program(each.package, each.executable, of_ros2):
                 missing[AbsentFile(each.executable, each.package, each.span, is_program=True)] = (
                     None
                 )
@@ -440,6 +440,14 @@ class _Robot:
             sort = "files that are named as launch files but are none"
             self.unread.append(Unread(sort, file.name, place))
         return found
+
+    def _is_for_ros2(self, file: Path) -> bool | None:
+        """Whether a launch file is for ROS 2, by its package or else its text; None if unknown."""
+        package = self.workspace.package_of(file)
+        if package is not None:
+            return self.workspace.is_of_ros2(package)
+        is_of_ros1 = file.is_file() and _TYPE.search(self.workspace.text(file)) is not None
+        return False if is_of_ros1 else None
 
     def _is_of_ros1(self, file: Path) -> bool:
         """Whether a package of ROS 2 has kept a launch file of ROS 1, which cannot be launched."""

@@ -283,16 +283,16 @@ class Workspace:
                 return None
         return package.name, inside
 
-    def has_program(self, package: str, executable: str, file: Path) -> bool:
+    def has_program(self, package: str, executable: str, of_ros2: bool | None) -> bool:
         """Whether a package that a launch file names may have a program of a name.
 
-        A package elsewhere may, and so may one that is not here of the same version of ROS.
+        A package elsewhere may, as may one for the version of ROS of the launch file, if that is
+        known, where the package here is for the other.
         """
         found = self.package(package)
         if found is None or self._may_have(found, executable):
             return True
-        launched = self.package_of(file)
-        return launched is not None and self.is_of_ros2(launched) != self.is_of_ros2(found)
+        return of_ros2 is not None and of_ros2 != self.is_of_ros2(found)
 
     def is_of_ros2(self, package: Package) -> bool:
         """Whether a package is built by ROS 2."""
