@@ -74,7 +74,9 @@ def plain_text(*parts: str | None) -> str:
 
 
 def _sentence(part: str) -> str:
-    whole = part[:1].upper() + part[1:] if part[:1].isalpha() else part
+    # A text may begin with a path, which keeps its letters.
+    is_word = part.partition(" ")[0].isalpha()
+    whole = part[:1].upper() + part[1:] if is_word else part
     return whole if whole.endswith((".", "?", "!")) else f"{whole}."
 
 

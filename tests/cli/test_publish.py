@@ -13,6 +13,7 @@ from mars_asp.cli import run_here
 from tests.support.campaigns import sample
 from tests.support.configurations import FINDINGS as ROBOT
 from tests.support.documents import ROOT
+from tests.support.packages import write_package
 
 SCHEMA = json.loads((ROOT / "tests/sarif/sarif-schema-2.1.0.json").read_text(encoding="utf-8"))
 VALIDATOR = jsonschema_rs.Draft4Validator(SCHEMA, validate_formats=True)
@@ -287,3 +288,12 @@ def test_a_path_that_a_terminal_would_obey_is_shown_escaped(
     (folder / "a\x1b[2J.mars").write_text("@configuration\n@modules A\nA uses_data_from B\n")
     run_here(["check", "a\x1b[2J.mars", "--format", "github"])
     assert "::error file=a\\x1b[2J.mars,line=3," in capsys.readouterr().out
+
+
+def test_a_message_that_begins_with_a_path_keeps_its_letters(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_package({"launch/robot.launch.py": "\n"}, folder)
+    _, run = sarif(capsys, "check", ".")
+    [text] = [each["message"]["text"] for each in run["results"] if each["level"] == "warning"]
+    assert text.startswith("launch/robot.launch.py: the launch file is empty")
