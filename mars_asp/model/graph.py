@@ -34,7 +34,8 @@ class Node:
     decide if it starts, `is_named` is whether its program cannot change the name; `renamed` are the
     topics that a launch file renames, `is_whole` whether all its topics are known. `package` is
     that of its program; `manages` are the nodes that it starts up and shuts down; `names` are those
-    of its topics, services, actions and parameters before any renaming.
+    of its topics, services, actions and parameters before any renaming; `given` are its parameter
+    files.
     """
 
     name: str
@@ -52,6 +53,19 @@ class Node:
     manages: tuple[tuple[str, Span], ...] = ()
     listens: bool = False
     names: frozenset[str] = frozenset()
+    given: tuple["GivenFile", ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class GivenFile:
+    """A parameter file that a node is given; `span` is the place of the first name in it.
+
+    `is_for_it` is whether a section of the file is for the node.
+    """
+
+    path: str
+    span: Span
+    is_for_it: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +182,8 @@ class LaunchTree:
     those of files that cannot be parsed, with the error, `repeated` the keys that its parameter
     files have twice, and `rewritten` those of the files that launch files read as YAML. `defaults`
     are the values of the launch arguments that users may set. `by_hand` are nodes of programs that
-    no launch file of the folder starts, which are with its first tree.
+    no launch file of the folder starts, which are with its first tree; `shared` are the parameter
+    files that may be for nodes whose names are not known.
     """
 
     path: str
@@ -182,6 +197,7 @@ class LaunchTree:
     repeated: tuple[RepeatedKey, ...] = ()
     rewritten: tuple[str, ...] = ()
     by_hand: tuple[Node, ...] = ()
+    shared: tuple[str, ...] = ()
 
     @property
     def files(self) -> frozenset[str]:
@@ -195,5 +211,6 @@ class LaunchTree:
         for node in self.nodes:
             spans += (end.span for end in (*node.published, *node.subscribed))
             spans += (each.span for each in node.renamed)
+            spans += (each.span for each in node.given)
         spans += (each.span for mux in self.muxes for each in mux.inputs)
         return frozenset(span.path for span in spans)

@@ -150,7 +150,7 @@ SETUP = "setup(entry_points={'console_scripts': ['gripper = arm.gripper:main']})
     ("files", "is_missing"),
     [
         ({"arm/setup.py": SETUP}, True),
-        ({"arm/setup.py": SETUP, "arm/arm/wrist.py": "x = 1"}, True),
+        ({"arm/setup.py": SETUP, "arm/arm/wrist.py": "", "arm/arm/gripper.py": ""}, True),
         ({"arm/setup.py": SETUP.replace("gripper =", "wrist =")}, False),
         ({"arm/CMakeLists.txt": "add_executable(gripper a.cpp)"}, True),
         ({"arm/CMakeLists.txt": "add_executable(wrist a.cpp)"}, False),

@@ -9,12 +9,13 @@ from pathlib import Path
 
 from mars_asp.annotations.comments import blanked
 from mars_asp.annotations.declarations.tokens import text_at, tokenise
-from mars_asp.diagnostic import MarsError
+from mars_asp.diagnostic import MarsError, Span
 from mars_asp.exchange.ros2.interface import Interface
 from mars_asp.exchange.ros2.setup_files import scripts_of_configuration, scripts_of_setup
 from mars_asp.exchange.ros2.source_cpp import read_cpp
 from mars_asp.exchange.ros2.source_python import PythonPrograms
 from mars_asp.exchange.ros2.workspace import Package, Workspace
+from mars_asp.model.graph import AbsentFile
 
 _CPP = frozenset({".cpp", ".cc", ".cxx", ".c"})
 _HEADERS = frozenset({".hpp", ".h", ".hh", ".hxx"})
@@ -65,6 +66,26 @@ class Programs:
             for plugin, target in targets.plugins.items():
                 if target not in started:
                     yield Program(package.name, plugin, True)
+
+    def absent_modules(self) -> Iterator[AbsentFile]:
+        """Yield the modules that console scripts name and their packages do not have."""
+        for package in self.workspace.packages:
+            setup = package.folder / "setup.py"
+            text = self._text(setup) or ""
+            for entry in self._scripts.get(package.name, {}).values():
+                module = entry.partition(":")[0].strip()
+                path = module.replace(".", "/")
+                places = [package.folder / above / path for above in ("", "src")]
+                at = text.find(module)
+                is_own = (package.folder / path.partition("/")[0]).is_dir()
+                is_here = any(each.is_dir() or each.with_suffix(".py").is_file() for each in places)
+                if is_own and at >= 0 and "/" in path and not is_here:
+                    line = text.count("\n", 0, at) + 1
+                    column = at - text.rfind("\n", 0, at)
+                    place = Span(
+                        self.workspace.shown(setup), line, column, line, column + len(module)
+                    )
+                    yield AbsentFile(f"{path}.py", package.name, place)
 
     # ---- From a program to its sources
 

@@ -19,7 +19,14 @@ from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.names import joined as name_in
-from mars_asp.exchange.ros2.parameters import PARAMETERS, Given, document_of, is_for, values_for
+from mars_asp.exchange.ros2.parameters import (
+    PARAMETERS,
+    Given,
+    document_of,
+    is_for,
+    section_for,
+    values_for,
+)
 from mars_asp.exchange.ros2.programs import Program, Programs
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.topics import configuration_of
@@ -39,6 +46,7 @@ from mars_asp.language.print import print_module
 from mars_asp.model.graph import (
     AbsentFile,
     Endpoint,
+    GivenFile,
     Graph,
     LaunchTree,
     Mux,
@@ -246,7 +254,13 @@ class _Robot:
                 tree = replace(tree, nodes=tuple(replace(n, is_named=False) for n in tree.nodes))
             self.trees.append(tree)
         if launched is launches and self.trees and not self.chosen:
-            self.trees[0] = replace(self.trees[0], by_hand=tuple(self._by_hand(launches, paths)))
+            # What is of the folder, and of no launch file, is with the first one.
+            first = self.trees[0]
+            self.trees[0] = replace(
+                first,
+                by_hand=tuple(self._by_hand(launches, paths)),
+                missing=(*first.missing, *self.programs.absent_modules()),
+            )
         nodes: dict[str, Node] = {}
         for node in chain.from_iterable(tree.nodes for tree in self.trees):
             known = nodes.get(node.name)
@@ -267,9 +281,9 @@ class _Robot:
             message = "no node could be read of what the launch files start"
             place = point(self.workspace.shown(paths[0]), 1, 1)
             self.problems.append(Diagnostic("launch", "note", message, place, kind="launch"))
-        first = self.workspace.shown(paths[0])
+        name = self.workspace.shown(paths[0])
         return Graph(
-            first, tuple(nodes.values()), tuple(muxes.values()), relays=tuple(relays.values())
+            name, tuple(nodes.values()), tuple(muxes.values()), relays=tuple(relays.values())
         )
 
     def _launches(self, paths: Sequence[Path]) -> Iterator[Launch]:
@@ -293,6 +307,7 @@ class _Robot:
         nodes: list[Node] = []
         muxes: list[Mux] = []
         relays: list[Relay] = []
+        shared = set(launch.passed)
         of_ros2 = self._is_for_ros2(launch.path or paths[0])
         find = partial(self.workspace.find, folder=self.workspace.root)
         for each in with_controllers(launch.started, self._values, find):
@@ -309,8 +324,12 @@ class _Robot:
                     muxes.append(mux)
                 case Relay() as relay:
                     relays.append(relay)
+                case Node() as node if each.name and not each.is_rewritten:
+                    nodes.append(replace(node, given=tuple(self._given_files(each, node.name))))
+                    continue
                 case Node() as node:
                     nodes.append(node)
+            shared.update(each.files)
         unread = (*launch.unread, *self.unread[before:])
         loaded = dict.fromkeys(
             [*chain.from_iterable(s.files for s in launch.started), *launch.passed]
@@ -332,6 +351,7 @@ class _Robot:
             tuple(launch.defaults.items()),
             tuple(chain.from_iterable(self.repeated.get(file, ()) for file in loaded)),
             tuple(self.workspace.shown(file) for file in loaded if file in rewritten),
+            shared=tuple(sorted(map(self.workspace.shown, shared))),
         )
 
     def _catalogue(self) -> Catalogue:
@@ -650,6 +670,15 @@ class _Robot:
             return None
         self.unread += (Unread(sort, each, started.span) for sort, each in found.left_out)
         return Relay(full, started.span, source, target, found.hz)
+
+    def _given_files(self, started: Started, full: str) -> Iterator[GivenFile]:
+        """Yield the parameter files of ROS 2 that a node is given."""
+        for file in started.files:
+            document = self.document(file)
+            if document is not None:
+                first, is_for_it = section_for(document, full, started.plugin)
+                if first is not None:
+                    yield GivenFile(self.workspace.shown(file), first.span, is_for_it)
 
     def _values(self, started: Started, full: str) -> Mapping[str, Given]:
         """Return the values of the parameters of a node."""

@@ -119,6 +119,8 @@ class _TreeFacts:
         for each in self.tree.missing:
             name = "lacks_program" if each.is_program else "lacks_file"
             yield from self.with_place(each.span, name, path, each.package, each.name)
+        for file in self.tree.shared:
+            yield _fact_at(point(path, 1, 1), "is_shared", file)
         for node in self.tree.by_hand:
             for end in node.published:
                 yield _fact_at(end.span, "published_by_hand", end.topic)
@@ -175,6 +177,9 @@ class _TreeFacts:
         renamed = {each.source for each in node.renamed}
         for named in sorted(node.names & renamed):
             yield _fact_at(node.span, "has_name", number, named)
+        for file in node.given:
+            fits = Atom("own" if file.is_for_it else "other")
+            yield from self.with_place(file.span, "given", number, file.path, fits)
         for managed, span in node.manages:
             yield from self.with_place(span, "manages", number, managed)
 
