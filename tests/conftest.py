@@ -13,6 +13,7 @@ from xdist.scheduler import LoadGroupScheduling
 
 from mars_asp.asp import cache
 from tests.support.browser import Browser
+from tests.support.campaigns import IS_CAMPAIGN
 
 # What commands print does not depend on where the tests run.
 for _name in ("COLUMNS", "NO_COLOR", "FORCE_COLOR"):
@@ -27,13 +28,17 @@ for _signal in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         signal.signal(_signal, ours)
 
 
+def pytest_xdist_auto_num_workers() -> int:
+    """Return one more than there are processors, as some tests wait for others to end."""
+    return 1 + (os.cpu_count() or 1)
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="write what is printed as what is expected"
     )
-    parser.addoption(
-        "--fuzz", type=int, default=10_000, help="how many mutated sources are extracted"
-    )
+    few = 10_000 if IS_CAMPAIGN else 3_000
+    parser.addoption("--fuzz", type=int, default=few, help="how many mutated sources are extracted")
 
 
 def pytest_collection_finish() -> None:

@@ -147,7 +147,7 @@ def alive(verdicts: Iterable[Verdict]) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "folder", sample([*dict.fromkeys(name.partition("/")[0] for name in RULES_HELD)], 2)
+    "folder", sample([*dict.fromkeys(name.partition("/")[0] for name in RULES_HELD)], 3)
 )
 def test_mutants_of_rules_are_killed(folder: str) -> None:
     """Some of each file, drawn by chance, are tried on its own cases."""

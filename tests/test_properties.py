@@ -160,7 +160,7 @@ def test_output_is_the_same_for_every_hash_seed() -> None:
         "    run_here([verb, 'tests/mixed.mars', '--format', 'json'])\n"
     )
     outputs = set()
-    for seed in seeds(2, 12):
+    for seed in seeds(1, 12):
         environment = {**os.environ, "PYTHONHASHSEED": str(seed)}
         done = subprocess.run(
             [sys.executable, "-c", program],

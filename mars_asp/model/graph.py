@@ -125,6 +125,8 @@ class Graph:
 
 #: The variable of a condition of code that was not read begins so; its place follows.
 OPEN_CONDITION = "the condition at "
+#: What the variable of a condition begins with that is a branch of code; its value is a number.
+OPEN_BRANCH = "the branch taken at "
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.asp.solve.grounding import Grounding, unsolved
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
-from mars_asp.model.graph import OPEN_CONDITION
+from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.findings import (
     CONSEQUENCE,
@@ -285,6 +285,10 @@ def _condition_text(condition: LaunchCondition) -> str:
     if name.startswith(OPEN_CONDITION):
         verb = "holds" if condition.how == "if" else "does not hold"
         return f"{name.rpartition(':')[0]} {verb}"
+    if name.startswith(OPEN_BRANCH):
+        verb = "takes" if condition.how == "if" else "does not take"
+        place = name.removeprefix(OPEN_BRANCH).rpartition(":")[0]
+        return f"the code {verb} branch {condition.value} at {place}"
     called = f"`{name}`" if " (" not in name and " " not in name[4:] else name
     at = condition.span
     place = "" if at is None else f" ({at.path.rpartition('/')[2]}:{at.line})"

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from mars_asp.annotations.comments import tokens
 from mars_asp.annotations.files import extract
 from mars_asp.annotations.languages import LANGUAGES
+from tests.support.campaigns import IS_CAMPAIGN
 from tests.support.generated import GENERATORS
 
 SUFFIXES = {
@@ -152,7 +153,7 @@ def extracted(path: Path, data: bytes) -> list[object]:
 
 @pytest.mark.parametrize("name", sorted(SUFFIXES))
 @settings(
-    max_examples=60,
+    max_examples=60 if IS_CAMPAIGN else 20,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],

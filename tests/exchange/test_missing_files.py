@@ -58,6 +58,13 @@ def test_a_package_of_the_other_ros_is_not_the_one_that_is_named(tmp_path: Path)
     assert missing(tmp_path, files) == []
 
 
+def test_a_folder_of_a_package_may_be_called_share(tmp_path: Path) -> None:
+    lines = launch(PARAMETERS.replace("config/arm.yaml", "share/config/arm.yaml"))
+    assert missing(tmp_path, {"arm/share/config/arm.yaml": "a: 1\n", **lines}) == []
+    lines = launch(PARAMETERS.replace("config/arm.yaml", "share/arm/config/arm.yaml"))
+    assert missing(tmp_path, {"arm/config/arm.yaml": "a: 1\n", **lines}) == []
+
+
 def test_templates_of_launch_files_are_not_read(tmp_path: Path) -> None:
     text = "<launch> <param [PARAMETERS]/> </launch>"
     node = '<launch><node pkg="joy" type="joy_node" name="joy"/></launch>'

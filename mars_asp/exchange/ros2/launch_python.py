@@ -56,7 +56,7 @@ from mars_asp.exchange.ros2.python_values import (
     items_of,
     text_from,
 )
-from mars_asp.model.graph import OPEN_CONDITION
+from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
 
 _NODES = {
     "Node": False,
@@ -158,8 +158,8 @@ class _Reader(Evaluator):
                     name = f"{OPEN_CONDITION}{place}"
                     yield from branch_tests(self.tested[node], name, choice, at)
                 else:
-                    value = (f"number {choice + 1}",)
-                    yield Test((f"the branch taken at {place}",), value, True, at, branch=True)
+                    value = (str(choice + 1),)
+                    yield Test((f"{OPEN_BRANCH}{place}",), value, True, at, branch=True)
 
     def reading(self, tree: ast.Module, forced: Mapping[ast.AST, int]) -> tuple[Action, ...]:
         """Return the actions of the file by the branches that are forced, and else the first.

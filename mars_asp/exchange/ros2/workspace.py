@@ -25,7 +25,9 @@ _SKIPPED = frozenset(
     {"build", "install", "log", "devel", "node_modules", "__pycache__", "templates"}
     | {"test", "tests"}
 )
-_SHARE = re.compile(r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/[^/]+)?/?")
+_SHARE = re.compile(
+    r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/\1(?=/|$))?/?"
+)
 _SOURCES = frozenset({".py", ".cpp", ".cc", ".cxx", ".c", ".hpp", ".h", ".hh", ".hxx"})
 _KEPT = frozenset(
     {*_SOURCES, ".xml", ".yaml", ".yml", ".launch", ".cfg", ".txt", ".test", ".toml", ".cmake"}

@@ -7,7 +7,7 @@ from pathlib import Path
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace.tree import Unexplained
 from mars_asp.diagnostic import Span
-from mars_asp.model.graph import OPEN_CONDITION
+from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
 from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.account import Account, Cited
@@ -84,6 +84,8 @@ def _finding_lines(finding: Consequence, folder: Path) -> Iterator[Cited]:
             of = f"only {condition.how} `{condition.variable}` is `{condition.value}`"
             if condition.variable.startswith(OPEN_CONDITION):
                 of = f"only {condition.how} this condition holds"
+            elif condition.variable.startswith(OPEN_BRANCH):
+                of = f"only {condition.how} the code takes branch {condition.value} here"
             lines.setdefault(condition.span[:2], (condition.span, of))
     # The places of the finding keep their order, and those of the conditions follow.
     order = {span: number for number, span in enumerate(finding.spans)}

@@ -181,7 +181,7 @@ def _accounts() -> tuple[Account, ...]:
 
 @pytest.mark.parametrize(
     "path",
-    [*sample(CASES, 9), *sample(EXAMPLES, 9)],
+    [*sample(CASES, 13), *sample(EXAMPLES, 13)],
     ids=lambda path: str(path.relative_to(ROOT)),
 )
 def test_whatever_is_cited_is_a_cause(path: Path) -> None:
@@ -246,7 +246,7 @@ def test_most_answers_are_short() -> None:
 
 def test_a_part_tells_what_the_whole_does() -> None:
     rulebook = load_rulebook(stages=STAGES)
-    for path in sample(CASES, 32):
+    for path in sample(CASES, 64):
         project = load_project(str(path))
         for topic in explain(Reasoner(project, rulebook), traced=False).topics:
             part = explain(Reasoner(project, rulebook), topic.name, traced=False).topics
