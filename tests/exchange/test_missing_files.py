@@ -65,6 +65,18 @@ def test_a_folder_of_a_package_may_be_called_share(tmp_path: Path) -> None:
     assert missing(tmp_path, {"arm/config/arm.yaml": "a: 1\n", **lines}) == []
 
 
+def test_a_file_beside_a_launch_file_may_be_missing(tmp_path: Path) -> None:
+    text = (
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([IncludeLaunchDescription(\n"
+        "        [ThisLaunchFileDir(), '/arm.launch.py']), Node(package='joy', executable='x')])\n"
+    )
+    files = {"base/launch/base.launch.py": text}
+    assert missing(tmp_path, files) == [("launch/arm.launch.py", "base", False)]
+    files["base/launch/arm.launch.py"] = text.replace("arm.launch", "base.launch")
+    assert missing(tmp_path, files) == []
+
+
 def test_templates_of_launch_files_are_not_read(tmp_path: Path) -> None:
     text = "<launch> <param [PARAMETERS]/> </launch>"
     node = '<launch><node pkg="joy" type="joy_node" name="joy"/></launch>'

@@ -109,6 +109,20 @@ DESCRIPTIONS = [
         JOY.replace(")", ", namespace=x)"),
         ["/b/joy_node"],
     ),
+    (
+        "def made(context):\n"
+        "        x = context.launch_configurations['n']\n"
+        "        return [" + JOY.replace(")", ", name=x)") + "]",
+        "DeclareLaunchArgument('n', default_value='b'), OpaqueFunction(function=made)",
+        ["/b"],
+    ),
+    (
+        "def made(context):\n"
+        "        x = context.launch_configurations.get('n', 'c')\n"
+        "        return [" + JOY.replace(")", ", name=x)") + "]",
+        "OpaqueFunction(function=made)",
+        ["/c"],
+    ),
     ("x = 'a' if y else 'c'", JOY.replace(")", ", name=x)"), ["/a", "/c"]),
     ("x = ['a', '_', 'b']", JOY.replace(")", ", name=x)"), ["/a_b"]),
     ("x = {'name': 'k'}", JOY.replace(")", ", **x)"), ["/k"]),

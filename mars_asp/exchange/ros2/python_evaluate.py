@@ -21,7 +21,7 @@ from mars_asp.exchange.ros2.python_known import known
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
 )
-from mars_asp.exchange.ros2.python_tests import Tested, decision, tested
+from mars_asp.exchange.ros2.python_tests import Tested, decision, is_configurations, tested
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
     Call,
@@ -272,6 +272,9 @@ class Evaluator:
                 return Mapped(tuple(pairs))
             case ast.Lambda():
                 return Local(node, names)
+            case ast.Subscript(value=value, slice=key) if is_configurations(value):
+                found = self.value(key, names, depth + 1)
+                return known(Call("LaunchConfiguration", (found,), {}, self.span(node)))
             case ast.Subscript(value=value, slice=key):
                 return picked(
                     self.value(value, names, depth + 1), self.value(key, names, depth + 1)
@@ -378,6 +381,9 @@ class Evaluator:
                     named["".join(p for p in text_from(key) if isinstance(p, str))] = value
         span = self.span(node)
         if isinstance(node.func, ast.Attribute):
+            if node.func.attr == "get" and is_configurations(node.func.value):
+                default = {"default": arguments[1]} if len(arguments) > 1 else {}
+                return known(Call("LaunchConfiguration", arguments[:1], default, span))
             done = self.method(node.func, arguments, named, names, depth)
             if not isinstance(done, _NotDone):
                 return done

@@ -111,14 +111,14 @@ def _tested_text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) ->
             case ast.Call(func=ast.Attribute(value=inner, attr=attr)) if attr in _SAME:
                 node = inner
             case ast.Call(func=ast.Attribute(value=owner, attr="get"), args=[key, *_]):
-                return _named_argument(key) if _is_configurations(owner) else None
+                return _named_argument(key) if is_configurations(owner) else None
             case _:
                 break
     found: Value = None
     match node:
         case ast.Name(id=name):
             found = names.get(name)
-        case ast.Subscript(value=owner, slice=key) if _is_configurations(owner):
+        case ast.Subscript(value=owner, slice=key) if is_configurations(owner):
             return _named_argument(key)
         case ast.Attribute(value=ast.Name() | ast.Attribute()):
             found = value(node)
@@ -131,7 +131,8 @@ def _tested_text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) ->
     return text if is_known else None
 
 
-def _is_configurations(node: ast.expr) -> bool:
+def is_configurations(node: ast.expr) -> bool:
+    """Whether an expression is the arguments of a launch file, as its context keeps them."""
     return isinstance(node, ast.Attribute) and node.attr == "launch_configurations"
 
 

@@ -269,10 +269,16 @@ class Workspace:
         In a source workspace of catkin, a path is that of the source.
         """
         match = _SHARE.match(path)
-        package = None if match is None else self.package(match[1])
-        if match is None or package is None:
+        if match is None:
+            # A path from the folder of a launch file is that of its package.
+            whole = Path(os.path.normpath(path))
+            package = self.package_of(whole) if whole.is_absolute() else None
+            inside = "" if package is None else whole.relative_to(package.folder).as_posix()
+        else:
+            package = self.package(match[1])
+            inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
+        if package is None:
             return None
-        inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
         name = inside.rpartition("/")[2]
         is_file = _FILE_NAME.fullmatch(name) is not None and "$(" not in inside
         # Maps and recordings are made by users, and files that git ignores by programs.
