@@ -1,6 +1,7 @@
 """Findings as other programs take them: results of a run, printed when all files were read."""
 
 import os
+import re
 from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
@@ -75,8 +76,8 @@ def plain_text(*parts: str | None) -> str:
 
 def _sentence(part: str) -> str:
     # A text may begin with a path, which keeps its letters.
-    is_word = part.partition(" ")[0].isalpha()
-    whole = part[:1].upper() + part[1:] if is_word else part
+    is_path = re.match(r"\S*[/.]\w", part) is not None
+    whole = part[:1].upper() + part[1:] if part[:1].isalpha() and not is_path else part
     return whole if whole.endswith((".", "?", "!")) else f"{whole}."
 
 

@@ -55,6 +55,14 @@ TARGETS: list[tuple[Mapping[str, str], dict[str, list[str]]]] = [
     # What calls itself or repeats without end is given up.
     ({"": "macro(m)\n m()\n m()\nendmacro()\nm()"}, {}),
     ({"": "add_subdirectory(.)\nadd_executable(n src/a.cpp)"}, {"n": ["src/a.cpp"]}),
+    (
+        {"": "include(a.cmake)\n" * 9_000, "a.cmake": "# a long comment\n" * 60_000},
+        {},
+    ),
+    (
+        {"": "macro(m)\nendmacro()\nset(X " + "a " * 9_000 + ")\n" + "m(${X})\n" * 9_000},
+        {},
+    ),
     ({"": "foreach(x " + "a " * 999 + ")\n" * 9}, {}),
     ({"": "foreach(a)\nendforeach()\nmacro()\nendmacro()\nfile(GLOB)\nlist(APPEND)\nset()"}, {}),
 ]  # fmt: skip

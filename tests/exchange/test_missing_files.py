@@ -77,6 +77,11 @@ def test_a_file_beside_a_launch_file_may_be_missing(tmp_path: Path) -> None:
     assert missing(tmp_path, files) == []
 
 
+def test_a_path_of_very_many_folders_is_not_looked_for(tmp_path: Path) -> None:
+    text = "<launch><include file='" + "/a" * 200_000 + ".launch.xml'/></launch>"
+    assert missing(tmp_path, {"base/launch/base.launch.xml": text}) == []
+
+
 def test_templates_of_launch_files_are_not_read(tmp_path: Path) -> None:
     text = "<launch> <param [PARAMETERS]/> </launch>"
     node = '<launch><node pkg="joy" type="joy_node" name="joy"/></launch>'

@@ -61,6 +61,8 @@ SETUP = (
         ("mine.nodes", [("mine/nodes.py", 3)]),
         ("mine.inner.x", [("mine/inner/x.py", 3)]),
         ("elsewhere.node", []),
+        ("/etc.absent", []),
+        ("...", []),
     ],
 )
 def test_modules_of_console_scripts_are_there(

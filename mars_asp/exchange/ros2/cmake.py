@@ -90,6 +90,7 @@ class _Reader:
         self.targets = Targets()
         self.macros: dict[str, tuple[Sequence[str], Sequence[_Command]]] = {}
         self.automatic: list[str] = []
+        self.read: dict[str, Sequence[_Command]] = {}
         self.depth = 0
         self.left = _MOST_COMMANDS
 
@@ -117,6 +118,8 @@ class _Reader:
                 elif given:
                     self.macros[given[0].lower()] = given[1:], body
             elif name in self.macros:
+                # A call copies the variables and has one for each of its words.
+                self.left -= (len(values) + len(given)) // 100
                 parameters, body = self.macros[name]
                 arguments: _Values = {f"ARGV{at}": [each] for at, each in enumerate(given)}
                 arguments |= {name: [each] for name, each in zip(parameters, given, strict=False)}
@@ -211,10 +214,12 @@ class _Reader:
                     if key == "OUTPUT_NAME":
                         targets.executables[value] = first
 
-    def commands_of(self, path: str) -> list[_Command]:
+    def commands_of(self, path: str) -> Sequence[_Command]:
         """Return the commands of a file of the package, none where it is not there."""
-        text = self.files.get(path)
-        return [] if text is None else list(_commands(text()))
+        if path not in self.read:
+            text = self.files.get(path)
+            self.read[path] = () if text is None else tuple(_commands(text()))
+        return self.read[path]
 
     def matching(self, command: str, words: Sequence[str], folder: str) -> Iterator[str]:
         """Yield the files of the package that patterns name, as absolute paths."""

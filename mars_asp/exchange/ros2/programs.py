@@ -79,7 +79,8 @@ class Programs:
                 at = text.find(module)
                 is_own = (package.folder / path.partition("/")[0]).is_dir()
                 is_here = any(each.is_dir() or each.with_suffix(".py").is_file() for each in places)
-                if is_own and at >= 0 and "/" in path and not is_here:
+                is_name = all(part.isidentifier() for part in module.split("."))
+                if is_name and is_own and at >= 0 and "/" in path and not is_here:
                     line = text.count("\n", 0, at) + 1
                     column = at - text.rfind("\n", 0, at)
                     place = Span(

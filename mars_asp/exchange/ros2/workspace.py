@@ -21,6 +21,7 @@ from mars_asp.language.parse import decode, plain_lines, read_bytes
 #: What a launch file or a source may hold, and how many files a workspace.
 MOST_BYTES = 1024 * 1024
 _MOST_FILES = 100_000
+_MOST_PATH = 4096
 _SKIPPED = frozenset(
     {"build", "install", "log", "devel", "node_modules", "__pycache__", "templates"}
     | {"test", "tests"}
@@ -218,7 +219,7 @@ class Workspace:
         return self._found[key]
 
     def _find(self, path: str, folder: Path) -> Path | None:
-        if not path or "\0" in path or len(path) > 4096:
+        if not path or "\0" in path or len(path) > _MOST_PATH:
             return None
         match = _SHARE.match(path)
         # A relative path begins where the launch file is started: mostly above `src`.
@@ -271,7 +272,7 @@ class Workspace:
         match = _SHARE.match(path)
         if match is None:
             # A path from the folder of a launch file is that of its package.
-            whole = Path(os.path.normpath(path))
+            whole = Path(os.path.normpath(path[:_MOST_PATH]))
             package = self.package_of(whole) if whole.is_absolute() else None
             inside = "" if package is None else whole.relative_to(package.folder).as_posix()
         else:
