@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Literal
 
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import Engine, Hold, Inner
@@ -60,12 +61,12 @@ class Node:
 class GivenFile:
     """A parameter file that a node is given; `span` is the place of the first name in it.
 
-    `is_for_it` is whether a section of the file is for the node.
+    `is_for_it` is whether a section of the file is for the node, `None` if the file has no section.
     """
 
     path: str
     span: Span
-    is_for_it: bool
+    is_for_it: bool | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,12 +155,17 @@ class Renaming:
 
 @dataclass(frozen=True, slots=True)
 class AbsentFile:
-    """A file or, if `is_program`, a program that a launch file names and its package lacks."""
+    """Something that is named and that its package lacks, by its sort.
+
+    It is a file or program that a launch file names, a file that the package has and does not
+    install, the function of a console script, or all programs of a package whose `setup.cfg` does
+    not set where they are installed; the name is then that of the package.
+    """
 
     name: str
     package: str
     span: Span
-    is_program: bool = False
+    sort: Literal["file", "program", "not installed", "function", "programs"] = "file"
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,9 @@ def missing(folder: Path, files: dict[str, str]) -> list[tuple[str, str, bool]]:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
     trees = import_ros2([("", str(folder))]).trees
-    return [(each.name, each.package, each.is_program) for tree in trees for each in tree.missing]
+    return [
+        (each.name, each.package, each.sort == "program") for tree in trees for each in tree.missing
+    ]
 
 
 def launch(*lines: str) -> dict[str, str]:
@@ -174,7 +176,10 @@ SETUP = "setup(entry_points={'console_scripts': ['gripper = arm.gripper:main']})
     ("files", "is_missing"),
     [
         ({"arm/setup.py": SETUP}, True),
-        ({"arm/setup.py": SETUP, "arm/arm/wrist.py": "", "arm/arm/gripper.py": ""}, True),
+        (
+            {"arm/setup.py": SETUP, "arm/arm/wrist.py": "", "arm/arm/gripper.py": "main = print"},
+            True,
+        ),
         ({"arm/setup.py": SETUP.replace("gripper =", "wrist =")}, False),
         ({"arm/CMakeLists.txt": "add_executable(gripper a.cpp)"}, True),
         ({"arm/CMakeLists.txt": "add_executable(wrist a.cpp)"}, False),

@@ -70,8 +70,8 @@ def test_modules_of_console_scripts_are_there(
 ) -> None:
     files = {
         "setup.py": SETUP.format(module),
-        "mine/node.py": "",
-        "mine/inner/__init__.py": "",
+        "mine/node.py": "def main(): ...",
+        "mine/inner/__init__.py": "from mine.node import main",
         "launch/x.launch.xml": '<launch><node pkg="joy" exec="joy_node"/></launch>',
     }
     write_package(files, tmp_path)

@@ -343,7 +343,7 @@ HOSTILE = [
     ("x.launch.py", "x = " + "-" * 100_000 + "1", "1:"),
     ("x.launch.py", "x = 1" + " + 1" * 20_000, "1:1: this Python is nested too deeply"),
     ("x.launch.py", "import os\n", "1:1: the file has no function `generate_launch_description`"),
-    ("x.launch.py", PYTHON.format(before="x", nodes=""), "1:1: the launch file starts no node"),
+    ("x.launch.py", PYTHON.format(before="1", nodes=""), "1:1: the launch file starts no node"),
     ("x.launch.xml", BOMB, "1:1: a document type, which is refused"),
     ("x.launch.xml", "<launch>" + "<group>" * 5000, "1:"),
     ("x.launch.xml", "<launch><node></launch>", "1:"),

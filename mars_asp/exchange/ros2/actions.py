@@ -74,7 +74,7 @@ class Parameter:
     """A parameter that a launch file gives itself; `span` is where its value stands.
 
     `keys` are the steps of its name, each with its place; `items` are the texts of a list;
-    `written` is the value where it is written as YAML.
+    `written` is the value where it is written as YAML; the tests decide whether it is given.
     """
 
     keys: tuple[tuple[Text, Span], ...]
@@ -82,6 +82,7 @@ class Parameter:
     span: Span
     items: tuple[Text, ...] | None = None
     written: Scalar | Items | None = None
+    tests: Tests = ()
 
     @property
     def name(self) -> Text:
@@ -139,12 +140,13 @@ class SetRemap:
 
 @dataclass(frozen=True, slots=True)
 class Declare:
-    """A launch argument: its default, or with `forced` its value."""
+    """A launch argument: its default, or with `forced` its value, if the tests hold."""
 
     name: str
     value: Text | None
     span: Span
     forced: bool = False
+    tests: Tests = ()
 
 
 @dataclass(frozen=True, slots=True)

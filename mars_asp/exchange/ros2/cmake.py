@@ -11,12 +11,23 @@ from typing import NamedTuple, TypeAlias
 #: Comments and strings, brackets and words; one pattern that any text fits.
 _TOKEN = re.compile(
     r"#\[(?P<eq>=*)\[.*?(?:\](?P=eq)\]|\Z)|#[^\n]*|\[(?P<raw>=*)\[.*?(?:\](?P=raw)\]|\Z)"
-    r'|"(?:\\.|[^"\\])*"?|[()]|[^\s()#"]+',
+    r'|"(?:\\.|[^"\\])*"?|[()]|(?:\\.|[^\s()#"\\])+|\\',
     re.DOTALL,
 )
 _VARIABLE = re.compile(r"\$\{([\w-]+)\}")
 _EXECUTABLES = frozenset({"add_executable", "ament_auto_add_executable", "cuda_add_executable"})
 _LIBRARIES = frozenset({"add_library", "ament_auto_add_library", "cuda_add_library"})
+#: Commands that make files, which another command may install.
+_MAKING = frozenset({"configure_file", "add_custom_command", "execute_process", "file"})
+#: Commands that install something, but no shared files of the package that are not read.
+_INSTALLING = frozenset(
+    {
+        "install",
+        "catkin_install_python",
+        "ament_python_install_package",
+        "ament_python_install_module",
+    }
+)
 _BLOCKS = frozenset({"macro", "function", "foreach"})
 #: The folder of the package at the start of absolute paths.
 _PACKAGE = "/package"
@@ -46,7 +57,7 @@ class Targets:
     """Sources of targets, what they link, and which of them are programs and components.
 
     `programs` are files that are installed as they are, `started` the components that programs
-    start; `installed` are the shared files.
+    start; `installed` are the shared files, and `is_whole` is whether these are all of them.
     """
 
     sources: dict[str, list[str]] = field(default_factory=dict)
@@ -56,6 +67,7 @@ class Targets:
     started: dict[str, str] = field(default_factory=dict)
     programs: list[str] = field(default_factory=list)
     installed: list[Installed] = field(default_factory=list)
+    is_whole: bool = True
 
     def of(self, target: str) -> list[str]:
         """Return the sources of a target and of those of the file that it links."""
@@ -78,7 +90,8 @@ def read_cmake(text: str, files: Mapping[str, Callable[[], str]] | None = None) 
     Paths are relative to the package.
     """
     reader = _Reader(files or {})
-    reader.follow(list(_commands(text)), "", {})
+    reader.follow(list(_commands(text)), "", {"CMAKE_INSTALL_DATADIR": ["share"]})
+    reader.targets.is_whole &= reader.left > 0
     return reader.targets
 
 
@@ -109,6 +122,9 @@ class _Reader:
             at += 1
             self.left -= 1
             given = _expanded(words, values)
+            if name == "install" and given[:1] in (["FILES"], ["DIRECTORY"]):
+                named = {match[1] for word in words if (match := _VARIABLE.fullmatch(word))}
+                self.targets.is_whole &= named <= values.keys()
             if name in _BLOCKS:
                 end = _end_of_block(commands, at, name)
                 body = commands[at:end]
@@ -127,8 +143,14 @@ class _Reader:
                 inner = {**values, **arguments}
                 self.follow(body, folder, inner)
                 values |= {key: inner[key] for key in inner.keys() - arguments.keys()}
-            elif given:
-                self.take_command(name, given, folder, values)
+            else:
+                # Commands of other packages, and scripts, may install more.
+                is_script = name == "install" and given[:1] in (["CODE"], ["SCRIPT"])
+                may_install = is_script or ("install" in name and name not in _INSTALLING)
+                is_making = name in _MAKING and given[:1] not in (["GLOB"], ["GLOB_RECURSE"])
+                self.targets.is_whole &= not (may_install or is_making)
+                if given:
+                    self.take_command(name, given, folder, values)
         self.depth -= 1
 
     def follow_loop(
@@ -158,6 +180,8 @@ class _Reader:
                 values[others[0]] = [*values.get(others[0], ()), *others[1:]][:_MOST_WORDS]
             case "file" if others and first in ("GLOB", "GLOB_RECURSE"):
                 values[others[0]] = list(self.matching(first, others[1:], folder))
+                # Files that no reader needs are not among those of the package.
+                self.targets.is_whole &= bool(values[others[0]])
             case "aux_source_directory" if others:
                 patterns = [f"{first}/*{suffix}" for suffix in (".cpp", ".cc", ".cxx", ".c")]
                 values[others[0]] = list(self.matching("GLOB", patterns, folder))
@@ -172,6 +196,12 @@ class _Reader:
             case "install" if first in ("DIRECTORY", "FILES"):
                 installed = _installed(first == "DIRECTORY", others, folder, values)
                 self.targets.installed += installed
+                self.targets.is_whole &= "DESTINATION" in others and "${" not in "".join(others)
+            case "ament_auto_package":
+                shared = (*given, "INSTALL_TO_SHARE")
+                folders = shared[shared.index("INSTALL_TO_SHARE") + 1 :]
+                shared = tuple(_in_package(each, folder) for each in folders)
+                self.targets.installed += (Installed(each, "", is_folder=True) for each in shared)
             case _:
                 self.take_of_target(name, first, others, folder)
 

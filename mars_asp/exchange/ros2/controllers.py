@@ -53,7 +53,11 @@ class _Spawned:
 
 
 def with_controllers(
-    started: Sequence[Started], values: Values, find: Callable[[str], Path | None]
+    started: Sequence[Started],
+    values: Values,
+    find: Callable[[str], Path | None],
+    *,
+    is_part: bool = False,
 ) -> Iterator[Started | Unread]:
     """Yield what is started, with controllers in place of what spawns them.
 
@@ -63,6 +67,8 @@ def with_controllers(
         started: All that a robot starts.
         values: The values of the parameters of what is started, by the full name of a node.
         find: The file of the workspace that a path names.
+        is_part: Whether these are a part of a robot, so that a manager elsewhere counts as one
+            that is given nothing.
     """
     managers = {
         joined(each.namespace, each.name or _PACKAGE): each
@@ -72,6 +78,9 @@ def with_controllers(
     for each in started:
         spawned = _spawned_by(each)
         manager = None if spawned is None else managers.get(spawned.manager)
+        if spawned is not None and manager is None and is_part:
+            namespace = spawned.manager.rpartition("/")[0] or "/"
+            manager = replace(each, namespace=namespace, name="", remaps=(), parameters={})
         if spawned is None or manager is None:
             yield each
             continue
@@ -100,8 +109,11 @@ def _spawned_by(started: Started) -> _Spawned | None:
         if word == "--ros-args":
             break
         if ":=" in word:
-            source, _, target = word.split()[-1].partition(":=")
-            remaps.append((source, target))
+            # `--controller-ros-args` takes one word with all of them.
+            for each in word.split():
+                source, is_rule, target = each.partition(":=")
+                if is_rule:
+                    remaps.append((source, target))
         elif not word.startswith("-"):
             given.setdefault("controllers", []).append(word)
         elif option in _VALUES:

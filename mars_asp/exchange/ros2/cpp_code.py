@@ -164,6 +164,32 @@ class CppCode:
                     at = behind
             at += 1
 
+    @cached_property
+    def token_texts(self) -> Set[str]:
+        """The texts of all tokens."""
+        return frozenset(token.text for token in self.tokens)
+
+    @cached_property
+    def base_classes(self) -> Set[str]:
+        """The classes from which those of the file are derived."""
+        found: set[str] = set()
+        for at, token in enumerate(self.tokens):
+            if token.text in ("public", "protected", "private"):
+                last = at + 1
+                while text_at(self.tokens, last + 1) == "::":
+                    last += 2
+                found.add(text_at(self.tokens, last))
+        return found
+
+    @cached_property
+    def given_texts(self) -> Set[str]:
+        """The functions and classes whose first argument is a text in quotes."""
+        return {
+            self.tokens[at - 2].text
+            for at, token in enumerate(self.tokens)
+            if at >= 2 and token.text.startswith('"') and self.tokens[at - 1].text in ("(", "{")
+        }
+
     def bodies_at(self, at: int) -> Iterator[Body]:
         """Yield the functions around a token, the innermost first; parameters are inside."""
         return self._nested_bodies.around(at)

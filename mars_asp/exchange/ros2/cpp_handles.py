@@ -124,12 +124,13 @@ class Handles:
 
         `called` are the functions whose calls are read.
         """
-        if any(token.text in _OWN_TOPICS for file in files for token in file.tokens):
+        if not all(_OWN_TOPICS.isdisjoint(file.token_texts) for file in files):
             return True
         bodies = {body.name for file in files for body in file.bodies}
         known = _READ | self._names | bodies
-        # A node may have the topics of its base class.
-        if not bodies.union(_NODES, _NODELETS).issuperset(_named_bases(files)):
+        # A node may have the topics of its base class, to which it passes its name.
+        bases = {base for file in files for base in file.base_classes}
+        if any(bases & file.given_texts - bodies - _NODES - _NODELETS for file in files):
             return True
         if any(
             known.union(called).isdisjoint(_callee_words(file, opening))
@@ -399,23 +400,6 @@ def _is_defined(file: CppCode, opening: int) -> bool:
     """Whether a bracket opens the parameters of a function that is defined there."""
     body = next(file.bodies_at(opening + 1), None)
     return body is not None and body.opening == opening
-
-
-def _named_bases(files: Sequence[CppCode]) -> Iterator[str]:
-    """Yield the base classes to which constructors pass a name in quotes."""
-    bases: set[str] = set()
-    for file in files:
-        for at, token in enumerate(file.tokens):
-            if token.text in ("public", "protected", "private"):
-                last = at + 1
-                while text_at(file.tokens, last + 1) == "::":
-                    last += 2
-                bases.add(text_at(file.tokens, last))
-    for file in files:
-        for at, token in enumerate(file.tokens):
-            is_call = text_at(file.tokens, at + 1) in ("(", "{")
-            if is_call and token.text in bases and text_at(file.tokens, at + 2).startswith('"'):
-                yield token.text
 
 
 def _calls_with_nodes(file: CppCode) -> Iterator[int]:

@@ -18,6 +18,8 @@ class Topic:
     works as well without it, `measured` whether it reports a motion, whatever its type. The program
     has it only if each parameter of `switches` is true, or false if not `wanted`. `image` is the
     image topic of a camera's information, which lies beside it even if the image is renamed.
+    `parts` are the texts that make up a name with parameters in it: each a text, or the default of
+    the parameter beside it.
     """
 
     name: str
@@ -29,6 +31,7 @@ class Topic:
     measured: bool = False
     switches: tuple[tuple[str, bool], ...] = ()
     image: str = ""
+    parts: tuple[tuple[str | None, str | None], ...] = ()
 
 
 #: What topics are called that a program, or a client of it, names while it runs.

@@ -5,6 +5,7 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 from mars_asp.diagnostic import MarsError, Span
 from mars_asp.exchange.ros2.actions import (
@@ -57,6 +58,8 @@ _MARKUP = frozenset({".xml", ".yaml", ".yml", ".launch", ".test"})
 _PYTHON = re.compile(r"^def generate_launch_description\b", re.MULTILINE)
 #: A word of a command line; blanks in quotes and in what stands for a folder belong to it.
 _WORD = re.compile(r"""(?:\$\([^)]*\)|'[^']*'|"[^"]*"|\S)+""")
+#: Values that conditions take for truths.
+_TRUTHS = {"1": "true", "True": "true", "0": "false", "False": "false"}
 _ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
 
 
@@ -209,9 +212,12 @@ class Launch:
 
     def _declare(self, action: Declare, scope: _Scope, files: tuple[Path, ...]) -> None:
         """Take up a launch argument, and note a default that names a file which is not there."""
+        if not self._is_usual(action.tests, scope, files):
+            return
         name = action.name
         value = None if action.value is None else self._plain(action.value, scope, files)
-        self._note_missing(value, action.span, files)
+        if scope.arguments.get(name) is None:
+            self._note_missing(value, action.span, files)
         variable = None if action.forced else scope.variable(name)
         if action.forced or scope.arguments.get(name) is None:
             scope.arguments[name] = value
@@ -299,8 +305,8 @@ class Launch:
         if known is not None and known not in files:
             self._include_known(known, action, scope, files)
             return
+        is_missing = self._note_missing(path, action.span, files)
         if found is None:
-            is_missing = self._note_missing(path, action.span, files)
             self.unread.append(Unread(ABSENT if is_missing else NOT_HERE, written, action.span))
             for value in self._parameters(action.arguments, scope, files).values():
                 named = value.text if value.is_known else ""
@@ -351,9 +357,10 @@ class Launch:
         if not action.inherits:
             within.arguments.clear()
             within.fixed, within.passed, within.closed = frozenset(), {}, True
-        for each in action.arguments:
+        given = [each for each in action.arguments if self._is_usual(each.tests, scope, files[:-1])]
+        for each in given:
             self._pass(each, scope, within, files)
-        passed = self._parameters(action.arguments, scope, files[:-1])
+        passed = self._parameters(given, scope, files[:-1])
         for value in passed.values():
             self._note_missing(value.text, action.span, files[:-1])
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
@@ -389,14 +396,17 @@ class Launch:
 
         A launch file that checks whether files exist does without them.
         """
-        if path is None or self.workspace.find(path, files[-1].parent) is not None:
+        # Most texts of launch files name no file, which has an ending.
+        if path is None or "." not in path:
             return False
-        lacking = self.workspace.lacking(path)
+        is_here = self.workspace.find(path, files[-1].parent) is not None
+        lacking = (self.workspace.not_installed if is_here else self.workspace.lacking)(path)
         if lacking is None or _CHECKS_FILES.search(self.workspace.text(files[-1])) is not None:
             return False
         package, name = lacking
-        self.missing[AbsentFile(name, package, span)] = None
-        return True
+        sort: Literal["file", "not installed"] = "not installed" if is_here else "file"
+        self.missing[AbsentFile(name, package, span, sort)] = None
+        return not is_here
 
     def _pass(
         self, argument: Parameter, scope: _Scope, within: _Scope, files: tuple[Path, ...]
@@ -455,6 +465,18 @@ class Launch:
             ):
                 return None
         return tuple(found)
+
+    def _is_usual(self, tests: Tests, scope: _Scope, files: tuple[Path, ...]) -> bool:
+        """Whether all tests hold with the defaults of the launch arguments, where these decide."""
+        conditions = self._conditions(tests, scope, files)
+        if conditions is None:
+            return False
+        for each in conditions:
+            default = self.defaults.get(each.variable)
+            is_so = default == each.value or _TRUTHS.get(default or "", "") == each.value
+            if default is not None and is_so != each.wanted:
+                return False
+        return True
 
     def _start(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
         conditions = self._conditions(action.tests, scope, files)
@@ -573,6 +595,8 @@ class Launch:
             path = self._plain(each, scope, files)
             found = None if path is None else self.workspace.find(path, files[-1].parent)
             if found is not None:
+                if span is not None:
+                    self._note_missing(path, span, files)
                 yield found
             elif span is not None:
                 called = self._shown(each, scope)

@@ -254,6 +254,7 @@ def _included(entity: _Entity, tests: Tests) -> Iterator[Action]:
             ((each.text("name") or UNKNOWN, each.span),),
             each.text("value", "default") or (),
             each.span,
+            tests=_tests(each),
         )
         for each in entity.children
         if each.name in ("arg", "let")
@@ -271,7 +272,7 @@ def _argument(entity: _Entity) -> Iterator[Declare]:
     name = entity.attributes.get("name")
     if name is not None:
         forced = "value" in entity.attributes
-        yield Declare(name, entity.text("value", "default"), entity.span, forced)
+        yield Declare(name, entity.text("value", "default"), entity.span, forced, _tests(entity))
 
 
 def _remap(entity: _Entity) -> Remap:

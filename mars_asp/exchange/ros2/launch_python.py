@@ -1,6 +1,7 @@
 """Launch files in Python as actions, by their syntax trees; nothing of them ever runs."""
 
 import ast
+import builtins
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 
@@ -11,6 +12,7 @@ from mars_asp.exchange.ros2.actions import (
     Group,
     Include,
     NotRead,
+    Parameter,
     PushNamespace,
     Readings,
     Remap,
@@ -65,6 +67,8 @@ _NODES = {
     "ComposableLifecycleNode": True,
 }
 _CONTAINERS = frozenset({"ComposableNodeContainer", "LoadComposableNodes"})
+#: Functions and errors with which code looks for names itself.
+_LOOKING = frozenset({"globals", "locals", "vars", "exec", "eval", "NameError"})
 _ENTRY = "generate_launch_description"
 #: How often a file is read, each time by other branches of its conditions.
 _MOST_READINGS = 64
@@ -113,7 +117,7 @@ class _Reader(Evaluator):
         entry = self.globals[_ENTRY]
         names = self.entered(entry) if isinstance(entry, Local) else {}
         declared = tuple(self.declared(tree, names))
-        return (*declared, *found, *self.left_out(tree, names))
+        return (*declared, *found, *self.left_out(tree, names), *self.undefined(tree))
 
     def readings(self, tree: ast.Module) -> Iterator[tuple[tuple[Action, ...], Tests]]:
         """Yield the actions of the file, once for each set of branches that it takes, with these.
@@ -240,8 +244,24 @@ class _Reader(Evaluator):
                 yield of_command(tuple(map(text_from, command)), call.span, tests)
             case "OpaqueFunction":
                 yield from self.opaque(call, tests)
+            case "RosGzBridge" | "GzServer":
+                yield self.of_gazebo(call, tests)
             case _:
                 yield from self.handled(call, tests)
+
+    def of_gazebo(self, call: Call, tests: Tests) -> Action:
+        """Return the simulator or bridge that an action of ros_gz starts."""
+        if call.name == "GzServer":
+            return NotRead("programs of the simulator that a bridge joins", call.name, call.span)
+        file = text_from(call.get("config_file", 1))
+        return Start(
+            call.span,
+            ("ros_gz_bridge",),
+            ("parameter_bridge",),
+            name=text_from(call.get("bridge_name", 0)),
+            parameters=(Parameter(((("config_file",), call.span),), file, call.span),),
+            tests=tests,
+        )
 
     def opaque(self, call: Call, tests: Tests) -> Iterator[Action]:
         """Yield the actions that a function of the file returns, as launching would call it."""
@@ -348,6 +368,41 @@ class _Reader(Evaluator):
                 at = "plugin" if _NODES[call.name] else "executable"
                 name = plain(text_from(call.get(at))) or call.name
                 yield NotRead("nodes that are made but not launched", name, span)
+
+    def undefined(self, tree: ast.Module) -> Iterator[NotRead]:
+        """Yield the first name that the file uses and nothing in it defines, as an error."""
+        bound, used = {*dir(builtins), "__file__"}, list[ast.Name]()
+        # What only a call of the file itself runs, launching does not.
+        launched = ast.Module(
+            [
+                each
+                for each in tree.body
+                if not (isinstance(each, ast.If) and "__name__" in ast.dump(each.test))
+            ],
+            [],
+        )
+        for node in ast.walk(launched):
+            match node:
+                case ast.Name(ctx=ast.Load()):
+                    used.append(node)
+                case ast.Name(id=name) | ast.arg(arg=name) | ast.MatchAs(name=str(name)):
+                    bound.add(name)
+                case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
+                    bound.add(name)
+                case ast.ExceptHandler(name=str(name)) | ast.MatchStar(name=str(name)):
+                    bound.add(name)
+                case ast.MatchMapping(rest=str(name)):
+                    bound.add(name)
+                case ast.Import(names=names) | ast.ImportFrom(names=names):
+                    bound.update((each.asname or each.name).partition(".")[0] for each in names)
+        # Names may come from elsewhere, or be looked for in vain on purpose.
+        if bound & {"*", "annotations"} or any(each.id in _LOOKING for each in used):
+            return
+        for each in used:
+            if each.id not in bound:
+                message = f"{self.path}: `{each.id}` is not defined"
+                yield NotRead("launch files with errors", message, self.span(each))
+                return
 
 
 def _arguments_of(call: Call) -> tuple[Text, ...]:

@@ -60,16 +60,19 @@ def values_for(document: Node, name: str) -> dict[str, Given]:
     return found
 
 
-def section_for(document: Node, name: str, is_component: bool) -> tuple[Scalar | None, bool]:
+def section_for(document: Node, name: str, is_component: bool) -> tuple[Scalar | None, bool | None]:
     """Return the first name in a file of ROS 2, and whether a section is for the node of a name.
 
     The launch file picks the section of a component, and may leave out the namespaces; all other
-    nodes look for their full names (rcl_yaml_param_parser).
+    nodes look for their full names (rcl_yaml_param_parser). Whether is `None` in a file without a
+    section, the name `None` in an empty one.
     """
     parts = list(_steps_in(name))
     sections = [keys for keys, _ in _sections(document, ())]
-    if not sections or not isinstance(document, Pairs):
-        return None, True
+    if not isinstance(document, Pairs) or not document.pairs:
+        return None, None
+    if not sections:
+        return document.pairs[0][0], None
     depth = 1 if is_component else len(parts)
     is_for_it = any(
         _fits(keys, parts) and ("**" in keys or len(keys) >= depth) for keys in sections

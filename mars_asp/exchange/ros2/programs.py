@@ -4,12 +4,12 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 from mars_asp.annotations.comments import blanked
 from mars_asp.annotations.declarations.tokens import text_at, tokenise
-from mars_asp.diagnostic import MarsError, Span
+from mars_asp.diagnostic import MarsError, Span, point
 from mars_asp.exchange.ros2.interface import Interface
 from mars_asp.exchange.ros2.setup_files import scripts_of_configuration, scripts_of_setup
 from mars_asp.exchange.ros2.source_cpp import read_cpp
@@ -20,6 +20,10 @@ from mars_asp.model.graph import AbsentFile
 _CPP = frozenset({".cpp", ".cc", ".cxx", ".c"})
 _HEADERS = frozenset({".hpp", ".h", ".hh", ".hxx"})
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
+#: A word that each source of a node has, or one of the headers that it includes.
+_OF_ROS = re.compile(
+    r"\bros|\brcl|nodelet|pluginlib|image_transport|advertise|subscribe|create_|class_loader|Node"
+)
 _REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLASS"})
 #: A source of a program or component of its own.
 _STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
@@ -45,6 +49,9 @@ class Programs:
         self.workspace = workspace
         self._python = PythonPrograms(self._module)
         self._read: dict[Program, Interface | None] = {}
+        # Many programs share headers.
+        self._included = cache(self._headers_of)
+        self._is_of_ros = cache(lambda file: _OF_ROS.search(self._text(file) or "") is not None)
 
     def interface(self, program: Program) -> Interface | None:
         """Return what a program publishes and hears, `None` where its source is not here."""
@@ -67,26 +74,49 @@ class Programs:
                 if target not in started:
                     yield Program(package.name, plugin, True)
 
-    def absent_modules(self) -> Iterator[AbsentFile]:
-        """Yield the modules that console scripts name and their packages do not have."""
+    def unreadable_modules(self) -> Iterator[tuple[str, Span]]:
+        """Yield the modules of ROS 2 that were read and are not Python, with the errors."""
+        for path, line, error in self._python.not_python():
+            package = self.workspace.package_of(self.workspace.root / path)
+            if package is not None and self.workspace.is_of_ros2(package):
+                yield f"{path}: this is not Python: {error}", point(path, line, 1)
+
+    def absent_entries(self) -> Iterator[AbsentFile]:
+        """Yield the modules and functions of console scripts that their packages do not have.
+
+        Scripts of a package in Python are installed in `bin` unless its `setup.cfg` sets another
+        folder, and `ros2 run` and launch files look for them in `lib/PACKAGE`.
+        """
         for package in self.workspace.packages:
             setup = package.folder / "setup.py"
             text = self._text(setup) or ""
+            has_scripts = self._scripts.get(package.name) and "console_scripts" in text
+            if has_scripts and not self.workspace.places_scripts(package):
+                place = self._span_of(setup, text, "console_scripts")
+                yield AbsentFile(package.name, package.name, place, "programs")
             for entry in self._scripts.get(package.name, {}).values():
-                module = entry.partition(":")[0].strip()
+                module, _, function = (part.strip() for part in entry.partition(":"))
                 path = module.replace(".", "/")
                 places = [package.folder / above / path for above in ("", "src")]
                 at = text.find(module)
                 is_own = (package.folder / path.partition("/")[0]).is_dir()
                 is_here = any(each.is_dir() or each.with_suffix(".py").is_file() for each in places)
                 is_name = all(part.isidentifier() for part in module.split("."))
-                if is_name and is_own and at >= 0 and "/" in path and not is_here:
-                    line = text.count("\n", 0, at) + 1
-                    column = at - text.rfind("\n", 0, at)
-                    place = Span(
-                        self.workspace.shown(setup), line, column, line, column + len(module)
-                    )
+                if not (is_name and is_own and at >= 0 and "/" in path):
+                    continue
+                if not is_here:
+                    place = self._span_of(setup, text, module)
                     yield AbsentFile(f"{path}.py", package.name, place)
+                elif function.isidentifier() and not self._python.defines(module, function):
+                    place = self._span_of(setup, text, module)
+                    yield AbsentFile(f"{module}:{function}", package.name, place, "function")
+
+    def _span_of(self, file: Path, text: str, word: str) -> Span:
+        """Return the first place of a word in a file."""
+        at = text.find(word)
+        line = text.count("\n", 0, at) + 1
+        column = at - text.rfind("\n", 0, at)
+        return Span(self.workspace.shown(file), line, column, line, column + len(word))
 
     # ---- From a program to its sources
 
@@ -174,8 +204,12 @@ class Programs:
             if text is not None:
                 texts[file] = text
                 waiting += self._included(package, file)
-        shown = [(text, self.workspace.shown(file)) for file, text in texts.items()]
-        return read_cpp(shown) if shown else None
+        if not texts:
+            return None
+        if not any(map(self._is_of_ros, texts)):
+            # Libraries bring programs that have nothing to do with ROS.
+            return Interface(unnamed=True)
+        return read_cpp((text, self.workspace.shown(file)) for file, text in texts.items())
 
     def _with_library(self, package: Package, file: Path) -> Interface | None:
         """Return the interface of a component with the sources of its library.
@@ -199,7 +233,7 @@ class Programs:
             ]
         return self._with_headers(package, [file], [each for files in others for each in files])
 
-    def _included(self, package: Package, file: Path) -> list[Path]:
+    def _headers_of(self, package: Package, file: Path) -> Sequence[Path]:
         """Return the headers of a package that a file of it includes."""
         found: list[Path] = []
         for name in _INCLUDE.findall(self._text(file) or ""):

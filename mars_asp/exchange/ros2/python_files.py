@@ -1,12 +1,16 @@
 """Sources in Python: their trees, what they import and what stands at their outer level."""
 
 import ast
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 #: What opens a file of the workspace by the name of its module.
 Find = Callable[[str], "tuple[str, str] | None"]
+T = TypeVar("T")
 _MOST_FILES = 1000
+_NEWER = re.compile(r"\s*(?:type\s+\w+.*=|(?:async\s+)?def\s+\w+\s*\[|class\s+\w+\s*\[)")
 
 
 @dataclass(slots=True)
@@ -35,22 +39,30 @@ class Files:
         self._find = find
         self._read: dict[str, SourceFile | None] = {}
         self._left = _MOST_FILES
-        self._mentioned: dict[ast.AST, tuple[str, ...]] = {}
+        self._found: dict[tuple[object, ast.AST], tuple[Any, ...]] = {}
         self._words: dict[ast.AST, frozenset[str]] = {}
+        #: The files that are not Python, each with a line and an error.
+        self.broken: dict[tuple[str, int, str], None] = {}
 
     def file(self, module: str) -> SourceFile | None:
         """Return a file, `None` where it is not found or not Python."""
         if module not in self._read:
             found = self._find(module) if self._left else None
             self._left -= found is not None
-            self._read[module] = None if found is None else _parsed(*found, module)
+            try:
+                self._read[module] = None if found is None else _parsed(*found, module)
+            except SyntaxError as error:
+                self._read[module] = None
+                # From 3.12 on texts with values nest quotes, types have names, and functions and
+                # classes have types as parameters (PEP 695, 701).
+                is_newer = "f-string" in error.msg or _NEWER.match(error.text or "")
+                if found is not None and not is_newer:
+                    self.broken[found[1], error.lineno or 1, error.msg] = None
         return self._read[module]
 
     def mentioned(self, part: ast.AST) -> tuple[str, ...]:
         """Return the names, dotted ones whole, that a part of a file mentions, each once."""
-        if part not in self._mentioned:
-            self._mentioned[part] = tuple(dict.fromkeys(_mentioned(part)))
-        return self._mentioned[part]
+        return self.once(_mentioned, part)
 
     def words(self, part: ast.AST) -> frozenset[str]:
         """Return the names, dotted ones split, that a part of a file mentions."""
@@ -59,21 +71,45 @@ class Files:
             self._words[part] = frozenset(word for name in names for word in name.split("."))
         return self._words[part]
 
+    def once(self, find: Callable[[ast.AST], Iterable[T]], part: ast.AST) -> tuple[T, ...]:
+        """Return the results of a function for a part of a file, which many programs may share."""
+        key = find, part
+        if key not in self._found:
+            self._found[key] = tuple(find(part))
+        return self._found[key]
 
-def _mentioned(part: ast.AST) -> Iterator[str]:
-    for node in ast.walk(part):
-        if isinstance(node, ast.Name):
-            yield node.id
-        elif isinstance(node, ast.Attribute):
-            dotted = dotted_name(node)
-            if dotted:
-                yield dotted
+
+def _mentioned(part: ast.AST) -> Iterable[str]:
+    names = (
+        dotted_name(node) for node in ast.walk(part) if isinstance(node, ast.Name | ast.Attribute)
+    )
+    return dict.fromkeys(filter(None, names))
+
+
+def calls_of(part: ast.AST) -> Iterator[ast.Call]:
+    """Yield the calls in a part of a file."""
+    return (node for node in ast.walk(part) if isinstance(node, ast.Call))
+
+
+def assigned(part: ast.AST) -> Iterator[tuple[str | None, ast.expr]]:
+    """Yield the values that a part of a file assigns, with the names of the variables."""
+    for each in ast.walk(part):
+        match each:
+            case ast.Assign(targets=[target], value=value):
+                yield keeper_of(target), value
+            case ast.AnnAssign(target=target, value=ast.expr() as value):
+                yield keeper_of(target), value
 
 
 def _parsed(text: str, path: str, module: str) -> SourceFile | None:
+    """Return a file, `None` where Python cannot read it.
+
+    Raises:
+        SyntaxError: it is not Python.
+    """
     try:
         tree = ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    except (ValueError, RecursionError, MemoryError):
         return None
     file = SourceFile(path, text.split("\n"), tree)
     for node in ast.walk(tree):

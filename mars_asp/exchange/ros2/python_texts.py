@@ -5,12 +5,14 @@ import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from mars_asp.exchange.ros2.python_files import Files, SourceFile, called_name, keeper_of
+from mars_asp.exchange.ros2.python_files import Files, SourceFile, assigned, called_name, keeper_of
 from mars_asp.exchange.ros2.python_written import Loop, calls_in, constants_of, declared
 
-#: How many expressions are looked into for a name.
 #: Functions that hand on the value of a parameter.
 _PASSED_ON = frozenset({"get_parameter_value", "as_string", "str", "bool"})
+#: The sign around the name of a parameter within a text.
+_MARK = "\0"
+#: How many expressions are looked into for a name.
 _MOST_STEPS = 1000
 _DEEPEST = 60
 _MOST_TEXT = 1000
@@ -41,29 +43,22 @@ class Texts:
         self.file = file
         self.node = node
         self.steps = 0
+        #: Whether parameters within a text are marked, instead of replaced by their defaults.
+        self.is_marking = False
         self.values: dict[str, ast.expr] = {**file.constants, **(given or {})}
         # What stands in the class itself is an attribute of each object.
         self.values |= {f"self.{name}": value for name, value in constants_of(node)}
         self.parameters: dict[str, ast.expr] = {}
         self.calls: list[tuple[ast.Call, str | None]] = []
-        for each in ast.walk(node):
-            match each:
-                case ast.Assign(targets=[target], value=value):
-                    name = keeper_of(target)
-                    if name:
-                        self.values[name] = value
-                    if isinstance(value, ast.Call):
-                        self.calls.append((value, name))
-                case ast.AnnAssign(target=target, value=ast.expr() as value):
-                    name = keeper_of(target)
-                    if name:
-                        self.values[name] = value
-                    if isinstance(value, ast.Call):
-                        self.calls.append((value, name))
+        for name, value in files.once(assigned, node):
+            if name:
+                self.values[name] = value
+            if isinstance(value, ast.Call):
+                self.calls.append((value, name))
         known = {id(call) for call, _ in self.calls}
         self.loops: dict[int, tuple[Loop, ...]] = {}
         self.tests: dict[int, tuple[tuple[ast.expr, bool], ...]] = {}
-        for each, around in calls_in(node):
+        for each, around in files.once(calls_in, node):
             if id(each) not in known:
                 self.calls.append((each, None))
             if around.loops:
@@ -120,7 +115,7 @@ class Texts:
         return frozenset(found)
 
     def written(self, node: ast.expr) -> ast.expr | None:
-        """Return what a name stands for in this part of the program."""
+        """Return the value of a name in this part of the program."""
         name = keeper_of(node) or ""
         if name.startswith("cls."):
             name = f"self.{name[4:]}"
@@ -191,18 +186,34 @@ class Texts:
             case ast.Name() | ast.Attribute():
                 parameter = self.parameter(node)
                 if parameter is not None:
-                    default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
-                    return None if default is None else self.text(default, depth + 1)
+                    return self.default_of(parameter, depth)
                 held = self.written(node)
                 return self.imported(node) if held is None else self.text(held, depth + 1)
             case ast.Call():
                 parameter = self.parameter(node)
-                default = self.parameters.get(parameter or "")
-                if default is None and parameter is not None:
-                    default = self.parameters.get(f"~{parameter}")
-                return None if default is None else self.text(default, depth + 1)
+                return None if parameter is None else self.default_of(parameter, depth)
             case _:
                 return None
+
+    def default_of(self, parameter: str, depth: int = 0) -> str | None:
+        """Return the default of a parameter, or its mark."""
+        if self.is_marking:
+            return f"{_MARK}{parameter}{_MARK}"
+        default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
+        return None if default is None else self.part(default, depth + 1)
+
+    def name_parts(self, node: ast.expr) -> tuple[tuple[str | None, str | None], ...]:
+        """Return the parts of a text with parameters in it, each default with its parameter."""
+        self.steps, self.is_marking = 0, True
+        marked = self.text(node)
+        self.steps, self.is_marking = 0, False
+        pieces = (marked or "").split(_MARK)
+        if len(pieces) < 2:
+            return ()
+        return tuple(
+            (self.default_of(piece), piece) if at % 2 else (piece, None)
+            for at, piece in enumerate(pieces)
+        )
 
     def part(self, node: ast.expr, depth: int) -> str | None:
         """Return what an expression, a text or a whole number, is within a text."""

@@ -161,6 +161,9 @@ def alternatives(part: ast.AST, calls: Sequence[ast.Call]) -> Iterator[list[ast.
     left = {id(call): call for call in calls}
     for test in ast.walk(part) if len(calls) > 1 else ():
         if isinstance(test, ast.If) and test.orelse:
+            within = range(test.lineno, (test.end_lineno or 0) + 1)
+            if sum(call.lineno in within for call in calls) < 2:
+                continue
             sides = [
                 [each for of in side for each in ast.walk(of) if id(each) in left]
                 for side in (test.body, test.orelse)

@@ -228,6 +228,8 @@ class _Robot:
         self.catalogued: dict[str, Span] = {}
         self.conditional: dict[str, Span] = {}
         self.trees: list[LaunchTree] = []
+        #: The launch files that others include, each as if it were launched by itself.
+        self.parts: list[Launch] = []
         self.document = cache(self._document)
         #: Keys that parameter files have twice.
         self.repeated: dict[Path, tuple[RepeatedKey, ...]] = {}
@@ -259,7 +261,8 @@ class _Robot:
             self.trees[0] = replace(
                 first,
                 by_hand=tuple(self._by_hand(launches, paths)),
-                missing=(*first.missing, *self.programs.absent_modules()),
+                missing=(*first.missing, *self.programs.absent_entries()),
+                broken=(*first.broken, *self.programs.unreadable_modules()),
             )
         nodes: dict[str, Node] = {}
         for node in chain.from_iterable(tree.nodes for tree in self.trees):
@@ -316,16 +319,16 @@ class _Robot:
                 continue
             is_named = each.executable != "" and not each.plugin
             if is_named and not self.workspace.has_program(each.package, each.executable, of_ros2):
-                missing[AbsentFile(each.executable, each.package, each.span, is_program=True)] = (
-                    None
-                )
+                missing[AbsentFile(each.executable, each.package, each.span, "program")] = None
             match self._node(each):
                 case Mux() as mux:
                     muxes.append(mux)
                 case Relay() as relay:
                     relays.append(relay)
                 case Node() as node if each.name and not each.is_rewritten:
-                    nodes.append(replace(node, given=tuple(self._given_files(each, node.name))))
+                    nodes.append(
+                        replace(node, given=tuple(self._given_files(each, node.name, of_ros2)))
+                    )
                     continue
                 case Node() as node:
                     nodes.append(node)
@@ -398,7 +401,9 @@ class _Robot:
                 self.trees.append(LaunchTree(path, broken=((name, wrong.span),)))
         tops = [launch for file, launch in launches.items() if file not in included]
         # Files that include each other have no top.
-        yield from tops or [*launches.values()][:1]
+        tops = tops or [*launches.values()][:1]
+        self.parts = [launch for launch in launches.values() if launch not in tops]
+        yield from tops
 
     def _chosen(self, files: Sequence[Path]) -> Sequence[Path]:
         """Return the launch files that the user chose, by their paths or the ends of these.
@@ -496,8 +501,9 @@ class _Robot:
         yield from found[True] or found[False]
 
     def _by_hand(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Iterator[Node]:
-        """Yield the nodes of programs of a folder that no launch file starts.
+        """Yield the nodes of a folder that users may start beside a launch tree.
 
+        They are of programs that no launch file starts, and of launch files that others include.
         A component may be launched in place of the program that is made of it, so topics of the
         same lines are left out.
         """
@@ -519,6 +525,15 @@ class _Robot:
                     for ends in (node.published, node.subscribed)
                 )
                 yield Node(node.name, node.span, published, subscribed)
+        find = partial(self.workspace.find, folder=self.workspace.root)
+        known = {node.name for tree in self.trees for node in tree.nodes}
+        for launch in [*self.parts, *launches]:
+            for part in with_controllers(launch.started, self._values, find, is_part=True):
+                node = self._node(part) if isinstance(part, Started) else None
+                # Controllers of a manager elsewhere have no node in any tree.
+                is_further = launch in self.parts or (node is not None and node.name not in known)
+                if isinstance(node, Node) and is_further:
+                    yield Node(node.name, node.span, node.published, node.subscribed)
         self.unread, self.conditional, self.catalogued = before
 
     def _empty(self, paths: Sequence[Path]) -> MarsError:
@@ -671,13 +686,17 @@ class _Robot:
         self.unread += (Unread(sort, each, started.span) for sort, each in found.left_out)
         return Relay(full, started.span, source, target, found.hz)
 
-    def _given_files(self, started: Started, full: str) -> Iterator[GivenFile]:
-        """Yield the parameter files of ROS 2 that a node is given."""
+    def _given_files(
+        self, started: Started, full: str, of_ros2: bool | None
+    ) -> Iterator[GivenFile]:
+        """Yield the parameter files that a node of ROS 2 is given."""
         for file in started.files:
             document = self.document(file)
             if document is not None:
                 first, is_for_it = section_for(document, full, started.plugin)
-                if first is not None:
+                # A launch file reads the files of components, and takes nothing from such a one.
+                is_refused = is_for_it is None and of_ros2 and not started.plugin
+                if first is not None and (is_for_it is not None or is_refused):
                     yield GivenFile(self.workspace.shown(file), first.span, is_for_it)
 
     def _values(self, started: Started, full: str) -> Mapping[str, Given]:
@@ -743,7 +762,17 @@ class _Robot:
         self, topic: Topic, started: Started, values: Mapping[str, Given]
     ) -> Iterator[str]:
         """Yield the names that a topic has for its program, by its parameters."""
-        if topic.parameter is None:
+        # A file that cannot be read, or a value of a run, may replace a default.
+        is_hidden = started.has_further_files or any(
+            self.document(file) is None for file in started.files
+        )
+        if topic.parts:
+            texts = [
+                text if of is None else _value_of(values.get(of), None if is_hidden else text)
+                for text, of in topic.parts
+            ]
+            yield "" if None in texts else "".join(filter(None, texts))
+        elif topic.parameter is None:
             yield topic.name
         elif topic.parameter.endswith("#"):
             stem = topic.parameter[:-1]
@@ -754,15 +783,8 @@ class _Robot:
             listed = values.get(topic.parameter[:-2])
             yield from () if listed is None else listed.texts
         else:
-            given = values.get(topic.parameter)
-            # A file that cannot be read, or a value of a run, may replace the default.
-            is_hidden = started.has_further_files or any(
-                self.document(file) is None for file in started.files
-            )
-            if given is None and is_hidden:
-                yield ""
-            else:
-                yield topic.name if given is None else given.text if given.is_known else ""
+            default = None if is_hidden else topic.name
+            yield _value_of(values.get(topic.parameter), default) or ""
 
     def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
         """Return the place of the remapping that gives a topic its full name."""
@@ -834,6 +856,13 @@ def _is_off(topic: Topic, values: Mapping[str, Given]) -> bool:
         name in values and values[name].is_known and values[name].text.lower() == _TRUTH[not wanted]
         for name, wanted in topic.switches
     )
+
+
+def _value_of(given: Given | None, default: str | None) -> str | None:
+    """Return the text that a parameter has, `None` if it is not known."""
+    if given is None:
+        return default
+    return given.text if given.is_known else None
 
 
 def _counted(number: int, thing: str) -> str:

@@ -35,6 +35,52 @@ def files_of_setup(text: str, package: str) -> Iterator[Installed]:
                 yield Installed(source, folder.removeprefix(share).lstrip("/"))
 
 
+def lists_all_files(text: str) -> bool:
+    """Whether a `setup.py` is Python that lists the files that it installs one by one.
+
+    Then it installs no others than `files_of_setup` yields.
+    """
+    tree, names = _parsed(text)
+    listed = [
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.keyword) and node.arg == "data_files"
+    ]
+    is_called = any(
+        isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "setup"
+        for node in ast.walk(tree)
+    )
+    return is_called and all(
+        isinstance(each, ast.List)
+        and all(
+            isinstance(entry, ast.Tuple)
+            and len(entry.elts) == 2
+            and _text_of(entry.elts[0], names) is not None
+            and _lists_paths(entry.elts[1], names)
+            for entry in each.elts
+        )
+        for each in listed
+    )
+
+
+def _lists_paths(listed: ast.expr, names: Mapping[str, ast.expr]) -> bool:
+    """Whether the files of an entry of `data_files` are paths, and patterns for one folder."""
+    match listed:
+        case ast.List(elts=inner):
+            return all(_lists_paths(each, names) for each in inner)
+        case ast.BinOp(left=left, op=ast.Add(), right=right) if _text_of(listed, names) is None:
+            return _lists_paths(left, names) and _lists_paths(right, names)
+        case ast.Call(
+            func=ast.Name(id="glob") | ast.Attribute(value=ast.Name(id="glob"), attr="glob"),
+            args=[first],
+            keywords=[],
+        ):
+            folder = (_text_of(first, names) or "*").rpartition("/")[0]
+            return not set(folder) & set("*?[")
+        case other:
+            return _text_of(other, names) is not None
+
+
 def scripts_of_configuration(text: str) -> Iterator[tuple[str, str]]:
     """Yield the console scripts of a `setup.cfg`."""
     parser = configparser.ConfigParser(interpolation=None)

@@ -39,7 +39,7 @@ _MOST_WORDS = 50
 _MOST_CHARACTERS = 1000
 _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
-_MOST_PARSED = 200
+_MOST_PARSED = 1000
 #: Wrappers of nav2 that publish and hear velocities.
 _TWISTS = {"TwistPublisher": True, "TwistSubscriber": False}
 #: What publishes or hears images with what is known of the camera, and the types of both.
@@ -112,7 +112,7 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
         kept = {name: value for name, value in values.items() if value.parameter is not None}
         own = file.values
         values |= {name: own[name] for name in own if own[name].parameter or name not in kept}
-        kinds |= file.callbacks()
+        kinds |= file.callbacks
 
     def literal(file: CppCode, tokens: Sequence[Token]) -> str | None:
         found = file.value(tokens, values) if isinstance(file, _File) else _Value(None)
@@ -160,7 +160,8 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
     unnamed |= handles.leave_topics_unread(files, _CALLED)
-    named += (Topic(each, "", None) for each in dict.fromkeys(_paths_in(files)))
+    paths = dict.fromkeys(path for file in files for path in file.topic_paths)
+    named += (Topic(each, "", None) for each in paths)
     name, namespace = next(iter(names), (None, ""))
     return Interface(
         tuple(published),
@@ -173,17 +174,14 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     )
 
 
-def _paths_in(files: Iterable[CppCode]) -> Iterator[str]:
-    """Yield the texts in quotes that look like topics below a namespace."""
-    for file in files:
-        for token in file.tokens:
-            text = file.string(token) if token.text.startswith('"') else None
-            if text and _PATH.fullmatch(text):
-                yield text
-
-
 class _File(CppCode):
     """What the calls and functions of a file mean to ROS."""
+
+    @cached_property
+    def topic_paths(self) -> Sequence[str]:
+        """The texts in quotes that look like topics below a namespace."""
+        texts = (self.string(token) for token in self.tokens if token.text.startswith('"'))
+        return [text for text in texts if text and _PATH.fullmatch(text)]
 
     @cached_property
     def values(self) -> Mapping[str, _Value]:
@@ -276,7 +274,8 @@ class _File(CppCode):
             return values.get(words[-1], _Value(None))
         return _Value(None)
 
-    def callbacks(self) -> dict[str, str]:
+    @cached_property
+    def callbacks(self) -> Mapping[str, str]:
         """Return the type of the message that each function takes, where it takes one."""
         found: dict[str, str] = {}
         for at, token in enumerate(self.tokens):

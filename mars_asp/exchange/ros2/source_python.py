@@ -27,6 +27,7 @@ from mars_asp.exchange.ros2.python_files import (
     Find,
     SourceFile,
     called_name,
+    calls_of,
     dotted_name,
     keeper_of,
 )
@@ -94,6 +95,17 @@ class PythonPrograms:
             return None
         return _Program(self._files, file, function).interface()
 
+    def defines(self, module: str, name: str) -> bool:
+        """Whether a module that is Python has a name at its outer level, or may have it."""
+        file = self._files.file(module)
+        if file is None or file.stars:
+            return True
+        return name in file.outer or name in file.imports or name in file.constants
+
+    def not_python(self) -> Sequence[tuple[str, int, str]]:
+        """Return the path, line and error of each file that was looked for and is not Python."""
+        return tuple(self._files.broken)
+
 
 class _Program:
     """Follows a program from where it starts, and collects what it does."""
@@ -159,9 +171,8 @@ class _Program:
             unit = Texts(self.files, of, ast.Module([], []))
             calls = [
                 call
-                for call in ast.walk(part)
-                if isinstance(call, ast.Call)
-                and (found := self.target(of, dotted_name(call.func))) is not None
+                for call in self.files.once(calls_of, part)
+                if (found := self.target(of, dotted_name(call.func))) is not None
                 and found[1] is node
             ]
             for either in alternatives(part, calls[:_MOST_MADE]):
@@ -305,19 +316,21 @@ class _Unit(Texts):
         if published and keeper:
             switches |= self.used_if(keeper)
         before = self.values
-        named_so: set[str] = set()
+        named_so: set[object] = set()
         for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
             self.values = {**before, **bound}
             self.steps = 0
             parameter = self.parameter(name)
             text = self.text(name)
-            if text is None and parameter is None:
+            parts = () if parameter else self.name_parts(name)
+            if text is None and parameter is None and not parts:
                 self.note(AT_RUN_TIME, name, self.shown(name))
                 break
-            if (parameter or text or "") not in named_so:
-                named_so.add(parameter or text or "")
+            key = parameter or parts or text
+            if key not in named_so:
+                named_so.add(key)
                 topic = Topic(text or "", self.type(kind), self.span(name), parameter)
-                topic = replace(topic, switches=tuple(sorted(switches)))
+                topic = replace(topic, switches=tuple(sorted(switches)), parts=parts)
                 yield _Found(topic, keeper, published)
         self.values = before
 

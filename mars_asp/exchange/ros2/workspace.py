@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.ros2.cmake import Installed, Targets, read_cmake
-from mars_asp.exchange.ros2.setup_files import files_of_setup
+from mars_asp.exchange.ros2.setup_files import files_of_setup, lists_all_files
 from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
 
@@ -39,6 +39,7 @@ _FILE_NAME = re.compile(r"[\w+-][\w .+-]*\.\w+")
 OWN_LAUNCH_FILES = "mars-launch"
 _CATALOGUE = Path(__file__).parent / "launch_catalogue"
 _OF_USERS = re.compile(r"(?:^|/)maps?/|\.(?:bag|db3|mcap|pcd|pgm|pbstream|posegraph)$")
+_OF_RESULTS = (".txt", ".csv", ".log")
 #: Endings of sources of compiled programs, and of files that never are programs.
 _COMPILED = frozenset({".cpp", ".cc", ".cxx", ".c", ".cu"})
 _NO_PROGRAMS = frozenset(
@@ -63,6 +64,8 @@ _COMPOSED = re.compile(
     r"(?i)add_executable\s*\(\s*[^)\s]*\$\{|add_example|add_demo|install\s*\(\s*PROGRAMS\s+\$\{"
     r"|\bEXECUTABLE\s+[^)\s]*\$\{|foreach\s*\(|catkin_install_python\s*\([^)]*\$\{"
 )
+#: The setting of where the scripts of a package in Python are installed.
+_SCRIPT_FOLDER = re.compile(r"\b(?:install[_-]scripts|script[_-]dir)\b|[\"']lib/")
 _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
 _PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
@@ -285,12 +288,44 @@ class Workspace:
         # Maps and recordings are made by users, and files that git ignores by programs.
         if not is_file or _OF_USERS.search(inside) or self._is_ignored(package, name):
             return None
+        # A program makes the folder of its results.
+        if name.endswith(_OF_RESULTS) and not (package.folder / inside).parent.is_dir():
+            return None
         if self._may_have(package, name):
             contents, build = self._contents[package.folder]
             is_catkin = "catkin<" in self.text(package.folder / "package.xml")
-            if not (is_catkin and name in contents and name not in build):
+            # What the build file installs from elsewhere would have been found.
+            is_elsewhere = name in contents and f"{name}.in" not in contents and name not in build
+            if not is_elsewhere or not (is_catkin or (match and self._lists_all(package))):
                 return None
         return package.name, inside
+
+    def not_installed(self, path: str) -> tuple[str, str] | None:
+        """Return the package and the path in it of a file of ROS 2 that it has and leaves out.
+
+        Return None if the path is not one of the shared files of a package here, or if that is
+        installed, or may be by an unread part of its build file.
+        """
+        match = _SHARE.match(path)
+        package = None if match is None else self.package(match[1])
+        if match is None or package is None or not self.is_of_ros2(package):
+            return None
+        inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
+        file = package.folder / inside
+        is_file = ".." not in inside and "/" in inside and file.is_file()
+        if not is_file or file in self._installed_sources(package, inside):
+            return None
+        is_sure = self._lists_all(package) and not self._is_ignored(package, file.name)
+        return (package.name, inside) if is_sure else None
+
+    def _lists_all(self, package: Package) -> bool:
+        """Whether the build file of a package lists its shared files, and was wholly read."""
+        if "<build_type>ament_python" in self._readable(package.folder / "package.xml"):
+            configuration = self._readable(package.folder / "setup.cfg")
+            setup = self._readable(package.folder / "setup.py")
+            return "data_files" not in configuration and lists_all_files(setup)
+        has_build_file = (package.folder / "CMakeLists.txt").is_file()
+        return has_build_file and self.targets(package).is_whole
 
     def has_program(self, package: str, executable: str, of_ros2: bool | None) -> bool:
         """Whether a package that a launch file names may have a program of a name.
@@ -302,6 +337,14 @@ class Workspace:
         if found is None or self._may_have(found, executable):
             return True
         return of_ros2 is not None and of_ros2 != self.is_of_ros2(found)
+
+    def places_scripts(self, package: Package) -> bool:
+        """Whether a package is not one of Python, or sets where its scripts are installed."""
+        manifest = self._readable(package.folder / "package.xml")
+        if "<build_type>ament_python" not in manifest or self._is_ignored(package, "setup.cfg"):
+            return True
+        files = (package.folder / name for name in ("setup.cfg", "setup.py", "pyproject.toml"))
+        return any(_SCRIPT_FOLDER.search(self._readable(each)) for each in files if each.is_file())
 
     def is_of_ros2(self, package: Package) -> bool:
         """Whether a package is built by ROS 2."""

@@ -25,6 +25,16 @@ _SPELLINGS = {
     ),
     "safety": re.compile(r"(?i)stop|safe|collision|bumper|obstacle|brake|emergency|zero|halt"),
 }
+#: By whether a parameter file has a section for a node, or none at all.
+_FITS = {True: "own", False: "other", None: "none"}
+#: The facts of the sorts of things that a package lacks.
+_ABSENT = {
+    "file": "lacks_file",
+    "program": "lacks_program",
+    "not installed": "leaves_out",
+    "function": "lacks_function",
+    "programs": "hides_programs",
+}
 _TRUTHS = {"true": "true", "1": "true", "false": "false", "0": "false"}
 
 
@@ -117,8 +127,10 @@ class _TreeFacts:
             if file in self.tree.rewritten:
                 yield _fact_at(key.span, "rewrites", path, file)
         for each in self.tree.missing:
-            name = "lacks_program" if each.is_program else "lacks_file"
-            yield from self.with_place(each.span, name, path, each.package, each.name)
+            terms = (
+                (path, each.package) if each.sort == "programs" else (path, each.package, each.name)
+            )
+            yield from self.with_place(each.span, _ABSENT[each.sort], *terms)
         for file in self.tree.shared:
             yield _fact_at(point(path, 1, 1), "is_shared", file)
         for node in self.tree.by_hand:
@@ -178,7 +190,7 @@ class _TreeFacts:
         for named in sorted(node.names & renamed):
             yield _fact_at(node.span, "has_name", number, named)
         for file in node.given:
-            fits = Atom("own" if file.is_for_it else "other")
+            fits = Atom(_FITS[file.is_for_it])
             yield from self.with_place(file.span, "given", number, file.path, fits)
         for managed, span in node.manages:
             yield from self.with_place(span, "manages", number, managed)

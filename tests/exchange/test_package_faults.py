@@ -1,0 +1,220 @@
+"""Faults of packages of ROS 2 that show when they are built or started, not in their sources."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.language import Parsed
+from tests.support.packages import write_package
+
+MANIFEST = "<package><name>mine</name><export><build_type>{}</build_type></export></package>"
+PARAMETERS = (
+    '<launch><node pkg="joy" exec="joy_node" name="joy">'
+    '<param from="$(find-pkg-share mine)/config/p.yaml"/></node></launch>'
+)
+FILE = "joy:\n  ros__parameters:\n    rate: 1\n"
+SETUP = "from glob import glob\nfrom setuptools import setup\nname = 'mine'\n"
+
+
+def read(written: dict[str, str], folder: Path, built_by: str = "ament_cmake") -> Parsed:
+    write_package({"package.xml": MANIFEST.format(built_by), **written}, folder)
+    return import_ros2([("", str(folder))])
+
+
+def lacking(parsed: Parsed) -> list[tuple[str, str]]:
+    return [(each.sort, each.name) for tree in parsed.trees for each in tree.missing]
+
+
+LEFT_OUT = [("not installed", "config/p.yaml")]
+
+
+@pytest.mark.parametrize(
+    ("commands", "found"),
+    [
+        ("install(DIRECTORY launch DESTINATION share/mine)", LEFT_OUT),
+        ("install(DIRECTORY launch config DESTINATION share/${PROJECT_NAME})", []),
+        ("install(DIRECTORY config/ DESTINATION share/mine/config)", []),
+        ("install(DIRECTORY config/ DESTINATION share/mine)", LEFT_OUT),
+        ("install(FILES config/p.yaml DESTINATION share/mine/config)", []),
+        ("install(DIRECTORY launch DESTINATION share/mine)\ninstall(FILES ${X} DESTINATION d)", []),
+        ("install(DIRECTORY ${DIRS} DESTINATION share/mine)", []),
+        ("file(GLOB FOUND config/*.rviz)\ninstall(FILES ${FOUND} DESTINATION share/mine)", []),
+        ("install_launch_files()", []),
+        ("install(CODE x)", []),
+        ("add_custom_command(OUTPUT config/p.yaml)", []),
+        ("ament_auto_package(INSTALL_TO_SHARE config launch)", []),
+        ("ament_auto_package(INSTALL_TO_SHARE launch)", LEFT_OUT),
+        # A quote in a word does not begin a text.
+        (r"add_definitions(-DX=\"a\")" + "\ninstall(DIRECTORY config DESTINATION share/mine)", []),
+    ],
+)
+def test_cmake_installs_a_file_or_leaves_it_out(
+    commands: str, found: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    written = {"config/p.yaml": FILE, "launch/x.launch.xml": PARAMETERS}
+    parsed = read({**written, "CMakeLists.txt": f"project(mine)\n{commands}\n"}, tmp_path)
+    assert lacking(parsed) == found
+
+
+@pytest.mark.parametrize(
+    ("listed", "found"),
+    [
+        ("[]", LEFT_OUT),
+        ("[('share/' + name + '/launch', glob('launch/*'))]", LEFT_OUT),
+        ("[(f'share/{name}/config', glob('config/*.yaml'))]", []),
+        ("[(f'share/{name}/config', ['config/p.yaml'])]", []),
+        ("[(f'share/{name}', ['config/p.yaml'])]", LEFT_OUT),
+        ("[(f'share/{name}', glob('**/*', recursive=True))]", []),
+        ("[*found()]", []),
+        ("found()", []),
+    ],
+)
+def test_setup_py_installs_a_file_or_leaves_it_out(
+    listed: str, found: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    written = {
+        "config/p.yaml": FILE,
+        "launch/x.launch.xml": PARAMETERS,
+        "setup.py": f"{SETUP}setup(data_files={listed})\n",
+    }
+    assert lacking(read(written, tmp_path, "ament_python")) == found
+
+
+def test_a_file_elsewhere_is_missing_where_all_files_are_listed(tmp_path: Path) -> None:
+    written = {"config/real/p.yaml": FILE, "launch/x.launch.xml": PARAMETERS}
+    folders = "install(DIRECTORY config {} DESTINATION share/mine)"
+    build = "project(mine)\n" + folders.format("launch")
+    assert lacking(read({**written, "CMakeLists.txt": build}, tmp_path)) == [
+        ("file", "config/p.yaml")
+    ]
+    build = "project(mine)\n" + folders.format("${X}")
+    assert lacking(read({**written, "CMakeLists.txt": build}, tmp_path)) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "built_by", "is_found"),
+    [
+        ("setup.cfg", "", "ament_python", True),
+        ("setup.cfg", "[install]\ninstall_scripts=$base/lib/mine\n", "ament_python", False),
+        ("setup.cfg", "[install]\ninstall-scripts=$base/lib/mine\n", "ament_python", False),
+        (".gitignore", "setup.cfg\n", "ament_python", False),
+        ("setup.cfg", "", "ament_cmake", False),
+    ],
+)
+def test_programs_are_where_ros2_looks(
+    name: str, text: str, built_by: str, is_found: bool, tmp_path: Path
+) -> None:
+    written = {
+        "setup.py": f"{SETUP}setup(entry_points={{'console_scripts': ['n = mine.n:main']}})\n",
+        "mine/n.py": "def main(): ...\n",
+        "launch/x.launch.xml": '<launch><node pkg="joy" exec="joy_node"/></launch>',
+        name: text,
+    }
+    found = lacking(read(written, tmp_path, built_by))
+    assert found == ([("programs", "mine")] if is_found else [])
+
+
+@pytest.mark.parametrize(
+    ("module", "is_found"),
+    [
+        ("def run(): ...\n", True),
+        ("def main(): ...\n", False),
+        ("from mine.other import main\n", False),
+        ("from mine.other import *\n", False),
+        ("try:\n  main = print\nexcept E: ...\n", False),
+        ("class A:\n  def main(self): ...\n", True),
+        ("def main(:\n", False),
+    ],
+)
+def test_functions_of_console_scripts_are_there(
+    module: str, is_found: bool, tmp_path: Path
+) -> None:
+    written = {
+        "setup.py": f"{SETUP}setup(entry_points={{'console_scripts': ['n = mine.n:main']}})\n",
+        "setup.cfg": "[install]\ninstall_scripts=$base/lib/mine\n",
+        "mine/n.py": module,
+        "launch/x.launch.xml": '<launch><node pkg="joy" exec="joy_node"/></launch>',
+    }
+    found = lacking(read(written, tmp_path, "ament_python"))
+    assert found == ([("function", "mine.n:main")] if is_found else [])
+
+
+@pytest.mark.parametrize(
+    ("inner", "built_by", "is_found"),
+    [
+        ("<<<<<<< HEAD\n", "ament_python", True),
+        ("<<<<<<< HEAD\n", "catkin", False),
+        ("x = 1\n", "ament_python", False),
+        # Python 3.12.
+        ("type A = int\n", "ament_python", False),
+        ("a = f'{b['c']}'\n", "ament_python", False),
+    ],
+)
+def test_sources_that_are_not_python_are_findings(
+    inner: str, built_by: str, is_found: bool, tmp_path: Path
+) -> None:
+    written = {
+        "setup.py": f"{SETUP}setup(entry_points={{'console_scripts': ['n = mine.n:main']}})\n",
+        "mine/__init__.py": "",
+        "mine/n.py": "from mine.inner import f\ndef main(): f()\n",
+        "mine/inner.py": f"def f(): ...\n{inner}",
+        "launch/x.launch.xml": '<launch><node pkg="mine" exec="n"/></launch>',
+    }
+    broken = [each for tree in read(written, tmp_path, built_by).trees for each in tree.broken]
+    assert [(Path(span.path).name, span.line) for _, span in broken] == [("inner.py", 2)] * is_found
+
+
+@pytest.mark.parametrize(
+    ("text", "built_by", "found"),
+    [
+        ("rate: 1\n", "ament_cmake", 1),
+        (FILE, "ament_cmake", 0),
+        ("other:\n  ros__parameters:\n    rate: 1\n", "ament_cmake", 0),
+        ("", "ament_cmake", 0),
+        ("rate: 1\n", "catkin", 0),
+    ],
+)
+def test_a_parameter_file_has_parameters_for_ros2(
+    text: str, built_by: str, found: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    read({"config/p.yaml": text, "launch/x.launch.xml": PARAMETERS}, tmp_path, built_by)
+    run_here(["check", str(tmp_path)])
+    assert capsys.readouterr().err.count("[launch/nodes/no-parameters]") == found
+
+
+LAUNCH = (
+    "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n{}\n"
+    "def generate_launch_description():\n  {}\n"
+    "  return LaunchDescription([Node(package='joy', executable='joy_node')])\n{}"
+)
+
+
+@pytest.mark.parametrize(
+    ("outer", "inner", "after", "found"),
+    [
+        ("", "print(os.sep)", "", ["`os` is not defined"]),
+        ("import os", "print(os.sep)", "", []),
+        ("import a.os as os", "print(os.sep)", "", []),
+        ("from os import *", "print(sep)", "", []),
+        ("from __future__ import annotations", "a: Absent = 1", "", []),
+        ("", "print(__file__, __name__)", "", []),
+        ("", "print([each for each, *rest in []])", "", []),
+        ("", "x = lambda a, *b, **c: (a, b, c)", "", []),
+        ("", "try: unicode\n  except NameError as error: print(error)", "", []),
+        (
+            "",
+            "match 1:\n    case {'a': b, **c}: print(b, c)\n    case [d, *e]: print(d, e)",
+            "",
+            [],
+        ),
+        ("", "pass", "if __name__ == '__main__':\n  main()\n", []),
+    ],
+)
+def test_names_of_launch_files_are_defined(
+    outer: str, inner: str, after: str, found: list[str], tmp_path: Path
+) -> None:
+    parsed = read({"launch/x.launch.py": LAUNCH.format(outer, inner, after)}, tmp_path)
+    broken = [message for tree in parsed.trees for message, _ in tree.broken]
+    assert [each.rpartition(": ")[2] for each in broken] == found
