@@ -166,6 +166,20 @@ def test_sources_that_are_not_python_are_findings(
     assert [(Path(span.path).name, span.line) for _, span in broken] == [("inner.py", 2)] * is_found
 
 
+def test_a_source_that_is_not_python_is_found_from_another_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = {
+        "package.xml": MANIFEST.format("ament_cmake"),
+        "scripts/n.py": "<<<<<<< HEAD\n",
+        "launch/x.launch.xml": '<launch><node pkg="mine" exec="n.py"/></launch>',
+    }
+    write_package(written, tmp_path / "workspace")
+    monkeypatch.chdir(tmp_path)
+    [tree] = import_ros2([("", "workspace")]).trees
+    assert [span.path for _, span in tree.broken] == ["workspace/scripts/n.py"]
+
+
 @pytest.mark.parametrize(
     ("text", "built_by", "found"),
     [

@@ -76,8 +76,10 @@ class Programs:
 
     def unreadable_modules(self) -> Iterator[tuple[str, Span]]:
         """Yield the modules of ROS 2 that were read and are not Python, with the errors."""
-        for path, line, error in self._python.not_python():
-            package = self.workspace.package_of(self.workspace.root / path)
+        broken = self._python.not_python()
+        files = {self.workspace.shown(file): file for file in self.workspace.files if broken}
+        for path, line, error in broken:
+            package = self.workspace.package_of(files[path]) if path in files else None
             if package is not None and self.workspace.is_of_ros2(package):
                 yield f"{path}: this is not Python: {error}", point(path, line, 1)
 
