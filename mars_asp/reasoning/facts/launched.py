@@ -32,7 +32,7 @@ _ABSENT = {
     "file": "lacks_file",
     "program": "lacks_program",
     "not installed": "leaves_out",
-    "function": "lacks_function",
+    "function": "calls_missing",
     "programs": "hides_programs",
 }
 _TRUTHS = {"true": "true", "1": "true", "false": "false", "0": "false"}
