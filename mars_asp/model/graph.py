@@ -159,13 +159,14 @@ class AbsentFile:
 
     It is a file or program that a launch file names, a file that the package has and does not
     install, the function of a console script, or all programs of a package whose `setup.cfg` does
-    not set where they are installed; the name is then that of the package.
+    not set where they are installed; the name is then that of the package. Of an argument that is
+    passed to a launch file, `package` is that file.
     """
 
     name: str
     package: str
     span: Span
-    sort: Literal["file", "program", "not installed", "function", "programs"] = "file"
+    sort: Literal["file", "program", "not installed", "function", "programs", "argument"] = "file"
 
 
 @dataclass(frozen=True, slots=True)

@@ -232,3 +232,108 @@ def test_names_of_launch_files_are_defined(
     parsed = read({"launch/x.launch.py": LAUNCH.format(outer, inner, after)}, tmp_path)
     broken = [message for tree in parsed.trees for message, _ in tree.broken]
     assert [each.rpartition(": ")[2] for each in broken] == found
+
+
+NODE = '<node pkg="robot_state_publisher" exec="robot_state_publisher">{}</node>'
+MISSING = [("file", "urdf/robot.urdf")]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "found"),
+    [
+        ("x.launch.py", "Command(['xacro ', share + '/urdf/robot.urdf', ' a:=1'])", MISSING),
+        ("x.launch.py", "Command(['xacro ', share + '/urdf/', name])", []),
+        ("x.launch.py", "xacro.process_file(os.path.join(share, 'urdf/robot.urdf'))", MISSING),
+        ("x.launch.py", "open(share + '/urdf/robot.urdf')", MISSING),
+        ("x.launch.py", "open(share + '/urdf/robot.urdf', 'w')", []),
+        (
+            "x.launch.xml",
+            '<param name="d" value="$(command \'xacro $(find-pkg-share mine)/urdf/robot.urdf\')"/>',
+            MISSING,
+        ),
+        ("x.launch", '<param name="d" command="xacro $(find mine)/urdf/robot.urdf"/>', MISSING),
+        ("x.launch", '<param name="d" textfile="$(find mine)/urdf/robot.urdf"/>', MISSING),
+    ],
+)
+def test_files_that_launching_reads_are_there(
+    name: str, text: str, found: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    if name.endswith(".py"):
+        text = LAUNCH.format(
+            "from launch.substitutions import Command\nimport os, xacro",
+            f"share = get_package_share_directory('mine')\n  d = {text}",
+            "from ament_index_python.packages import get_package_share_directory\nname = os.name\n",
+        )
+    else:
+        text = f"<launch>{NODE.format(text)}</launch>"
+    built_by = "catkin" if name.endswith(".launch") else "ament_cmake"
+    assert lacking(read({f"launch/{name}": text}, tmp_path, built_by)) == found
+    written = {"urdf/robot.urdf": "<robot/>", "CMakeLists.txt": "install(CODE x)"}
+    assert lacking(read({f"launch/{name}": text, **written}, tmp_path, built_by)) == []
+
+
+def test_the_meshes_of_a_description_are_there(tmp_path: Path) -> None:
+    written = {
+        "launch/x.launch": "<launch>"
+        '<param name="d" textfile="$(find mine)/urdf/robot.urdf"/></launch>',
+        "urdf/robot.urdf": "<robot>\n"
+        '<!-- <mesh filename="package://mine/meshes/old.stl"/>\n-->\n'
+        '<mesh filename="package://mine/meshes/there.stl"/>\n'
+        '<mesh filename="package://mine/meshes/absent.stl"/>\n'
+        '<mesh filename="package://other/meshes/absent.stl"/>\n'
+        '<mesh filename="package://mine/meshes/${side}.stl"/>\n'
+        '<xacro:include filename="$(find mine)/urdf/robot.urdf"/>\n'
+        '<xacro:include filename="$(find mine)/urdf/arm.xacro"/></robot>',
+        "urdf/arm.xacro": '<robot><mesh scale="1 1 1"\n filename="package://mine/arm.dae"/></robot>',
+        "meshes/there.stl": "",
+    }
+    [tree] = read(written, tmp_path, "catkin").trees
+    places = [(each.name, Path(each.span.path).name, each.span.line) for each in tree.missing]
+    assert places == [("meshes/absent.stl", "robot.urdf", 5), ("arm.dae", "arm.xacro", 2)]
+
+
+INCLUDED = '<launch><arg name="speed"/>{}<node pkg="joy" exec="joy_node" type="joy_node"/></launch>'
+
+
+@pytest.mark.parametrize(
+    ("name", "inner", "found"),
+    [
+        ("a.launch.xml", "", ["sped"]),
+        ("a.launch", "", ["sped"]),
+        # It may be of what is included, but for ROS 1.
+        ("a.launch.xml", '<include file="$(find-pkg-share other)/b.launch.xml"/>', []),
+        ("a.launch", '<include file="$(find other)/b.launch"/>', ["sped"]),
+        ("a.launch.xml", '<include file="$(find-pkg-share mine)/launch/b.launch.xml"/>', []),
+    ],
+)
+def test_arguments_that_are_passed_are_read(
+    name: str, inner: str, found: list[str], tmp_path: Path
+) -> None:
+    include = "<launch><include file='$({} mine)/launch/{}'>{}</include></launch>"
+    passed = '<arg name="speed" value="1"/><arg name="sped" value="1"/>'
+    find = "find" if name.endswith(".launch") else "find-pkg-share"
+    written = {
+        f"launch/{name}": INCLUDED.format(inner),
+        "launch/b.launch.xml": '<launch><node pkg="joy" exec="$(var sped)"/></launch>',
+        f"launch/top{name[1:]}": include.format(find, name, passed),
+        "CMakeLists.txt": "install(CODE x)",
+    }
+    parsed = read(written, tmp_path, "catkin" if find == "find" else "ament_cmake")
+    [tree] = [each for each in parsed.trees if Path(each.path).name.startswith("top")]
+    assert [each.name for each in tree.missing if each.sort == "argument"] == found
+
+
+def test_arguments_whose_names_are_put_together_may_be_read(tmp_path: Path) -> None:
+    inner = LAUNCH.format(
+        "from launch.substitutions import LaunchConfiguration",
+        "names = [LaunchConfiguration(f'{side}_speed') for side in ('left', 'right')]",
+        "",
+    )
+    outer = (
+        "<launch><include file='$(find-pkg-share mine)/launch/a.launch.py'>"
+        '<arg name="left_speed" value="1"/></include></launch>'
+    )
+    written = {"launch/a.launch.py": inner, "launch/top.launch.xml": outer}
+    assert lacking(read({**written, "CMakeLists.txt": "install(CODE x)"}, tmp_path)) == []
+    plain = {"launch/a.launch.py": inner.replace("f'{side}_speed'", "'speed'")}
+    assert lacking(read({**written, **plain}, tmp_path)) == [("argument", "left_speed")]

@@ -172,6 +172,14 @@ class Include:
 
 
 @dataclass(frozen=True, slots=True)
+class Reads:
+    """Files that launching reads itself, such as a description of the robot, as words of a text."""
+
+    words: Text
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Readings:
     """What a launch file does by one or by other branches of its conditions, each a list.
 
@@ -199,6 +207,7 @@ Action: TypeAlias = (
     | Declare
     | SetParameters
     | Include
+    | Reads
     | Readings
     | NotRead
 )

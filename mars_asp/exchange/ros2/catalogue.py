@@ -17,7 +17,7 @@ _PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>
 _TOPICS = ("publishes", "measures", "subscribes", "optional")
 #: `read` is where an entry was read, for people.
 _TEXTS = ("plugin", "node", "namespace", "read")
-_FLAGS = ("guard", "clients", "listens", "spread")
+_FLAGS = ("guard", "clients", "listens", "spread", "sure")
 
 
 class Entry(NamedTuple):
@@ -110,6 +110,7 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
             clients=program.get("clients") is True,
             listens=program.get("listens") is True,
             spread=program.get("spread") is True,
+            is_name_sure=program.get("sure") is True,
             namespace=namespace if isinstance(namespace, str) else "",
         ),
     )

@@ -52,7 +52,8 @@ class Interface:
     `spread` whether it is several nodes, with private topics below the namespace that they are
     given, or else below its name. `names` are those of its services, actions and, in ROS 1,
     parameters, which can also be renamed; `unnamed` is whether it has further ones.
-    `namespace` is that of its node if the launch file gives it none.
+    `namespace` is that of its node if the launch file gives it none, and `is_name_sure` is whether
+    its name is the same in every version.
     """
 
     published: tuple[Topic, ...] = ()
@@ -62,6 +63,7 @@ class Interface:
     unread: tuple[Unread, ...] = ()
     clients: bool = False
     spread: bool = False
+    is_name_sure: bool = False
     listens: bool = False
     names: tuple[Topic, ...] = ()
     unnamed: bool = False

@@ -1,7 +1,7 @@
 """What a launch file starts, with all its includes: nodes by name, namespace and remappings."""
 
 import re
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -19,6 +19,7 @@ from mars_asp.exchange.ros2.actions import (
     Parameter,
     PushNamespace,
     Readings,
+    Reads,
     Remap,
     SetParameters,
     SetRemap,
@@ -29,6 +30,7 @@ from mars_asp.exchange.ros2.actions import (
     plain,
     text_of,
 )
+from mars_asp.exchange.ros2.descriptions import DESCRIPTIONS, files_named
 from mars_asp.exchange.ros2.launch_markup import read_markup
 from mars_asp.exchange.ros2.launch_python import read_python
 from mars_asp.exchange.ros2.names import Renaming, joined
@@ -46,9 +48,13 @@ _RECORDERS = frozenset({"rosbag", "rosbag2", "map_server", "nav2_map_server"})
 _OUTPUTS = frozenset({"-o", "-O", "--output", "--output-name", "--output-prefix"})
 #: Code that checks whether a file exists.
 _CHECKS_FILES = re.compile(r"\b(?:exists|isfile|is_file)\(")
+#: A launch argument whose name is put together.
+_COMPOSED_ARGUMENT = re.compile(r"\b(?:LaunchConfiguration\(|launch_configurations\[)\s*[fF][\"']")
 #: Packages whose launch files read parameter files as YAML and write them anew.
 _REWRITING = frozenset({"nav2_bringup"})
 _DEEPEST_INCLUDE = 32
+#: So many descriptions of a robot may include each other.
+_MOST_DESCRIPTIONS = 300
 #: Real robots have a hundred includes that differ in their arguments.
 _MOST_INCLUDES = 300
 _MOST_NODES = 20_000
@@ -58,6 +64,19 @@ _MARKUP = frozenset({".xml", ".yaml", ".yml", ".launch", ".test"})
 _PYTHON = re.compile(r"^def generate_launch_description\b", re.MULTILINE)
 #: A word of a command line; blanks in quotes and in what stands for a folder belong to it.
 _WORD = re.compile(r"""(?:\$\([^)]*\)|'[^']*'|"[^"]*"|\S)+""")
+#: In place of a part of a command that is not known; no path has it.
+_UNKNOWN_WORD = "\0"
+#: Sorts of unread things that may read any launch argument.
+_MAY_READ_ARGUMENTS = frozenset(
+    {
+        ABSENT,
+        NOT_HERE,
+        "included launch files with errors",
+        "functions that only a run calls",
+        "branches of conditions",
+        f"includes beyond the first {_MOST_INCLUDES} of a launch file",
+    }
+)
 #: Values that conditions take for truths.
 _TRUTHS = {"1": "true", "True": "true", "0": "false", "False": "false"}
 _ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
@@ -153,8 +172,11 @@ class Launch:
         self.passed: dict[Path, None] = {}
         #: The first default of each launch argument that users may set.
         self.defaults: dict[str, str] = {}
+        self._described: set[Path] = set()
         self._actions: dict[Path, tuple[Action, ...]] = {} if before is None else before._actions
-        self._entered: dict[Hashable, tuple[Sequence[Started], Sequence[Unread]]] = {}
+        self._entered: dict[
+            Hashable, tuple[Sequence[Started], Sequence[Unread], Iterable[Path]]
+        ] = {}
 
     def launch(self, file: Path) -> None:
         """Take up what a launch file starts.
@@ -205,6 +227,8 @@ class Launch:
                     scope.parameters.update(self._parameters(parameters, scope, files))
                 case Include():
                     self._include(action, scope, files)
+                case Reads(words, span):
+                    self._note_read(words, span, scope, files)
                 case Readings(readings, taken):
                     self._either(readings, taken, scope, files)
                 case NotRead(sort, name, span):
@@ -337,7 +361,9 @@ class Launch:
         self._enter(self._read(file), action, scope, (*files, file))
         self.missing = {
             **missing,
-            **dict.fromkeys(replace(each, span=span) for each in self.missing),
+            **dict.fromkeys(
+                replace(each, span=span) for each in self.missing if each.sort != "argument"
+            ),
         }
         rewrites = file.parent.parent.name in _REWRITING
         self.started = [*started, *(_at_include(each, span, rewrites) for each in self.started)]
@@ -364,7 +390,11 @@ class Launch:
         for value in passed.values():
             self._note_missing(value.text, action.span, files[:-1])
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
-        started, unread = self._entered_with(actions, within, files, action.span)
+        started, unread, reached = self._entered_with(actions, within, files, action.span)
+        if not action.inherits:
+            self._note_unread(given, files[-1], files[-1:])
+        elif all(each.sort not in _MAY_READ_ARGUMENTS for each in unread):
+            self._note_unread(given, files[-1], reached)
         conditions = (*scope.conditions, *conditions)
         self.started += (
             replace(each, conditions=(*conditions, *each.conditions))
@@ -374,8 +404,8 @@ class Launch:
 
     def _entered_with(
         self, actions: Sequence[Action], within: _Scope, files: tuple[Path, ...], span: Span
-    ) -> tuple[Sequence[Started], Sequence[Unread]]:
-        """Return the nodes that an included file starts, and the parts that were not read.
+    ) -> tuple[Sequence[Started], Sequence[Unread], Iterable[Path]]:
+        """Return the nodes that an included file starts, the parts not read, and the files read.
 
         Many branches of code include one file with the same arguments: it is followed once.
         """
@@ -383,13 +413,26 @@ class Launch:
         if key not in self._entered:
             if len(self._entered) >= _MOST_INCLUDES:
                 sort = f"includes beyond the first {_MOST_INCLUDES} of a launch file"
-                return (), (Unread(sort, files[-1].name, span),)
-            before = self.started, self.unread
-            self.started, self.unread = [], []
+                return (), (Unread(sort, files[-1].name, span),), ()
+            before = self.started, self.unread, self.reached
+            self.started, self.unread, self.reached = [], [], {files[-1]}
             self._walk(actions, within, files)
-            self._entered[key] = self.started, self.unread
-            self.started, self.unread = before
+            self._entered[key] = self.started, self.unread, self.reached
+            self.started, self.unread, self.reached = before
+        self.reached |= set(self._entered[key][2])
         return self._entered[key]
+
+    def _note_unread(self, given: Iterable[Parameter], file: Path, read: Iterable[Path]) -> None:
+        """Note the arguments passed to a file that neither it nor one that it includes names."""
+        texts = [self.workspace.text(each) for each in read]
+        if any(_COMPOSED_ARGUMENT.search(text) for text in texts):
+            return
+        for each in given:
+            name = plain(each.name)
+            word = re.compile(rf"(?<!\w){re.escape(name or '')}(?!\w)")
+            if name and not any(word.search(text) for text in texts):
+                shown = self.workspace.shown(file)
+                self.missing[AbsentFile(name, shown, each.keys[0][1], "argument")] = None
 
     def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> bool:
         """Note that a package here lacks the file of a path, and return whether it does.
@@ -407,6 +450,29 @@ class Launch:
         sort: Literal["file", "not installed"] = "not installed" if is_here else "file"
         self.missing[AbsentFile(name, package, span, sort)] = None
         return not is_here
+
+    def _note_read(self, words: Text, span: Span, scope: _Scope, files: tuple[Path, ...]) -> None:
+        """Note the files that launching reads and a package lacks; unknown words name none."""
+        spelt = "".join(self._plain((part,), scope, files) or _UNKNOWN_WORD for part in words)
+        for word in _WORD.findall(spelt):
+            path = word.strip("'\"")
+            if _UNKNOWN_WORD not in path:
+                self._note_missing(path, span, files)
+                self._describe(self.workspace.find(path, files[-1].parent), files)
+
+    def _describe(self, file: Path | None, files: tuple[Path, ...]) -> None:
+        """Note the meshes that a description names and a package lacks, and follow its includes."""
+        if file is None or file.suffix not in DESCRIPTIONS or file in self._described:
+            return
+        self._described.add(file)
+        try:
+            text = self.workspace.text(file)
+        except MarsError:
+            return
+        for path, span, is_included in files_named(text, self.workspace.shown(file)):
+            self._note_missing(path, span, files)
+            if is_included and len(self._described) < _MOST_DESCRIPTIONS:
+                self._describe(self.workspace.find(path, file.parent), files)
 
     def _pass(
         self, argument: Parameter, scope: _Scope, within: _Scope, files: tuple[Path, ...]

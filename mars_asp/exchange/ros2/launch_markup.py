@@ -18,6 +18,7 @@ from mars_asp.exchange.ros2.actions import (
     Parameter,
     Part,
     PushNamespace,
+    Reads,
     Remap,
     SetParameters,
     SetRemap,
@@ -41,10 +42,9 @@ _BARE_NAME = re.compile(
     r"""'[^']*'|"[^"]*"|arg\(\s*['"](?P<called>\w+)['"]\s*\)|(?P<name>[A-Za-z_]\w*)"""
 )
 _WORDS_OF_PYTHON = frozenset("and or not in is if else True False None true false int str".split())
+_COMMAND = re.compile(r"\$\(command (.*)\)", re.DOTALL)
 #: What holds no node and changes no name.
-_PASSED = frozenset(
-    "env set_env unset_env log sys_setting param machine master timer_period".split()
-)
+_PASSED = frozenset("env set_env unset_env log sys_setting machine master timer_period".split())
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +174,8 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
             case "test":
                 called = entity.attributes.get("name", "?")
                 yield NotRead("programs that are not nodes", called, entity.span)
+            case "param":
+                yield from _read_by(entity)
             case name if name in _PASSED:
                 continue
             case _:
@@ -231,6 +233,8 @@ def _node(entity: _Entity, tests: Tests) -> Iterator[Action]:
         plugin, executable = True, text_of(load[1])
         package = text_of(load[1].partition("/")[0])
     files, parameters = _given(entity.children)
+    for child in entity.named("param"):
+        yield from _read_by(child)
     yield Start(
         entity.span,
         package,
@@ -293,6 +297,15 @@ def _given(entities: Sequence[_Entity]) -> tuple[tuple[Text, ...], tuple[Paramet
                 parameters += _values(entity, ())
                 parameters += _written(entity)
     return tuple(files), tuple(parameters)
+
+
+def _read_by(entity: _Entity) -> Iterator[Reads]:
+    """Yield the files that a parameter reads, or names to a command such as xacro."""
+    command = _COMMAND.fullmatch(entity.attributes.get("value", ""))
+    within = None if command is None else substituted(command[1].strip("'\""))
+    for words in (entity.text("command"), entity.text("textfile"), within):
+        if words is not None:
+            yield Reads(words, entity.span)
 
 
 def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[Parameter]:

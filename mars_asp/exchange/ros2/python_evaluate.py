@@ -14,12 +14,14 @@ from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
     Declare,
     Here,
+    Reads,
     Text,
     text_of,
 )
 from mars_asp.exchange.ros2.python_known import known
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
+    read_by,
 )
 from mars_asp.exchange.ros2.python_tests import Tested, decision, is_configurations, tested
 from mars_asp.exchange.ros2.python_values import (
@@ -65,7 +67,7 @@ class Evaluator:
         self.launched: set[tuple[int, int]] = set()
         self.globals: Names = {}
         self.called: dict[str, str] = {}
-        self.declarations: list[Declare] = []
+        self.declarations: list[Declare | Reads] = []
         self.strict = False
         self.assigned: frozenset[str] = frozenset()
         self.forced: Mapping[ast.AST, int] = {}
@@ -404,6 +406,7 @@ class Evaluator:
         call = Call(name, given, kept, span)
         if name == "DeclareLaunchArgument":
             self.declarations += declared_by(call)
+        self.declarations += read_by(call)
         result = known(call)
         # Each item of `zip` and of its kind is a new value.
         self.steps += len(items_of(result))

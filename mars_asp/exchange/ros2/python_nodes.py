@@ -8,6 +8,7 @@ from mars_asp.exchange.ros2.actions import (
     Declare,
     Parameter,
     Part,
+    Reads,
     Remap,
     Text,
     plain,
@@ -34,6 +35,19 @@ def declared_by(call: Call) -> Iterator[Declare]:
         default = call.get("default_value")
         value = None if default is None else text_from(default)
         yield Declare(name, value, call.span)
+
+
+def read_by(call: Call) -> Iterator[Reads]:
+    """Yield the files that a call opens to read them, or names to a command such as xacro."""
+    match call.name:
+        case "Command":
+            yield Reads(text_from(call.get("command", 0)), call.span)
+        case "process_file" | "FileContent":
+            yield Reads(text_from(call.arguments[0] if call.arguments else None), call.span)
+        case "open":
+            mode = plain(text_from(call.get("mode", 1))) or "r"
+            if mode.startswith("r"):
+                yield Reads(text_from(call.get("file", 0)), call.span)
 
 
 def parameters_of(value: Value, span: Span) -> Iterator[Parameter]:

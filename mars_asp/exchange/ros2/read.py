@@ -278,8 +278,8 @@ class _Robot:
             raise self._nothing(paths)
         includes = any(len(launch.reached) > 1 for launch in launches)
         if not (nodes or muxes or relays):
-            is_broken = any(tree.broken for tree in self.trees)
-            if not (includes or self.unread or is_broken or launched is not launches):
+            is_wrong = any(tree.broken or tree.missing for tree in self.trees)
+            if not (includes or self.unread or is_wrong or launched is not launches):
                 raise self._empty(paths)
             message = "no node could be read of what the launch files start"
             place = point(self.workspace.shown(paths[0]), 1, 1)
@@ -637,8 +637,8 @@ class _Robot:
             unread,
             started.conditions,
             renamed=self._renamed(started, name),
-            # In the catalogue, a name is a habit of its program.
-            is_named=not is_catalogued or bool(started.name),
+            # In the catalogue, a name is mostly a habit of its program.
+            is_named=not is_catalogued or bool(started.name) or interface.is_name_sure,
             is_whole=is_whole and all(each.sort == SERVICES for each in interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),

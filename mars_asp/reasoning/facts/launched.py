@@ -14,6 +14,8 @@ from mars_asp.spelling import nearest
 
 #: By whether a condition has to hold.
 _WANTED = ("unless", "if")
+#: What a variable or a parameter of a template is called, in place of a type of messages.
+_VARIABLE = re.compile(r"[a-z_].*|(?:.*[a-z_])?T")
 _NUMBERED = re.compile(r"\d")
 #: Names of mux inputs that show from where the commands come.
 _SPELLINGS = {
@@ -33,6 +35,7 @@ _ABSENT = {
     "program": "lacks_program",
     "not installed": "leaves_out",
     "function": "calls_missing",
+    "argument": "passes_in_vain",
     "programs": "hides_programs",
 }
 _TRUTHS = {"true": "true", "1": "true", "false": "false", "0": "false"}
@@ -202,7 +205,8 @@ class _TreeFacts:
         number = first.atom.arguments[0]
         if end.type is not None:
             kind = end.type.replace("::", "/").replace(".", "/").rpartition("/")[2]
-            yield _fact_at(end.span, "message_type", number, kind)
+            if _VARIABLE.fullmatch(kind) is None:
+                yield _fact_at(end.span, "message_type", number, kind)
         if end.optional:
             yield _fact_at(end.span, "works_without", number)
         if end.measured:

@@ -1,0 +1,32 @@
+"""Files that the description of a robot names: meshes, and the descriptions that it includes."""
+
+import re
+from collections.abc import Iterator
+
+from mars_asp.diagnostic import Span
+
+#: What a description in URDF, with or without xacro, ends in.
+DESCRIPTIONS = (".urdf", ".xacro")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+#: A file in a package. Other parts with a dollar sign are of xacro, and not known.
+_NAMED = re.compile(
+    r"<(?P<element>[\w:]+)\s[^<>$]*?\bfilename\s*=\s*(?P<quote>[\"'])"
+    r"(?:package://(?P<package>[\w-]+)|(?:file://)?\$\(find\s+(?P<found>[\w-]+)\))"
+    r"(?P<inside>/[^\"'$<>]*)(?P=quote)"
+)
+
+
+def files_named(text: str, path: str) -> Iterator[tuple[str, Span, bool]]:
+    """Yield the files that a description names, each with its place, and whether it is included.
+
+    Paths begin with `$(find-pkg-share PACKAGE)`, as those of launch files do.
+    """
+    readable = _COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment[0]), text)
+    for match in _NAMED.finditer(readable):
+        at = match.start("quote") + 1
+        line = readable.count("\n", 0, at) + 1
+        column = at - readable.rfind("\n", 0, at)
+        package = match["package"] or match["found"]
+        span = Span(path, line, column, line, column + match.end("inside") - at)
+        is_included = match["element"].rpartition(":")[2] == "include"
+        yield f"$(find-pkg-share {package}){match['inside']}", span, is_included
