@@ -247,6 +247,15 @@ def test_camera_information_is_beside_the_renamed_image(tmp_path: Path) -> None:
     assert ends == ["/cam/image_raw", "/cam/camera_info"]
 
 
+def test_camera_information_of_catalogued_programs_is_beside_the_image(tmp_path: Path) -> None:
+    program = 'pkg="depthimage_to_laserscan" type="depthimage_to_laserscan" name="laser"'
+    launch = f'<launch><node {program}><remap from="image" to="/cam/image"/></node></launch>'
+    write_package({"launch/x.launch": launch}, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    ends = [end.topic for node in tree.nodes for end in node.subscribed]
+    assert ends == ["/cam/image", "/cam/camera_info"]
+
+
 def test_a_launch_file_of_ros1_in_a_package_of_ros2_starts_nothing(tmp_path: Path) -> None:
     launch = '<launch><node pkg="mine" type="e" name="e"/></launch>'
     write_package({"launch/old.launch": launch, "launch/new.launch.py": SLAM}, tmp_path)
@@ -336,6 +345,15 @@ def test_a_name_with_two_texts_is_known_at_run_time() -> None:
     found = read_cpp([(text, "n.cpp")])
     assert not found.published
     assert found.unread
+
+
+def test_a_parameter_that_is_read_in_place_has_its_declared_default() -> None:
+    text = (
+        'A() : Node("a") { declare_parameter("out", "/odom");\n'
+        'create_publisher<B>(get_parameter("out").as_string(), 10); }'
+    )
+    [topic] = read_cpp([(text, "n.cpp")]).published
+    assert (topic.name, topic.parameter) == ("/odom", "out")
 
 
 def test_a_path_in_quotes_may_be_a_topic() -> None:

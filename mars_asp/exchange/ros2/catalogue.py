@@ -16,7 +16,7 @@ _BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<def
 _PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
 _TOPICS = ("publishes", "measures", "subscribes", "optional")
 #: `read` is where an entry was read, for people.
-_TEXTS = ("plugin", "node", "namespace", "read")
+_TEXTS = ("plugin", "node", "namespace", "camera", "read")
 _FLAGS = ("guard", "clients", "listens", "spread", "sure")
 
 
@@ -91,7 +91,11 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
         if not fits:
             raise _wrong(path, f"`{key}` of `{called}` is not {expected}")
     plugin, node = program.get("plugin"), program.get("node")
-    namespace = program.get("namespace")
+    namespace, camera = program.get("namespace"), program.get("camera")
+    subscribed = (
+        replace(each, image=str(camera)) if each.name == "camera_info" and camera else each
+        for each in _topics(program.get("subscribes"))
+    )
     return Entry(
         package,
         executable,
@@ -102,7 +106,7 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
                 *(replace(each, measured=True) for each in _topics(program.get("measures"))),
             ),
             (
-                *_topics(program.get("subscribes")),
+                *subscribed,
                 *(replace(each, optional=True) for each in _topics(program.get("optional"))),
             ),
             node if isinstance(node, str) else None,

@@ -221,6 +221,8 @@ class _File(CppCode):
         for call in self.calls:
             if call.name in _PARAMETERS and len(call.arguments) >= 2:
                 self._parameter(call, found, defaults)
+        # In quotes a name is that of a parameter, which an expression may read.
+        found |= {f'"{name}"': _Value(text, name) for name, text in defaults.items() if name}
         return {
             name: _Value(defaults.get(value.parameter), value.parameter)
             if value.text is None and value.parameter is not None
@@ -254,8 +256,9 @@ class _File(CppCode):
         strings = [self.string(t) for t in tokens if t.text.startswith('"')]
         words = [token.text for token in tokens]
         if any(word in _PARAMETERS for word in words) and strings:
-            default = strings[1] if len(strings) > 1 else None
-            return _Value(default, (strings[0] or "").lstrip("~"))
+            name = (strings[0] or "").lstrip("~")
+            declared = values.get(f'"{name}"', _Value(None)).text
+            return _Value(strings[1] if len(strings) > 1 else declared, name)
         if strings and len(strings) == len(tokens):
             # Literals in a row are one.
             text = "".join(each or "" for each in strings)
