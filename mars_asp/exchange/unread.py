@@ -7,9 +7,12 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import NOT_READ, Diagnostic, Span
 
-#: Sorts of files that no parser takes.
+#: Launch files that nothing can launch.
+CIRCLES = "launch files that include themselves"
+#: Sorts of files that no parser takes, or that cannot be launched.
 BROKEN = frozenset(
     {
+        CIRCLES,
         "launch files with errors",
         "included launch files with errors",
         "parameter files with errors",

@@ -53,7 +53,7 @@ LEFT_OUT = [("not installed", "config/p.yaml")]
 def test_cmake_installs_a_file_or_leaves_it_out(
     commands: str, found: list[tuple[str, str]], tmp_path: Path
 ) -> None:
-    written = {"config/p.yaml": FILE, "launch/x.launch.xml": PARAMETERS}
+    written = {"config/p.yaml": FILE, "x.launch.xml": PARAMETERS}
     parsed = read({**written, "CMakeLists.txt": f"project(mine)\n{commands}\n"}, tmp_path)
     assert lacking(parsed) == found
 
@@ -76,10 +76,35 @@ def test_setup_py_installs_a_file_or_leaves_it_out(
 ) -> None:
     written = {
         "config/p.yaml": FILE,
-        "launch/x.launch.xml": PARAMETERS,
+        "x.launch.xml": PARAMETERS,
         "setup.py": f"{SETUP}setup(data_files={listed})\n",
     }
     assert lacking(read(written, tmp_path, "ament_python")) == found
+
+
+@pytest.mark.parametrize(
+    ("commands", "is_found"),
+    [
+        ("install(DIRECTORY config DESTINATION share/mine)", True),
+        ("install(DIRECTORY config launch DESTINATION share/mine)", False),
+        # Launching finds it in any of the shared folders.
+        ("install(FILES launch/x.launch.xml DESTINATION share/mine)", False),
+        ("install(DIRECTORY launch DESTINATION share/mine/launch)", False),
+        ("install(DIRECTORY config ${X} DESTINATION share/mine)", False),
+        ("", False),
+    ],
+)
+def test_a_launch_file_is_installed_with_others(
+    commands: str, is_found: bool, tmp_path: Path
+) -> None:
+    written = {
+        "config/p.yaml": FILE,
+        "launch/x.launch.xml": "<launch/>",
+        "launch/y.launch.xml": PARAMETERS.replace("$(find-pkg-share mine)/config/p.yaml", "x"),
+        "CMakeLists.txt": f"project(mine)\n{commands}\n",
+    }
+    found = lacking(read(written, tmp_path))
+    assert (("not installed", "launch/x.launch.xml") in found) == is_found
 
 
 def test_a_file_elsewhere_is_missing_where_all_files_are_listed(tmp_path: Path) -> None:
@@ -337,3 +362,28 @@ def test_arguments_whose_names_are_put_together_may_be_read(tmp_path: Path) -> N
     assert lacking(read({**written, "CMakeLists.txt": "install(CODE x)"}, tmp_path)) == []
     plain = {"launch/a.launch.py": inner.replace("f'{side}_speed'", "'speed'")}
     assert lacking(read({**written, **plain}, tmp_path)) == [("argument", "left_speed")]
+
+
+def test_scripts_that_launching_runs_are_there(tmp_path: Path) -> None:
+    launch = (
+        '<launch><executable cmd="python3 $(find-pkg-share mine)/tools/{}.py -o '
+        "$(find-pkg-share mine)/out.py\"/><node pkg='joy' exec='joy_node'/></launch>"
+    )
+    written = {"tools/there.py": "", "CMakeLists.txt": "install(CODE x)"}
+    assert lacking(read({**written, "x.launch.xml": launch.format("there")}, tmp_path)) == []
+    found = lacking(read({**written, "x.launch.xml": launch.format("absent")}, tmp_path))
+    assert found == [("file", "tools/absent.py")]
+
+
+@pytest.mark.parametrize(("condition", "is_found"), [("", True), ("if='$(var again)'", False)])
+def test_a_launch_file_that_always_includes_itself_is_broken(
+    condition: str, is_found: bool, tmp_path: Path
+) -> None:
+    launch = (
+        "<launch><arg name='again'/><node pkg='joy' exec='joy_node'/>"
+        f"<include file='$(find-pkg-share mine)/x.launch.xml' {condition}/></launch>"
+    )
+    [tree] = read({"x.launch.xml": launch, "CMakeLists.txt": "install(CODE x)"}, tmp_path).trees
+    assert [message.rpartition(": ")[2] for message, _ in tree.broken] == [
+        "the file always includes itself"
+    ] * is_found

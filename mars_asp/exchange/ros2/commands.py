@@ -10,16 +10,19 @@ from mars_asp.exchange.ros2.actions import (
     NotRead,
     Parameter,
     Part,
+    Reads,
     Share,
     Start,
     Tests,
     Text,
     plain,
     text_of,
+    together,
 )
 
 _BLANKS = re.compile(r"\s+")
 _SHOWN = 4
+_INTERPRETERS = frozenset({"python", "python3", "bash", "sh"})
 
 
 def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
@@ -41,7 +44,9 @@ def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
             return _launched(words[1:], span, tests)
         case _:
             called = " ".join(filter(None, known[:_SHOWN])) or "?"
-            return NotRead("programs that are not nodes", called, span)
+            script = words[1:2] if known[:1] and known[0] in _INTERPRETERS else words[:1]
+            unread = NotRead("programs that are not nodes", called, span)
+            return together((unread, Reads(text_of(*script), span)), tests)
     return Start(span, package, executable, arguments=tuple(arguments), tests=tests)
 
 

@@ -36,7 +36,7 @@ from mars_asp.exchange.ros2.launch_python import read_python
 from mars_asp.exchange.ros2.names import Renaming, joined
 from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
-from mars_asp.exchange.unread import ABSENT, Unread
+from mars_asp.exchange.unread import ABSENT, CIRCLES, Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
 from mars_asp.model.graph import OPEN_CONDITION, AbsentFile, StartCondition
 
@@ -338,6 +338,10 @@ class Launch:
                 given = self.workspace.find(named, files[-1].parent)
                 if given is not None and given.suffix in _PARAMETER_FILES:
                     self.passed[given] = None
+            return
+        if found == files[-1] and not (action.tests or scope.conditions):
+            name = f"{self.workspace.shown(found)}: the file always includes itself"
+            self.unread.append(Unread(CIRCLES, name, action.span))
             return
         if found in files or len(files) > _DEEPEST_INCLUDE:
             self.unread.append(Unread("includes in a circle", written, action.span))

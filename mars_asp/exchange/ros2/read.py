@@ -305,6 +305,11 @@ class _Robot:
         """Return the launch tree, nodes of one name kept apart."""
         before = len(self.unread)
         missing = dict(launch.missing)
+        left_out = None if launch.path is None else self.workspace.left_out(launch.path)
+        if launch.path is not None and left_out is not None:
+            package, name = left_out
+            place = point(self.workspace.shown(launch.path), 1, 1)
+            missing[AbsentFile(name, package, place, "not installed")] = None
         for file in launch.passed:
             self.document(file)
         nodes: list[Node] = []

@@ -318,6 +318,24 @@ class Workspace:
         is_sure = self._lists_all(package) and not self._is_ignored(package, file.name)
         return (package.name, inside) if is_sure else None
 
+    def left_out(self, file: Path) -> tuple[str, str] | None:
+        """Return the package and the path in it of a launch file of ROS 2 that it leaves out.
+
+        Launching by the name of the package finds it below any of its shared folders. A package
+        that installs nothing is taken to be launched by paths.
+        """
+        package = self.package_of(file)
+        if package is None or not self.is_of_ros2(package) or self._is_ignored(package, file.name):
+            return None
+        inside = file.relative_to(package.folder).as_posix()
+        installed = self._installed(package)
+        is_left_out = installed and not any(
+            inside.startswith(f"{source.rstrip('/')}/") if is_folder else fnmatchcase(inside, source)
+            for source, _, is_folder in installed
+        )
+        is_sure = is_left_out and inside.startswith("launch/") and self._lists_all(package)
+        return (package.name, inside) if is_sure else None
+
     def _lists_all(self, package: Package) -> bool:
         """Whether the build file of a package lists its shared files, and was wholly read."""
         if "<build_type>ament_python" in self._readable(package.folder / "package.xml"):
