@@ -101,9 +101,9 @@ def check_walls(path: str | Path, named_in: str | None = None) -> None:
     real = os.path.realpath(written)
     if named_in is None and (_STREAM.fullmatch(written) or _PIPE.fullmatch(real)):
         return
-    if is_kernels(real):
+    if _is_kernels(real):
         raise wall_error(written, "nothing in /proc, /dev and /sys is read")
-    if is_outside(real, written if named_in is None else named_in):
+    if _is_outside(real, written if named_in is None else named_in):
         if named_in is None:
             advice = f"name the file itself: `{real}`"
             raise wall_error(written, "it is a link out of its project", advice)
@@ -113,13 +113,19 @@ def check_walls(path: str | Path, named_in: str | None = None) -> None:
 
 def is_kernels(path: str | Path) -> bool:
     """Whether a path leads to a file of the kernel."""
-    real = os.path.realpath(path)
+    return _is_kernels(os.path.realpath(path))
+
+
+def _is_kernels(real: str) -> bool:
     return not _is_in(real, _MEMORY) and any(_is_in(real, each) for each in KERNEL)
 
 
 def is_outside(path: str | Path, named_in: str) -> bool:
     """Whether a path that a file names leads out of the walls around that file."""
-    real = os.path.realpath(path)
+    return _is_outside(os.path.realpath(path), named_in)
+
+
+def _is_outside(real: str, named_in: str) -> bool:
     roots = _roots(os.path.realpath(os.path.dirname(named_in)))  # noqa: PTH120 -- may be `<stdin>`
     return not any(_is_in(real, root) for root in (*roots, os.path.realpath(os.curdir)))
 

@@ -19,7 +19,8 @@ _TRIPLE = r'"""(?:\\[\s\S]|(?!""")[\s\S])*+(?:"""|\Z)'
 _RAW = r'(?:u8|[uUL])?R"(?P<tag>[^()\\\s"]{0,16}+)\([\s\S]*?(?:\)(?P=tag)"|\Z)'
 _C = rf"(?P<comment>{_BLOCK}|{_LINE})|{_RAW}|{_STRING}|(?P<kept>{_NUMBER})|{_CHARACTER}"
 _PATTERNS = {
-    "c": _C,
+    # The look ahead fails at most characters, which is faster than to try each alternative.
+    "c": rf"(?=[/\"'uULR\d])(?:{_C})",
     "mars": rf"(?P<blank>(?m:^)[ \t]*+@[A-Za-z](?:[^\n/#]|/(?!/))*+|\#[^\n]*+)|{_C}",
     "java": rf"(?P<comment>{_BLOCK}|{_LINE})|{_TRIPLE}|{_STRING}|{_CHARACTER}",
     "go": rf"(?P<comment>{_BLOCK}|{_LINE})|`[^`]*+`?|{_STRING}|{_CHARACTER}",

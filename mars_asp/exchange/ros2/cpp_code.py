@@ -32,6 +32,7 @@ _STRING = re.compile(
     r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
 )
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
+_BRACKETS = frozenset("()[]{}")
 _KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeof"})
 
 
@@ -148,9 +149,9 @@ class CppCode:
     def _bodies(self) -> Iterator[Body]:
         """Yield the functions that are defined."""
         tokens = self.tokens
-        at = 0
-        while at < len(tokens):
-            if text_at(tokens, at) == "(" and is_word(text_at(tokens, at - 1)):
+        last = -1
+        for at in sorted(self.closed):
+            if at > last and tokens[at].text == "(" and is_word(text_at(tokens, at - 1)):
                 end = behind = self.closed[at]
                 name = text_at(tokens, at - 1)
                 while is_word(text_at(tokens, behind)) or text_at(tokens, behind) == "->":
@@ -161,8 +162,7 @@ class CppCode:
                     parameters = tuple(tokens[at + 1 : min(end - 1, at + _MOST_PARAMETERS)])
                     yield Body(name, behind, self.closed[behind], parameters, at)
                     # The last initialiser of a constructor looks like a function.
-                    at = behind
-            at += 1
+                    last = behind
 
     @cached_property
     def token_texts(self) -> Set[str]:
@@ -264,9 +264,11 @@ def _closed(tokens: Sequence[Token]) -> dict[int, int]:
     found: dict[int, int] = {}
     waiting: list[int] = []
     for at, token in enumerate(tokens):
+        if token.text not in _BRACKETS:
+            continue
         if token.text in ("(", "[", "{"):
             waiting.append(at)
-        elif token.text in (")", "]", "}") and waiting:
+        elif waiting:
             found[waiting.pop()] = at + 1
     return found | dict.fromkeys(waiting, len(tokens))
 

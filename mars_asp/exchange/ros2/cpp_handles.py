@@ -405,7 +405,7 @@ def _is_defined(file: CppCode, opening: int) -> bool:
 def _calls_with_nodes(file: CppCode) -> Iterator[int]:
     """Yield the brackets whose first argument is the object itself, such as a node."""
     tokens = file.tokens
-    for at, token in enumerate(tokens):
+    for at, token in enumerate(tokens if "this" in file.token_texts else ()):
         if token.text == "this" and text_at(tokens, at + 1) in (",", ")", "}"):
             opening = at - 2 if text_at(tokens, at - 1) == "*" else at - 1
             if text_at(tokens, opening) in ("(", "{") and opening in file.closed:

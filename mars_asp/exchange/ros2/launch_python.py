@@ -107,7 +107,8 @@ class _Reader(Evaluator):
     def actions(self, tree: ast.Module) -> tuple[Action, ...]:
         """Return the actions of the description that the file generates."""
         self.handling: set[ast.AST] = set()
-        for node in ast.walk(tree):
+        self.nodes = tuple(ast.walk(tree))
+        for node in self.nodes:
             if isinstance(node, ast.ImportFrom):
                 self.called.update((n.asname, n.name) for n in node.names if n.asname)
         read = tuple(self.readings(tree))
@@ -116,8 +117,8 @@ class _Reader(Evaluator):
         found = readings[0] if same else (Readings(readings, tuple(taken for _, taken in read)),)
         entry = self.globals[_ENTRY]
         names = self.entered(entry) if isinstance(entry, Local) else {}
-        declared = tuple(self.declared(tree, names))
-        return (*declared, *found, *self.left_out(tree, names), *self.undefined(tree))
+        declared = tuple(self.declared(names))
+        return (*declared, *found, *self.left_out(names), *self.undefined(tree))
 
     def readings(self, tree: ast.Module) -> Iterator[tuple[tuple[Action, ...], Tests]]:
         """Yield the actions of the file, once for each set of branches that it takes, with these.
@@ -126,7 +127,7 @@ class _Reader(Evaluator):
         """
         self.assigned = frozenset(
             node.id
-            for node in ast.walk(tree)
+            for node in self.nodes
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
         )
         waiting: list[dict[ast.AST, int]] = [{}]
@@ -336,9 +337,9 @@ class _Reader(Evaluator):
                     self.statement(statement, names)
         return names
 
-    def declared(self, tree: ast.Module, names: Names) -> Iterator[Declare]:
+    def declared(self, names: Names) -> Iterator[Declare]:
         """Yield the launch arguments that the file declares, wherever it does."""
-        for node in ast.walk(tree):
+        for node in self.nodes:
             if isinstance(node, ast.Call) and self.name_of(node) == "DeclareLaunchArgument":
                 yield from declared_by(self.alone(node, names))
 
@@ -357,9 +358,9 @@ class _Reader(Evaluator):
         """Return the name of the called function, regardless of its import name."""
         return self.called.get(_called(node), _called(node))
 
-    def left_out(self, tree: ast.Module, names: Names) -> Iterator[NotRead]:
+    def left_out(self, names: Names) -> Iterator[NotRead]:
         """Yield the nodes that the file makes and that nothing of it launches."""
-        for node in ast.walk(tree):
+        for node in self.nodes:
             if not isinstance(node, ast.Call) or self.name_of(node) not in _NODES:
                 continue
             span = self.span(node)
@@ -381,7 +382,8 @@ class _Reader(Evaluator):
             ],
             [],
         )
-        for node in ast.walk(launched):
+        is_whole = len(launched.body) == len(tree.body)
+        for node in self.nodes if is_whole else ast.walk(launched):
             match node:
                 case ast.Name(ctx=ast.Load()):
                     used.append(node)

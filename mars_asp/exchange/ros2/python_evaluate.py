@@ -8,6 +8,7 @@ branch, the first where nothing forces another; who reads sees to it that each i
 import ast
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import (
@@ -73,6 +74,8 @@ class Evaluator:
         self.forced: Mapping[ast.AST, int] = {}
         self.decisions: dict[ast.AST, tuple[int, int]] = {}
         self.tested: dict[ast.AST, Tested] = {}
+        # Each reading, and each call of a function, needs them again.
+        self.constant = cache(self._constant)
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
         """Return the location of a node of the tree, which counts columns in bytes."""
@@ -222,12 +225,11 @@ class Evaluator:
         if self.steps > MOST_STEPS or depth > _DEEPEST:
             return None
         match node:
-            case ast.Constant(value=bool() | int() | float() as value):
-                return Plain((str(value),), self.span(node))
-            case ast.Constant(value=str() as value):
-                return Plain(text_of(value), self.span(node))
-            case ast.Constant(value=None):
-                return NoneValue()
+            # The most frequent come first.
+            case ast.Constant():
+                return self.constant(node)
+            case ast.Call():
+                return self.call(node, names, depth)
             case ast.Name(id="__file__"):
                 return Plain((Here(), "/."), self.span(node))
             case ast.Name(id=name):
@@ -267,10 +269,14 @@ class Evaluator:
                 return Listed(made, self.span(node))
             case ast.DictComp(key=key, value=value, generators=generators):
                 scopes = self.scopes(generators, names, depth + 1)
-                pairs = [
-                    (self.value(key, inner, depth + 1), self.value(value, inner, depth + 1))
-                    for inner in scopes
-                ]
+                pairs: list[tuple[Value, Value]] = []
+                for inner in scopes:
+                    at = self.value(key, inner, depth + 1)
+                    held = self.value(value, inner, depth + 1)
+                    # A key and a value that are not known are the same in each round.
+                    is_open = at is None and isinstance(held, Plain) and held.text == UNKNOWN
+                    if not is_open or (at, held) not in pairs[-1:]:
+                        pairs.append((at, held))
                 return Mapped(tuple(pairs))
             case ast.Lambda():
                 return Local(node, names)
@@ -288,10 +294,20 @@ class Evaluator:
                 if isinstance(owner, LaunchObject | LaunchClass):
                     return self.attribute(owner, attribute)
                 return None
-            case ast.Call():
-                return self.call(node, names, depth)
             case ast.Starred(value=value):
                 return self.value(value, names, depth + 1)
+            case _:
+                return None
+
+    def _constant(self, node: ast.Constant) -> Value:
+        """Return the value of a literal, or None if it is of no use."""
+        match node.value:
+            case bool() | int() | float():
+                return Plain((str(node.value),), self.span(node))
+            case str():
+                return Plain(text_of(node.value), self.span(node))
+            case None:
+                return NoneValue()
             case _:
                 return None
 

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -51,6 +52,8 @@ _IMAGE, _CAMERA_INFO = "sensor_msgs::msg::Image", "sensor_msgs::msg::CameraInfo"
 _PATH = re.compile(r"~?/?\w+(?:/\w+)+")
 #: What filters messages of a type; the node comes first, and then the topic.
 _FILTER = re.compile(r"(?:\w+::)*Subscriber\s*<(?P<type>[^<>,]+)[^<>]*>")
+#: Signs after a variable that may be given a value.
+_BEFORE_VALUES = frozenset("=[{(")
 _TIMERS = frozenset({"create_wall_timer", "create_timer", "createTimer", "createWallTimer"})
 _RATES = frozenset({"Rate", "WallRate"})
 _SERVICES = frozenset(
@@ -189,8 +192,10 @@ class _File(CppCode):
         found: dict[str, _Value] = {}
         texts: dict[str, set[str | None]] = {}
         tokens = self.tokens
-        for at, token in enumerate(tokens):
-            if not is_word(token.text):
+        for at, (token, after) in enumerate(pairwise(tokens)):
+            # Few words are assigned to, made or defined.
+            has_value = after.text in _BEFORE_VALUES or after.text.startswith('"')
+            if not has_value or not is_word(token.text):
                 continue
             # Of `char NAME[] = ...` the brackets say nothing.
             behind = at + 3 if text_at(tokens, at + 1) == "[" else at + 1

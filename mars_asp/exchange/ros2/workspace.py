@@ -260,7 +260,9 @@ class Workspace:
                     self._texts[file] = file.read_text(encoding="utf-8")
                     self._shown[file] = f"catalogue/{name.as_posix()}"
                 return file
-            found = None if folder == _CATALOGUE else self._inside(file)
+            # To follow the links of a file takes longer than to see that it is not there.
+            is_own = folder != _CATALOGUE and file.is_file()
+            found = self._inside(file) if is_own else None
             if found is not None and found.is_file():
                 return found
         return None
