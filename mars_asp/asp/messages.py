@@ -59,10 +59,7 @@ def saying(stage: str, rules: Sequence[Rule], instead: bool = False) -> list[Fra
     of rules that nothing reads.
     """
     predicate = predicate_of(stage)
-    return [
-        _made_of(rule, _saying(predicate, number, rule, instead), predicate)
-        for number, rule in enumerate(rules)
-    ]
+    return [_saying(predicate, number, rule, instead) for number, rule in enumerate(rules)]
 
 
 def _made_of(rule: Rule, text: str, gives: str) -> Fragment:
@@ -204,9 +201,12 @@ def _listed(symbol: clingo.Symbol) -> tuple[list[str], int]:
     return names, symbol.number if symbol.type == clingo.SymbolType.Number else 0
 
 
-def _saying(predicate: str, number: int, rule: Rule, instead: bool) -> str:
+# Each analysis needs those of the same rules.
+@lru_cache(maxsize=4096)
+def _saying(predicate: str, number: int, rule: Rule, instead: bool) -> Fragment:
     head, body = rule.written
     # A choice offers several atoms, or none.
     term, before = ("none", "") if rule.is_choice else (head, "" if instead else head)
     premises = "; ".join(filter(None, (before, body))) or "#true"
-    return f"{predicate}({number},{term},v({','.join(rule.holes)})) :- {premises}."
+    text = f"{predicate}({number},{term},v({','.join(rule.holes)})) :- {premises}."
+    return _made_of(rule, text, predicate)

@@ -48,6 +48,16 @@ class Rulebook:
 
     def fragments(self, stage: str) -> tuple[Fragment, ...]:
         """Return the texts of one stage with their files, and the rules that no file has."""
+        if stage not in self._fragments:
+            self._fragments[stage] = self._read_fragments(stage)
+        return self._fragments[stage]
+
+    @cached_property
+    def _fragments(self) -> dict[str, tuple[Fragment, ...]]:
+        """Return the fragments read so far: one rulebook serves many analyses."""
+        return {}
+
+    def _read_fragments(self, stage: str) -> tuple[Fragment, ...]:
         paths = (*self.paths, *repeat("rules", len(self.texts) - len(self.paths)))
         found = zip(self.texts, paths, strict=True)
         rules = [rule for rule in self.rules if rule.stage == stage]

@@ -1,7 +1,7 @@
 """Traces of least height, built from firings."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 
 import clingo
 
@@ -30,9 +30,13 @@ class Proofs:
         self._given = given
         self._rules = rules
         self._unsupported = unsupported
+
+        @cache
+        def may_be_given(rule: int) -> bool:
+            return any(head.name in given.predicates for head in rules[rule].heads)
+
         # What is given has no reasons, whatever else derives it.
-        told = {n for n, r in enumerate(rules) if any(p.name in given.predicates for p in r.heads)}
-        firings = [f for f in firings if f.rule not in told or not given.leaf(f.head)]
+        firings = [f for f in firings if not (may_be_given(f.rule) and given.leaf(f.head))]
         self._best, heights = least_heights(firings)
         self._counted = CountedBelow(heights)
         self._traces: dict[TermId, Trace | None] = {}
