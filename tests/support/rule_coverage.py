@@ -27,6 +27,7 @@ from tests.support.side_by_side import ANY, answered, apart, each_together, toge
 CASES = find_cases([ROOT / "tests" / "rules"])
 #: Cases in one program: more of those that choose take longer together than apart.
 _MOST, _MOST_ANY = 50, 300
+_PROBES = Signature(FIRED, 2), Signature(NEAR, 2)
 
 
 def covered(rulebook: Rulebook, rules: Sequence[Rule]) -> Coverage:
@@ -92,7 +93,7 @@ def _held(
     for stages, part in _parts(cases):
         rules = [together(rulebook.text(stage)) for stage in stages]
         rules += [text for stage in stages for text in probes.get(stage, ())]
-        for atom in answered([*rules, *_facts(part)], (FIRED, NEAR)):
+        for atom in answered([*rules, *_facts(part)], _PROBES):
             case, number = (argument.number for argument in atom.arguments)
             found.add((part[case], atom.name, number))
     return found
@@ -106,7 +107,7 @@ def labelled(
     found = set[int]()
     for stages, part in _parts(cases):
         assert stages == ("base",)
-        for atom in answered([*rules, *_facts(part)], ("_label_base",)):
+        for atom in answered([*rules, *_facts(part)], (Signature("_label_base", 5),)):
             found.add(atom.arguments[1].number)
     return found
 
@@ -161,7 +162,7 @@ def unnoticed(lists: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) 
         ]
         told = [f"of_({copy}, {paths.index(path)})." for copy, path in copies]
         told += [f"out_({len(paths) + at}, {out})." for at, (_, out) in enumerate(pairs)]
-        names = {each.name for wanted in shown for each in wanted}
+        names = {each._replace(arity=each.arity + 1) for wanted in shown for each in wanted}
         answers = [set[str]() for _ in copies]
         for atom in answered([*rules, *facts, *told], sorted(names)):
             copy, *rest = atom.arguments

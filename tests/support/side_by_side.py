@@ -6,11 +6,13 @@ case, and costs least where each of these does. A case without any is left out.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cache
 
 import clingo
 from clingo import ast
+
+from mars_asp.asp.signature import Signature
 
 _TYPE = ast.ASTType
 _LOCATION = ast.Location(ast.Position("side by side", 1, 1), ast.Position("side by side", 1, 1))
@@ -60,21 +62,23 @@ def apart(number: int, facts: str) -> str:
     return "\n".join(_written(facts, of))
 
 
-def answered(program: Iterable[str], wanted: Sequence[str]) -> set[clingo.Symbol]:
+def answered(program: Iterable[str], wanted: Collection[Signature]) -> set[clingo.Symbol]:
     """Return the atoms of some predicates in a best answer set of any case."""
     options = ["--opt-mode=optN", "--opt-strategy=usc", "--enum-mode=brave", "--models=0"]
     control = clingo.Control([*options, "--warn=none"])
-    control.add("base", [], "\n".join([*program, ANY]))
+    # Most atoms of a program are of other predicates; hidden, they are not read.
+    shown = (f"#show {each.signed}/{each.arity}." for each in wanted)
+    control.add("base", [], "\n".join([*program, ANY, "#show in_/1.", *shown]))
     control.ground()
     found: list[clingo.Symbol] = []
 
     def keep(model: clingo.Model) -> None:
         if model.optimality_proven:
-            found[:] = model.symbols(atoms=True)
+            found[:] = model.symbols(shown=True)
 
     control.solve(on_model=keep)
     answering = {atom.arguments[0] for atom in found if atom.name == "in_"}
-    return {a for a in found if a.name in wanted and a.arguments[0] in answering}
+    return {a for a in found if a.name != "in_" and a.arguments[0] in answering}
 
 
 def _written(text: str, where: ast.AST) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import chain
 
 import clingo
@@ -23,11 +24,10 @@ def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
         yield name, _probe_of(name, number, body)
 
 
-def probed(rule: Rule) -> Iterator[tuple[str, Sequence[ast.AST]]]:
-    """Yield the predicates that `probes` derives, each with the literals that it needs."""
-    for name, body in _bodies(rule):
-        if is_safe(_probe_of(name, 0, body)):
-            yield name, body
+@cache
+def probed(rule: Rule) -> tuple[tuple[str, Sequence[ast.AST]], ...]:
+    """Return the predicates that `probes` derives, each with the literals that it needs."""
+    return tuple((name, body) for name, body in _bodies(rule) if is_safe(_probe_of(name, 0, body)))
 
 
 def fired(number: int, rule: Rule) -> str:
