@@ -80,6 +80,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
 _GROUPS = {
     "tests/reasoning/test_golden_traces.py": "rules",
+    "tests/reasoning/test_nodes_of_packs.py": "nodes",
     "tests/reasoning/test_rules.py": "rules",
     "tests/reasoning/test_session.py": "session",
     "tests/reasoning/questions/test_account.py": "accounts",
