@@ -150,7 +150,7 @@ def test_each_rule_for_needs_speaks() -> None:
     assert spoken == telling
 
 
-@pytest.mark.parametrize("path", sample(NEEDS, 2))
+@pytest.mark.parametrize("path", sample(NEEDS, 3))
 def test_verification_agrees_with_each_need(path: str) -> None:
     """`rules/verify` know nothing of needs: without the node it is that clause that breaks."""
     reasoner, answer = told_of(path)
