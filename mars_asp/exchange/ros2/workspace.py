@@ -331,10 +331,8 @@ class Workspace:
             return None
         inside = file.relative_to(package.folder).as_posix()
         installed = self._installed(package)
-        is_left_out = installed and not any(
-            inside.startswith(f"{source.rstrip('/')}/") if is_folder else fnmatchcase(inside, source)
-            for source, _, is_folder in installed
-        )
+        patterns = (f"{at.rstrip('/')}/*" if folder else at for at, _, folder in installed)
+        is_left_out = installed and not any(fnmatchcase(inside, pattern) for pattern in patterns)
         is_sure = is_left_out and inside.startswith("launch/") and self._lists_all(package)
         return (package.name, inside) if is_sure else None
 
