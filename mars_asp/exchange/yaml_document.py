@@ -207,7 +207,8 @@ class _Reader:
         match event:
             case yaml.DocumentStartEvent():
                 self.documents += 1
-                if self.documents > 1:
+                # The parser of parameters of ROS 2 does not mind where a document begins.
+                if self.documents > 1 and not (self.merges and isinstance(self.root, Pairs)):
                     raise _wrong(
                         span, "a second document begins here", "give each a file of its own"
                     )
@@ -263,7 +264,12 @@ class _Reader:
     def add(self, node: Node, size: int, span: Span) -> None:
         """Add a complete node to what it stands in."""
         if not self.open:
-            self.root = node
+            before = self.root.pairs if isinstance(self.root, Pairs) else ()
+            self.root = (
+                Pairs((*before, *node.pairs), node.span)
+                if before and isinstance(node, Pairs)
+                else node
+            )
             return
         around = self.open[-1]
         around.nodes.append(node)

@@ -192,7 +192,8 @@ class LaunchTree:
     files have twice, and `rewritten` those of the files that launch files read as YAML. `defaults`
     are the values of the launch arguments that users may set. `by_hand` are nodes of programs that
     no launch file of the folder starts, which are with its first tree; `shared` are the parameter
-    files that may be for nodes whose names are not known.
+    files that may be for nodes whose names are not known. `is_of_programs` is whether it
+    has all programs of a folder, in place of a launch file.
     """
 
     path: str
@@ -207,6 +208,7 @@ class LaunchTree:
     rewritten: tuple[str, ...] = ()
     by_hand: tuple[Node, ...] = ()
     shared: tuple[str, ...] = ()
+    is_of_programs: bool = False
 
     @property
     def files(self) -> frozenset[str]:

@@ -290,10 +290,8 @@ def test_a_path_that_a_terminal_would_obey_is_shown_escaped(
     assert "::error file=a\\x1b[2J.mars,line=3," in capsys.readouterr().out
 
 
-def test_a_message_that_begins_with_a_path_keeps_its_letters(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_message_is_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_package({"launch/robot.launch.py": "\n"}, folder)
     _, run = sarif(capsys, "check", ".")
     [text] = [each["message"]["text"] for each in run["results"] if each["level"] == "warning"]
-    assert text.startswith("launch/robot.launch.py: the launch file is empty")
+    assert text.startswith("The launch file is empty. ")

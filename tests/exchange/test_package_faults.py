@@ -166,6 +166,16 @@ def test_functions_of_console_scripts_are_there(
     assert found == ([("function", "mine.n:main")] if is_found else [])
 
 
+def test_a_package_of_cmake_needs_no_setup_py(tmp_path: Path) -> None:
+    written = {
+        "setup.py": f"{SETUP}setup(entry_points={{'console_scripts': ['n = mine.n:main']}})\n",
+        "mine/__init__.py": "",
+        "x.launch.xml": '<launch><node pkg="joy" exec="joy_node"/></launch>',
+    }
+    assert lacking(read(written, tmp_path, "ament_cmake")) == []
+    assert ("file", "mine/n.py") in lacking(read(written, tmp_path, "ament_python"))
+
+
 @pytest.mark.parametrize(
     ("inner", "built_by", "is_found"),
     [
@@ -175,6 +185,7 @@ def test_functions_of_console_scripts_are_there(
         # Python 3.12.
         ("type A = int\n", "ament_python", False),
         ("a = f'{b['c']}'\n", "ament_python", False),
+        ("a = f'{\nb}'\n", "ament_python", False),
     ],
 )
 def test_sources_that_are_not_python_are_findings(
@@ -211,6 +222,8 @@ def test_a_source_that_is_not_python_is_found_from_another_folder(
         ("rate: 1\n", "ament_cmake", 1),
         (FILE, "ament_cmake", 0),
         ("other:\n  ros__parameters:\n    rate: 1\n", "ament_cmake", 0),
+        # A second document is read as well.
+        ("rate: 1\n---\njoy:\n  ros__parameters:\n    rate: 1\n", "ament_cmake", 0),
         ("", "ament_cmake", 0),
         ("rate: 1\n", "catkin", 0),
     ],
@@ -387,3 +400,54 @@ def test_a_launch_file_that_always_includes_itself_is_broken(
     assert [message.rpartition(": ")[2] for message, _ in tree.broken] == [
         "the file always includes itself"
     ] * is_found
+
+
+def test_a_launch_file_in_newer_python_is_not_read_and_not_broken(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    launch = LAUNCH.format("", "a = f'{\n1}'", "")
+    [tree] = read({"launch/x.launch.py": launch}, tmp_path).trees
+    assert (tree.broken, len(tree.unread)) == ((), 1)
+    assert run_here(["check", str(tmp_path)]) == 0
+    assert "launch files in a newer Python than this one not read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("test", "found"),
+    [
+        ("if unknown():", []),
+        ("if LaunchConfiguration('a') == 'b':", [("file", "urdf/robot.urdf")]),
+    ],
+)
+def test_a_file_of_a_branch_that_may_never_be_taken_is_not_missing(
+    test: str, found: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    launch = LAUNCH.format(
+        "from launch.substitutions import LaunchConfiguration",
+        f"share = get_package_share_directory('mine')\n  {test}\n"
+        "    open(share + '/urdf/robot.urdf')",
+        "from ament_index_python.packages import get_package_share_directory\n"
+        "from mine import unknown\n",
+    )
+    assert lacking(read({"launch/x.launch.py": launch}, tmp_path)) == found
+
+
+def test_bridges_without_a_name_are_not_of_one_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bridge = (
+        '<node pkg="ros_gz_bridge" exec="parameter_bridge" args="/{0}@std_msgs/msg/Bool[gz.B"/>'
+    )
+    launch = f"<launch>{bridge.format('a')}{bridge.format('b')}</launch>"
+    read({"x.launch.xml": launch}, tmp_path)
+    assert run_here(["check", str(tmp_path)]) == 0
+    assert "one-name" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "is_partly_read"), [("", False), ("name='mavros'", True)])
+def test_nodes_of_mavros_may_be_named_alike(
+    name: str, is_partly_read: bool, tmp_path: Path
+) -> None:
+    launch = f"<launch><node pkg='mavros' exec='mavros_node' {name} namespace='/mavros'/></launch>"
+    [tree] = read({"x.launch.xml": launch}, tmp_path).trees
+    assert [node.unread for node in tree.nodes] == [is_partly_read]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from mars_asp.diagnostic import Span
 
-#: What a description in URDF, with or without xacro, ends in.
+#: Endings of descriptions in URDF, with or without xacro.
 DESCRIPTIONS = (".urdf", ".xacro")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 #: A file in a package. Other parts with a dollar sign are of xacro, and not known.

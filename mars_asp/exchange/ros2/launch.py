@@ -3,9 +3,9 @@
 import re
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from mars_asp.diagnostic import MarsError, Span
 from mars_asp.exchange.ros2.actions import (
@@ -32,7 +32,7 @@ from mars_asp.exchange.ros2.actions import (
 )
 from mars_asp.exchange.ros2.descriptions import DESCRIPTIONS, files_named
 from mars_asp.exchange.ros2.launch_markup import read_markup
-from mars_asp.exchange.ros2.launch_python import read_python
+from mars_asp.exchange.ros2.launch_python import NEWER, read_python
 from mars_asp.exchange.ros2.names import Renaming, joined
 from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
@@ -42,6 +42,8 @@ from mars_asp.model.graph import OPEN_CONDITION, AbsentFile, StartCondition
 
 #: What launch files are called that are included and not found.
 NOT_HERE = "included launch files that are not in the workspace"
+#: Launch files that a newer Python may read.
+IN_NEWER = "launch files in a newer Python than this one"
 _NO_PARAMETERS = "parameter files that are not in the workspace"
 #: Packages whose programs write the files that their arguments name, and options for outputs.
 _RECORDERS = frozenset({"rosbag", "rosbag2", "map_server", "nav2_map_server"})
@@ -72,6 +74,7 @@ _MAY_READ_ARGUMENTS = frozenset(
         ABSENT,
         NOT_HERE,
         "included launch files with errors",
+        IN_NEWER,
         "functions that only a run calls",
         "branches of conditions",
         f"includes beyond the first {_MOST_INCLUDES} of a launch file",
@@ -109,9 +112,18 @@ class Started:
     is_rewritten: bool = False
 
 
+class _Entered(NamedTuple):
+    """The nodes that a file starts, the parts of it not read, the files read, and those absent."""
+
+    started: list[Started]
+    unread: list[Unread]
+    reached: set[Path]
+    missing: dict[AbsentFile, None]
+
+
 @dataclass(slots=True)
 class _Scope:
-    """What holds for the actions of a group."""
+    """The settings that hold for the actions of a group."""
 
     namespace: str = "/"
     remaps: list[tuple[Renaming, Span]] = field(default_factory=list)
@@ -174,9 +186,7 @@ class Launch:
         self.defaults: dict[str, str] = {}
         self._described: set[Path] = set()
         self._actions: dict[Path, tuple[Action, ...]] = {} if before is None else before._actions
-        self._entered: dict[
-            Hashable, tuple[Sequence[Started], Sequence[Unread], Iterable[Path]]
-        ] = {}
+        self._entered: dict[Hashable, _Entered] = {}
 
     def launch(self, file: Path) -> None:
         """Take up what a launch file starts.
@@ -258,7 +268,8 @@ class Launch:
         files: tuple[Path, ...],
     ) -> None:
         """Take up the nodes of each reading; those that only some start depend on branches."""
-        before = self.started
+        before, missing = self.started, self.missing
+        lacking: list[dict[AbsentFile, None]] = []
         noted = len(self.unread)
         found: list[tuple[Started, set[int]]] = []
         at: dict[Span, list[tuple[Started, set[int]]]] = {}
@@ -268,8 +279,11 @@ class Launch:
             if conditions is None:
                 continue
             branches[number] = conditions
-            self.started = []
+            self.started, self.missing = [], {}
             self._walk(actions, scope.inner(), files)
+            if all(not test.branch for test in tests):
+                missing |= self.missing
+            lacking.append(self.missing)
             for each in self.started:
                 same = at.setdefault(each.span, [])
                 by = next((by for one, by in same if one == each), None)
@@ -278,7 +292,9 @@ class Launch:
                     found.append(same[-1])
                 else:
                     by.add(number)
-        self.started = before
+        self.started, self.missing = before, missing
+        # A branch of code that may never be taken names its files in vain, if no other does.
+        missing |= {each: None for each in chain(*lacking) if all(each in by for by in lacking)}
         self.unread[noted:] = dict.fromkeys(self.unread[noted:])
         decided: list[tuple[Started, list[StartCondition]]] = []
         for each, by in found:
@@ -350,7 +366,7 @@ class Launch:
             actions = self._read(found)
         except MarsError as error:
             first = error.diagnostics[0]
-            sort = "included launch files with errors"
+            sort = IN_NEWER if first.code == NEWER else "included launch files with errors"
             name = f"{self.workspace.shown(found)}: {first.message}"
             self.unread.append(Unread(sort, name, first.span))
             return
@@ -394,22 +410,24 @@ class Launch:
         for value in passed.values():
             self._note_missing(value.text, action.span, files[:-1])
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
-        started, unread, reached = self._entered_with(actions, within, files, action.span)
+        found = self._entered_with(actions, within, files, action.span)
         if not action.inherits:
-            self._note_unread(given, files[-1], files[-1:])
-        elif all(each.sort not in _MAY_READ_ARGUMENTS for each in unread):
-            self._note_unread(given, files[-1], reached)
+            self._note_arguments(given, files[-1], files[-1:])
+        elif all(each.sort not in _MAY_READ_ARGUMENTS for each in found.unread):
+            self._note_arguments(given, files[-1], found.reached)
         conditions = (*scope.conditions, *conditions)
         self.started += (
             replace(each, conditions=(*conditions, *each.conditions))
-            for each in started[: _MOST_NODES - len(self.started)]
+            for each in found.started[: _MOST_NODES - len(self.started)]
         )
-        self.unread += unread
+        self.unread += found.unread
+        self.reached |= found.reached
+        self.missing |= found.missing
 
     def _entered_with(
         self, actions: Sequence[Action], within: _Scope, files: tuple[Path, ...], span: Span
-    ) -> tuple[Sequence[Started], Sequence[Unread], Iterable[Path]]:
-        """Return the nodes that an included file starts, the parts not read, and the files read.
+    ) -> "_Entered":
+        """Return the nodes that an included file starts, and more of it.
 
         Many branches of code include one file with the same arguments: it is followed once.
         """
@@ -417,16 +435,15 @@ class Launch:
         if key not in self._entered:
             if len(self._entered) >= _MOST_INCLUDES:
                 sort = f"includes beyond the first {_MOST_INCLUDES} of a launch file"
-                return (), (Unread(sort, files[-1].name, span),), ()
-            before = self.started, self.unread, self.reached
-            self.started, self.unread, self.reached = [], [], {files[-1]}
+                return _Entered([], [Unread(sort, files[-1].name, span)], set(), {})
+            before = self.started, self.unread, self.reached, self.missing
+            self.started, self.unread, self.reached, self.missing = [], [], {files[-1]}, {}
             self._walk(actions, within, files)
-            self._entered[key] = self.started, self.unread, self.reached
-            self.started, self.unread, self.reached = before
-        self.reached |= set(self._entered[key][2])
+            self._entered[key] = _Entered(self.started, self.unread, self.reached, self.missing)
+            self.started, self.unread, self.reached, self.missing = before
         return self._entered[key]
 
-    def _note_unread(self, given: Iterable[Parameter], file: Path, read: Iterable[Path]) -> None:
+    def _note_arguments(self, given: Iterable[Parameter], file: Path, read: Iterable[Path]) -> None:
         """Note the arguments passed to a file that neither it nor one that it includes names."""
         texts = [self.workspace.text(each) for each in read]
         if any(_COMPOSED_ARGUMENT.search(text) for text in texts):

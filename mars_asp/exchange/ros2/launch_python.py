@@ -35,6 +35,7 @@ from mars_asp.exchange.ros2.python_evaluate import (
     Refused,
     Returned,
 )
+from mars_asp.exchange.ros2.python_files import is_newer
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
     forced,
@@ -69,6 +70,8 @@ _NODES = {
 _CONTAINERS = frozenset({"ComposableNodeContainer", "LoadComposableNodes"})
 #: Functions and errors with which code looks for names itself.
 _LOOKING = frozenset({"globals", "locals", "vars", "exec", "eval", "NameError"})
+#: The code of an error that a newer Python may not have.
+NEWER = "newer-python"
 _ENTRY = "generate_launch_description"
 #: How often a file is read, each time by other branches of its conditions.
 _MOST_READINGS = 64
@@ -86,7 +89,8 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
         tree = ast.parse(text)
     except SyntaxError as error:
         place = point(path, error.lineno or 1, error.offset or 1)
-        raise _wrong(place, f"this is not Python: {error.msg}") from None
+        message = f"this is not Python: {error.msg}"
+        raise _wrong(place, message, NEWER if is_newer(error) else "launch") from None
     except (ValueError, RecursionError, MemoryError):
         raise _wrong(point(path, 1, 1), "this Python is nested too deeply, or not text") from None
     reader = _Reader(path, text)
@@ -96,9 +100,9 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
         raise _wrong(point(path, 1, 1), "this Python is nested too deeply") from None
 
 
-def _wrong(place: Span, message: str) -> MarsError:
+def _wrong(place: Span, message: str, code: str = "launch") -> MarsError:
     help_text = "is this a launch file? `ros2 launch` would also refuse it"
-    return MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
+    return MarsError((Diagnostic(code, "error", message, place, help=help_text),))
 
 
 class _Reader(Evaluator):

@@ -87,9 +87,12 @@ class Programs:
         """Yield the modules and functions of console scripts that their packages do not have.
 
         Scripts of a package in Python are installed in `bin` unless its `setup.cfg` sets another
-        folder, and `ros2 run` and launch files look for them in `lib/PACKAGE`.
+        folder, and `ros2 run` and launch files look for them in `lib/PACKAGE`. A package that
+        CMake builds needs no `setup.py`.
         """
         for package in self.workspace.packages:
+            if self.workspace.is_built_by_cmake(package):
+                continue
             setup = package.folder / "setup.py"
             text = self._text(setup) or ""
             has_scripts = self._scripts.get(package.name) and "console_scripts" in text

@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 Find = Callable[[str], "tuple[str, str] | None"]
 T = TypeVar("T")
 _MOST_FILES = 1000
+#: A text with values, which from 3.12 on may have lines and quotes within its braces.
+_TEXT_WITH_VALUES = re.compile(r"""\b(?:[rR]?[fF]|[fF][rR])["'].*\{""")
 _NEWER = re.compile(r"\s*(?:type\s+\w+.*=|(?:async\s+)?def\s+\w+\s*\[|class\s+\w+\s*\[)")
 
 
@@ -53,10 +55,7 @@ class Files:
                 self._read[module] = None if found is None else _parsed(*found, module)
             except SyntaxError as error:
                 self._read[module] = None
-                # From 3.12 on texts with values nest quotes, types have names, and functions and
-                # classes have types as parameters (PEP 695, 701).
-                is_newer = "f-string" in error.msg or _NEWER.match(error.text or "")
-                if found is not None and not is_newer:
+                if found is not None and not is_newer(error):
                     self.broken[found[1], error.lineno or 1, error.msg] = None
         return self._read[module]
 
@@ -77,6 +76,17 @@ class Files:
         if key not in self._found:
             self._found[key] = tuple(find(part))
         return self._found[key]
+
+
+def is_newer(error: SyntaxError) -> bool:
+    """Whether a syntax error may be none in a newer Python than this one.
+
+    From 3.12 on texts with values nest quotes and go over several lines, types have names, and
+    functions and classes have types as parameters (PEP 695, 701).
+    """
+    line = error.text or ""
+    is_text = "string" in error.msg and _TEXT_WITH_VALUES.search(line) is not None
+    return is_text or "f-string" in error.msg or _NEWER.match(line) is not None
 
 
 def _mentioned(part: ast.AST) -> Iterable[str]:

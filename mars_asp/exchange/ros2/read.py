@@ -14,8 +14,16 @@ from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.controllers import MANAGERS, with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, NOT_FOLLOWED, SERVICES, Topic
-from mars_asp.exchange.ros2.launch import Launch, Started
+from mars_asp.exchange.ros2.interface import (
+    AT_RUN_TIME,
+    BY_CLIENTS,
+    NOT_FOLLOWED,
+    SERVICES,
+    Interface,
+    Topic,
+)
+from mars_asp.exchange.ros2.launch import IN_NEWER, Launch, Started
+from mars_asp.exchange.ros2.launch_python import NEWER
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.names import joined as name_in
@@ -253,7 +261,8 @@ class _Robot:
             tree = self._tree(launch, paths)
             if launch not in launches:
                 # Programs with one name may be alternatives of which users start one.
-                tree = replace(tree, nodes=tuple(replace(n, is_named=False) for n in tree.nodes))
+                nodes_of_any_name = tuple(replace(n, is_named=False) for n in tree.nodes)
+                tree = replace(tree, nodes=nodes_of_any_name, is_of_programs=True)
             self.trees.append(tree)
         if launched is launches and self.trees and not self.chosen:
             # What is of the folder, and of no launch file, is with the first one.
@@ -399,8 +408,11 @@ class _Robot:
                 launches[file] = launch
             included |= launch.reached - {file}
         for file, wrong in broken.items():
-            if file not in included:
-                path = self.workspace.shown(file)
+            path = self.workspace.shown(file)
+            if file not in included and wrong.code == NEWER:
+                self.unread.append(Unread(IN_NEWER, path, wrong.span))
+                self.trees.append(LaunchTree(path, unread=(wrong.span,)))
+            elif file not in included:
                 name = f"{path}: {wrong.message}"
                 self.unread.append(Unread("launch files with errors", name, wrong.span))
                 self.trees.append(LaunchTree(path, broken=((name, wrong.span),)))
@@ -600,25 +612,11 @@ class _Robot:
                 program, started.arguments, self._listed(started, values), started.span
             )
         if interface is None:
-            sort = "topics of nodes with neither a source here nor an entry in the catalogue"
-            self.unread.append(Unread(sort, full, started.span))
-            return Node(
-                full,
-                started.span,
-                unread=True,
-                conditions=started.conditions,
-                # A program whose source is not known may name its node apart.
-                is_named=bool(started.name),
-                renamed=self._renamed(started, name),
-                package=started.package,
-                manages=tuple(self._managed(started)),
-            )
+            return self._without_source(started, full, name, values)
         if is_catalogued:
             self.catalogued.setdefault(full, started.span)
         before = len(self.unread)
-        self.unread += interface.unread
-        if interface.clients:
-            self.unread.append(Unread(BY_CLIENTS, full, started.span))
+        self._note_unread(interface, started, full)
         if interface.spread and not started.name and started.namespace != "/":
             name = ""
         published = tuple(self._ends(interface.published, started, name, values))
@@ -642,14 +640,51 @@ class _Robot:
             unread,
             started.conditions,
             renamed=self._renamed(started, name),
-            # In the catalogue, a name is mostly a habit of its program.
-            is_named=not is_catalogued or bool(started.name) or interface.is_name_sure,
+            # Without its source, a name is mostly a habit of its program.
+            is_named=is_source or bool(started.name) or interface.is_name_sure,
             is_whole=is_whole and all(each.sort == SERVICES for each in interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),
             listens=interface.listens,
             names=names,
         )
+
+    def _note_unread(self, interface: Interface, started: Started, full: str) -> None:
+        """Note the parts of a program of which the topics are not known."""
+        self.unread += interface.unread
+        if interface.clients:
+            self.unread.append(Unread(BY_CLIENTS, full, started.span))
+        if interface.spread and started.name and started.namespace != "/":
+            # The launch file names all of its nodes alike.
+            self.unread.append(Unread(AT_RUN_TIME, full, started.span))
+
+    def _without_source(
+        self, started: Started, full: str, name: str, values: Mapping[str, Given]
+    ) -> Node:
+        """Return the node of a program with neither a source here nor an entry in the catalogue."""
+        sort = "topics of nodes with neither a source here nor an entry in the catalogue"
+        self.unread.append(Unread(sort, full, started.span))
+        return Node(
+            full,
+            started.span,
+            unread=True,
+            conditions=started.conditions,
+            # A program whose source is not known may name its node apart.
+            is_named=bool(started.name),
+            renamed=self._renamed(started, name),
+            package=started.package,
+            manages=tuple(self._managed(started)),
+            names=frozenset(self._given_topics(started, name, values)),
+        )
+
+    def _given_topics(
+        self, started: Started, name: str, values: Mapping[str, Given]
+    ) -> Iterator[str]:
+        """Yield the topics that the parameters of a node may name, whose source is not known."""
+        for key, given in values.items():
+            for text in given.texts if given.is_known else ():
+                if _NAME.fullmatch(text) and (text.startswith("/") or "topic" in key):
+                    yield absolute(text, started.namespace, name)
 
     def _renamed(self, started: Started, name: str) -> tuple[Renaming, ...]:
         """Return the names that a launch file gives topics of a node, whatever these are."""

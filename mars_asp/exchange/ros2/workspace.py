@@ -364,6 +364,10 @@ class Workspace:
         files = (package.folder / name for name in ("setup.cfg", "setup.py", "pyproject.toml"))
         return any(_SCRIPT_FOLDER.search(self._readable(each)) for each in files if each.is_file())
 
+    def is_built_by_cmake(self, package: Package) -> bool:
+        """Whether a package of ROS 2 is built by CMake, whatever other build files it has."""
+        return "<build_type>ament_cmake" in self._readable(package.folder / "package.xml")
+
     def is_of_ros2(self, package: Package) -> bool:
         """Whether a package is built by ROS 2."""
         return "<build_type>ament" in self._readable(package.folder / "package.xml")

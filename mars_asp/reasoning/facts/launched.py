@@ -117,18 +117,15 @@ class _TreeFacts:
             yield from self.of_mux(mux)
         for relay in self.tree.relays:
             yield from self.of_relay(relay)
+        if self.tree.is_of_programs:
+            yield _fact_at(point(path, 1, 1), "is_of_programs", path)
         for span in self.tree.unread:
             yield _fact_at(span, "open_tree", path)
         for text, span in self.tree.broken:
-            yield from self.with_place(span, "unreadable", text)
-        for key in self.tree.repeated:
-            file, sort = key.span.path, "lost"
-            if key.is_merged or key.within:
-                sort = "merged" if key.is_merged else "within_merged"
-            yield from self.with_place(key.span, "has_twice", file, key.name, Atom(sort))
-            yield _fact_at(key.span, "loads", path, file)
-            if file in self.tree.rewritten:
-                yield _fact_at(key.span, "rewrites", path, file)
+            # The place has the path already.
+            message = text.removeprefix(f"{span.path}: ")
+            yield from self.with_place(span, "unreadable", message)
+        yield from self.of_repeated_keys()
         for each in self.tree.missing:
             terms = (
                 (path, each.package) if each.sort == "programs" else (path, each.package, each.name)
@@ -145,6 +142,18 @@ class _TreeFacts:
             # Conditions take these for truths.
             truth = _TRUTHS.get(value.lower(), value)
             yield _fact_at(point(path, 1, 1), "default_of", path, variable, truth)
+
+    def of_repeated_keys(self) -> Iterator[Fact]:
+        """Yield the facts of the keys that parameter files have twice."""
+        path = self.tree.path
+        for key in self.tree.repeated:
+            file, sort = key.span.path, "lost"
+            if key.is_merged or key.within:
+                sort = "merged" if key.is_merged else "within_merged"
+            yield from self.with_place(key.span, "has_twice", file, key.name, Atom(sort))
+            yield _fact_at(key.span, "loads", path, file)
+            if file in self.tree.rewritten:
+                yield _fact_at(key.span, "rewrites", path, file)
 
     def with_place(self, span: Span, name: str, *arguments: Term) -> Iterator[Fact]:
         """Yield a fact about something new, and the place of that."""
@@ -192,6 +201,9 @@ class _TreeFacts:
         renamed = {each.source for each in node.renamed}
         for named in sorted(node.names & renamed):
             yield _fact_at(node.span, "has_name", number, named)
+        is_unknown = node.unread and not (node.published or node.subscribed)
+        for named in sorted(node.names if is_unknown else ()):
+            yield _fact_at(node.span, "may_use", number, named)
         for file in node.given:
             fits = Atom(_FITS[file.is_for_it])
             yield from self.with_place(file.span, "given", number, file.path, fits)
