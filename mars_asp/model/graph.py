@@ -160,13 +160,15 @@ class AbsentFile:
     It is a file or program that a launch file names, a file that the package has and does not
     install, the function of a console script, or all programs of a package whose `setup.cfg` does
     not set where they are installed; the name is then that of the package. Of an argument that is
-    passed to a launch file, `package` is that file.
+    passed to a launch file, `package` is that file, and of a parameter it is the program.
     """
 
     name: str
     package: str
     span: Span
-    sort: Literal["file", "program", "not installed", "function", "programs", "argument"] = "file"
+    sort: Literal[
+        "file", "program", "not installed", "function", "programs", "argument", "parameter"
+    ] = "file"
 
 
 @dataclass(frozen=True, slots=True)

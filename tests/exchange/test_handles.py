@@ -6,6 +6,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME
 from mars_asp.exchange.ros2.source_cpp import read_cpp
 from tests.support.packages import write_package
 
@@ -356,6 +357,25 @@ def test_a_parameter_that_is_read_in_place_has_its_declared_default() -> None:
     assert (topic.name, topic.parameter) == ("/odom", "out")
 
 
+@pytest.mark.parametrize(
+    ("header", "source"),
+    [
+        ('std::string topic_ = "scan";', "void f() { topic_ = root_ + name(); }"),
+        ('std::string topic_ = "scan";', 'std::string topic_ = "points";'),
+    ],
+)
+def test_a_member_with_another_value_elsewhere_is_known_at_run_time(
+    header: str, source: str
+) -> None:
+    made = "void g() { create_publisher<A>(topic_, 1); }"
+    found = read_cpp([(f"{source}\n{made}", "n.cpp"), (header, "n.hpp")])
+    assert not found.published
+    assert [each.sort for each in found.unread] == [AT_RUN_TIME]
+    assert [each.name for each in read_cpp([(made, "n.cpp"), (header, "n.hpp")]).published] == [
+        "scan"
+    ]
+
+
 def test_a_path_in_quotes_may_be_a_topic() -> None:
     found = read_cpp([('std::vector<std::string> names{"~/in/cloud", "odom"};', "n.cpp")])
     assert [each.name for each in found.names] == ["~/in/cloud"]
@@ -390,3 +410,20 @@ def test_a_node_not_wholly_read_may_publish_topics_named_like_it(
     write_package(files, tmp_path)
     assert run_here(["check", str(tmp_path)]) == 0
     assert ("[launch/topics/loose-ends]" in capsys.readouterr().err) == is_found
+
+
+HELPER = (
+    "import rclpy\nclass Helper(Node):\n  def __init__(self):\n    super().__init__('helper')\n"
+    "class N(Node):\n  def __init__(self):\n    Helper()\n    super().__init__({})\n"
+)
+
+
+@pytest.mark.parametrize("name", ["'driver'", "name_of_run()"])
+def test_the_name_of_a_program_with_several_nodes_may_be_any(name: str, tmp_path: Path) -> None:
+    written = {
+        "scripts/n.py": HELPER.format(name),
+        "x.launch.xml": '<launch><node pkg="mine" exec="n.py"/></launch>',
+    }
+    write_package(written, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert [node.is_named for node in tree.nodes] == [False]

@@ -100,11 +100,13 @@ def test_a_launch_file_is_installed_with_others(
     written = {
         "config/p.yaml": FILE,
         "launch/x.launch.xml": "<launch/>",
+        "launch/x-Copy1.launch.xml": "<launch/>",
         "launch/y.launch.xml": PARAMETERS.replace("$(find-pkg-share mine)/config/p.yaml", "x"),
         "CMakeLists.txt": f"project(mine)\n{commands}\n",
     }
     found = lacking(read(written, tmp_path))
     assert (("not installed", "launch/x.launch.xml") in found) == is_found
+    assert ("not installed", "launch/x-Copy1.launch.xml") not in found
 
 
 def test_a_file_elsewhere_is_missing_where_all_files_are_listed(tmp_path: Path) -> None:
@@ -451,3 +453,31 @@ def test_nodes_of_mavros_may_be_named_alike(
     launch = f"<launch><node pkg='mavros' exec='mavros_node' {name} namespace='/mavros'/></launch>"
     [tree] = read({"x.launch.xml": launch}, tmp_path).trees
     assert [node.unread for node in tree.nodes] == [is_partly_read]
+
+
+@pytest.mark.parametrize(
+    ("key", "source", "found"),
+    [
+        ("rat", "self.declare_parameter('rate', 1)", ["rat"]),
+        ("rate", "self.declare_parameter('rate', 1)", []),
+        ("use_sim_time", "self.declare_parameter('rate', 1)", []),
+        ("filter.rat", "self.declare_parameter('rate', 1)", []),
+        ("rat", "allow_undeclared_parameters = True", []),
+        # A node that is not wholly read may declare any.
+        ("rat", "self.create_publisher(String, sys.argv[1], 1)", []),
+    ],
+)
+def test_parameters_that_are_given_are_named_by_the_source(
+    key: str, source: str, found: list[str], tmp_path: Path
+) -> None:
+    launch = '<launch><node pkg="mine" exec="n.py"><param name="{}" value="1"/></node></launch>'
+    node = (
+        "import rclpy, sys\nclass N(Node):\n  def __init__(self):\n    super().__init__('n')\n    "
+    )
+    written = {
+        "scripts/n.py": f"{node}{source}\n",
+        "x.launch.xml": launch.format(key),
+        "CMakeLists.txt": "install(PROGRAMS scripts/n.py DESTINATION lib/mine)",
+    }
+    [tree] = read(written, tmp_path).trees
+    assert [each.name for each in tree.missing if each.sort == "parameter"] == found

@@ -39,6 +39,7 @@ AT_RUN_TIME = "topics named at run time"
 BY_CLIENTS = "topics chosen by clients"
 NOT_FOLLOWED = "imports of sources that are not in the workspace"
 SERVICES = "services and actions"
+FURTHER_NODES = "further nodes of one program"
 #: The endings of the names of an action and of its topics in ROS 1.
 OF_ACTION = ("", "/goal", "/cancel", "/status", "/feedback", "/result")
 

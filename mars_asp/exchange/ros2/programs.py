@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import chain
 from pathlib import Path
 
 from mars_asp.annotations.comments import blanked
@@ -19,6 +20,7 @@ from mars_asp.model.graph import AbsentFile
 
 _CPP = frozenset({".cpp", ".cc", ".cxx", ".c"})
 _HEADERS = frozenset({".hpp", ".h", ".hh", ".hxx"})
+_CODE = _CPP | _HEADERS | {".py"}
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
 #: A word that each source of a node has, or one of the headers that it includes.
 _OF_ROS = re.compile(
@@ -28,6 +30,11 @@ _REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLA
 #: A source of a program or component of its own.
 _STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
 _MOST_FILES = 100
+_WORD = re.compile(r"\w+")
+#: Options with which a node takes parameters that it does not declare.
+_TAKES_ANY = frozenset(
+    {"automatically_declare_parameters_from_overrides", "allow_undeclared_parameters"}
+)
 #: Where scripts of a package stand whose installation says no more than their name.
 _SCRIPTS = ("scripts", "nodes", "src", "bin", ".")
 
@@ -51,6 +58,7 @@ class Programs:
         self._read: dict[Program, Interface | None] = {}
         # Many programs share headers.
         self._included = cache(self._headers_of)
+        self._words = cache(self._words_of)
         self._is_of_ros = cache(lambda file: _OF_ROS.search(self._text(file) or "") is not None)
 
     def interface(self, program: Program) -> Interface | None:
@@ -115,6 +123,25 @@ class Programs:
                 elif function.isidentifier() and not self._python.defines(module, function):
                     place = self._span_of(setup, text, module)
                     yield AbsentFile(f"{module}:{function}", package.name, place, "function")
+
+    def names_parameter(self, package: str, name: str) -> bool:
+        """Whether a source of a package here, or of one that it depends on, has the word of a name.
+
+        Of a name with slashes it is the last word. A package whose nodes take any parameter has
+        all.
+        """
+        found = self.workspace.package(package)
+        if found is None:
+            return True
+        words = self._words(found)
+        return name.rpartition("/")[2] in words or not words.isdisjoint(_TAKES_ANY)
+
+    def _words_of(self, package: Package) -> frozenset[str]:
+        manifest = self._text(package.folder / "package.xml") or ""
+        used = (each for each in self.workspace.packages if each.name in manifest)
+        files = chain.from_iterable(self.workspace.by_package[each.folder] for each in used)
+        texts = (self._text(file) or "" for file in files if file.suffix in _CODE)
+        return frozenset(chain.from_iterable(map(_WORD.findall, texts)))
 
     def _span_of(self, file: Path, text: str, word: str) -> Span:
         """Return the first place of a word in a file."""

@@ -16,6 +16,7 @@ from mars_asp.exchange.ros2.actions import (
     Declare,
     Here,
     Reads,
+    Share,
     Text,
     text_of,
 )
@@ -472,6 +473,9 @@ class Evaluator:
                 return picked(owner, first)
             case Plain(text, span), "format":
                 return Plain(filled(text, arguments, named), span)
+            case Plain((Share(),), span), "find":
+                # FindPackageShare looks for the package that this method names.
+                return Plain((Share(text_from(first)),), span)
             case Plain(), "perform" | "as_posix" | "resolve" | "strip" | "absolute":
                 return owner
             case Plain(text, span), "joinpath":

@@ -17,6 +17,7 @@ from mars_asp.exchange.ros2.glue import handed_on, steered
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
     BY_CLIENTS,
+    FURTHER_NODES,
     NOT_FOLLOWED,
     SERVICES,
     Interface,
@@ -80,6 +81,8 @@ _HELPERS = {
     "ros_gz_sim": "programs of the simulator that a bridge joins",
     "gazebo_ros": "programs of the simulator",
 }
+#: Parameters that each node of ROS 2 has.
+_OF_MIDDLEWARE = frozenset({"use_sim_time", "start_type_description_service"})
 #: Packages of which each program publishes what it hears.
 _RELAYS = frozenset({"topic_tools"})
 _MOST_NAMED = 20
@@ -331,6 +334,7 @@ class _Robot:
             if isinstance(each, Unread):
                 self.unread.append(each)
                 continue
+            missing |= dict.fromkeys(self._undeclared(each) if of_ros2 else ())
             is_named = each.executable != "" and not each.plugin
             if is_named and not self.workspace.has_program(each.package, each.executable, of_ros2):
                 missing[AbsentFile(each.executable, each.package, each.span, "program")] = None
@@ -370,6 +374,22 @@ class _Robot:
             tuple(self.workspace.shown(file) for file in loaded if file in rewritten),
             shared=tuple(sorted(map(self.workspace.shown, shared))),
         )
+
+    def _undeclared(self, started: Started) -> Iterator[AbsentFile]:
+        """Yield the parameters that a program of ROS 2 is given and that its sources do not name.
+
+        Of a file that is written anew these are values that replace others in it. A component has
+        those of its process, and libraries read those that have parts.
+        """
+        program = Program(started.package, started.executable, started.plugin)
+        interface = self.programs.interface(program)
+        is_read = interface is not None and all(each.sort == SERVICES for each in interface.unread)
+        if started.is_rewritten or started.plugin or not is_read:
+            return
+        for key, given in started.parameters.items():
+            is_own = key not in _OF_MIDDLEWARE and "." not in key
+            if is_own and not self.programs.names_parameter(started.package, key):
+                yield AbsentFile(key, started.executable, given.keys[0].span, "parameter")
 
     def _catalogue(self) -> Catalogue:
         packages = (package.folder for package in self.workspace.packages)
@@ -627,6 +647,8 @@ class _Robot:
             for topic in (*interface.names, *interface.published, *interface.subscribed)
             for written in self._written(topic, started, values)
         )
+        # Of several nodes of a program any may be there when others of their names are.
+        is_named = is_source and all(each.sort != FURTHER_NODES for each in interface.unread)
         is_whole = is_source and not (unread or interface.unnamed)
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
@@ -641,7 +663,7 @@ class _Robot:
             started.conditions,
             renamed=self._renamed(started, name),
             # Without its source, a name is mostly a habit of its program.
-            is_named=is_source or bool(started.name) or interface.is_name_sure,
+            is_named=is_named or bool(started.name) or interface.is_name_sure,
             is_whole=is_whole and all(each.sort == SERVICES for each in interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),

@@ -111,10 +111,11 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     values: dict[str, _Value] = {}
     kinds: dict[str, str] = {}
     for file in files:
-        # A variable that gets a parameter may have another value before, as in a header.
-        kept = {name: value for name, value in values.items() if value.parameter is not None}
-        own = file.values
-        values |= {name: own[name] for name in own if own[name].parameter or name not in kept}
+        for variable, value in file.values.items():
+            # A variable that gets a parameter may have another value before, as in a header.
+            before = values.get(variable, value)
+            is_other = before != value and before.parameter is None and value.parameter is None
+            values[variable] = _Value(None) if is_other else before if before.parameter else value
         kinds |= file.callbacks
 
     def literal(file: CppCode, tokens: Sequence[Token]) -> str | None:
@@ -191,6 +192,7 @@ class _File(CppCode):
         """The texts that variables have."""
         found: dict[str, _Value] = {}
         texts: dict[str, set[str | None]] = {}
+        unknown: set[str] = set()
         tokens = self.tokens
         for at, (token, after) in enumerate(pairwise(tokens)):
             # Few words are assigned to, made or defined.
@@ -213,12 +215,14 @@ class _File(CppCode):
                 value = self.value(tokens[at + 2 : end], found)
             else:
                 continue
+            if value.text is None and value.parameter is None and sign == "=":
+                unknown.add(token.text)
             if value.text is not None or value.parameter is not None:
                 texts.setdefault(token.text, set()).add(value.text)
                 found[token.text] = value
         for name, known in texts.items():
-            # A name with two texts is known at run time.
-            if len(known) > 1 and found[name].parameter is None:
+            # A name with two texts, or with one and another value, is known at run time.
+            if (len(known) > 1 or name in unknown) and found[name].parameter is None:
                 found[name] = _Value(None)
         defaults: dict[str | None, str | None] = {
             value.parameter: value.text for value in found.values() if value.parameter
@@ -228,6 +232,7 @@ class _File(CppCode):
                 self._parameter(call, found, defaults)
         # In quotes a name is that of a parameter, which an expression may read.
         found |= {f'"{name}"': _Value(text, name) for name, text in defaults.items() if name}
+        found |= {name: _Value(None) for name in unknown - texts.keys() - found.keys()}
         return {
             name: _Value(defaults.get(value.parameter), value.parameter)
             if value.text is None and value.parameter is not None

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from mars_asp.diagnostic import Span, point
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
+    FURTHER_NODES,
     NOT_FOLLOWED,
     OF_ACTION,
     SERVICES,
@@ -49,6 +50,8 @@ _GENERATED = frozenset({"msg", "srv", "action", "cfg"})
 #: Through so many files a name is followed that each imports from the next.
 _FARTHEST = 8
 _MOST_TIMERS = 200
+#: In place of the name of a node that only a run knows.
+_ANY_NAME = "?"
 _MOST_FOLLOWED = 100
 _MOST_SHOWN = 60
 #: How many calls of a class or function are looked into.
@@ -146,8 +149,8 @@ class _Program:
         nodes = [each for part in parts if part.is_node() for each in part.node_names()]
         # A class that is no node may pass a name to its base class.
         nodes = nodes or [each for part in parts for each in part.node_names()][:1]
-        names = list(dict.fromkeys(each.name for each in nodes))
-        further = (each for each in nodes if each.name != names[0])
+        names = list(dict.fromkeys(each.name for each in nodes if each.name != _ANY_NAME))
+        further = (each for each in nodes if names and each.name != names[0])
         place = point(file.path, 1, 1)
         missing = (Unread(NOT_FOLLOWED, name, place) for name in sorted(self.missing))
         return Interface(
@@ -475,8 +478,8 @@ class _Unit(Texts):
                     self.namespace = space or ""
                     if space is None:
                         self.note(AT_RUN_TIME, named["namespace"], "namespace")
-                if text and given is not None:
-                    yield Unread("further nodes of one program", text, self.span(given))
+                if given is not None and text != "":
+                    yield Unread(FURTHER_NODES, text or _ANY_NAME, self.span(given))
 
 
 def _encloses(outer: ast.AST, inner: ast.AST) -> bool:

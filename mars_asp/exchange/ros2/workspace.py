@@ -58,6 +58,8 @@ _NO_PROGRAMS = frozenset(
     }
     | {".msg", ".srv", ".action", ".cfg", ".stl", ".dae", ".png", ".jpg", ".h", ".hpp", ".hh"}
 )
+#: A copy that an editor or a program that synchronises folders has made.
+_COPY = re.compile(r"(?i)copy|conflict|backup")
 _BUILD_FILES = frozenset({"CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml"})
 #: Programs whose names a build file computes.
 _COMPOSED = re.compile(
@@ -333,7 +335,8 @@ class Workspace:
         installed = self._installed(package)
         patterns = (f"{at.rstrip('/')}/*" if folder else at for at, _, folder in installed)
         is_left_out = installed and not any(fnmatchcase(inside, pattern) for pattern in patterns)
-        is_sure = is_left_out and inside.startswith("launch/") and self._lists_all(package)
+        is_meant = inside.startswith("launch/") and _COPY.search(file.name) is None
+        is_sure = is_left_out and is_meant and self._lists_all(package)
         return (package.name, inside) if is_sure else None
 
     def _lists_all(self, package: Package) -> bool:

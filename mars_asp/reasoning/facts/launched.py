@@ -36,6 +36,7 @@ _ABSENT = {
     "not installed": "leaves_out",
     "function": "calls_missing",
     "argument": "passes_in_vain",
+    "parameter": "sets_in_vain",
     "programs": "hides_programs",
 }
 _TRUTHS = {"true": "true", "1": "true", "false": "false", "0": "false"}
