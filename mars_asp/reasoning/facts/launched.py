@@ -77,7 +77,7 @@ def _are_alike(topic: str, other: str) -> bool:
     words, others = topic.split("/")[1:], other.split("/")[1:]
     if len(words) != len(others):
         short, long = sorted((words, others), key=len)
-        return short[-1] == long[-1] and _is_within(short, long)
+        return long[-len(short) :] == short
     different = [pair for pair in zip(words, others, strict=True) if pair[0] != pair[1]]
     if len(different) != 1:
         return False
