@@ -84,7 +84,9 @@ def _are_alike(topic: str, other: str) -> bool:
     [(word, another)] = different
     parts, further = word.split("_"), another.split("_")
     if len(parts) != len(further):
-        return _is_within(*sorted((parts, further), key=len))
+        short, long = sorted((parts, further), key=len)
+        remaining = iter(long)
+        return all(part in remaining for part in short)
     odd = [pair for pair in zip(parts, further, strict=True) if pair[0] != pair[1]]
     # `camera1` and `camera2` are two names, and so are `left_wheel` and `right_wheel`.
     return (
@@ -92,12 +94,6 @@ def _are_alike(topic: str, other: str) -> bool:
         and not _NUMBERED.search("".join(odd[0]))
         and nearest(odd[0][0], odd[0][1:]) is not None
     )
-
-
-def _is_within(short: Sequence[str], long: Sequence[str]) -> bool:
-    """Whether all words of one sequence occur in the other, in the same order."""
-    remaining = iter(long)
-    return all(word in remaining for word in short)
 
 
 class _TreeFacts:
