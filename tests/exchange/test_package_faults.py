@@ -481,3 +481,19 @@ def test_parameters_that_are_given_are_named_by_the_source(
     }
     [tree] = read(written, tmp_path).trees
     assert [each.name for each in tree.missing if each.sort == "parameter"] == found
+
+
+def test_very_many_names_are_one_finding(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    passed = "".join(f'<arg name="a{number}" value="1"/>' for number in range(3000))
+    mesh = '<mesh filename="package://mine/absent.stl"/>'
+    written = {
+        "top.launch": f"<launch><include file='$(find mine)/in.launch'>{passed}</include>"
+        "<param name='d' textfile='$(find mine)/a.urdf'/></launch>",
+        "in.launch": "<launch><node pkg='joy' type='joy_node' name='joy'/></launch>",
+        "a.urdf": f"<robot>{mesh * 3000}<!-- {mesh} {'<!--' * 3000}",
+    }
+    read(written, tmp_path, "catkin")
+    assert run_here(["check", str(tmp_path)]) == 0
+    assert "2 warnings in 1 folder" in capsys.readouterr().err

@@ -7,7 +7,8 @@ from mars_asp.diagnostic import Span
 
 #: Endings of descriptions in URDF, with or without xacro.
 DESCRIPTIONS = (".urdf", ".xacro")
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+#: A comment that does not end goes on to the end of the file.
+_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 #: A file in a package. Other parts with a dollar sign are of xacro, and not known.
 _NAMED = re.compile(
     r"<(?P<element>[\w:]+)\s[^<>$]*?\bfilename\s*=\s*(?P<quote>[\"'])"
@@ -22,10 +23,12 @@ def files_named(text: str, path: str) -> Iterator[tuple[str, Span, bool]]:
     Paths begin with `$(find-pkg-share PACKAGE)`, as those of launch files do.
     """
     readable = _COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment[0]), text)
+    line, begin, counted = 1, -1, 0
     for match in _NAMED.finditer(readable):
         at = match.start("quote") + 1
-        line = readable.count("\n", 0, at) + 1
-        column = at - readable.rfind("\n", 0, at)
+        line += readable.count("\n", counted, at)
+        begin, counted = max(begin, readable.rfind("\n", counted, at)), at
+        column = at - begin
         package = match["package"] or match["found"]
         span = Span(path, line, column, line, column + match.end("inside") - at)
         is_included = match["element"].rpartition(":")[2] == "include"

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import chain, pairwise
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -50,6 +51,7 @@ _RECORDERS = frozenset({"rosbag", "rosbag2", "map_server", "nav2_map_server"})
 _OUTPUTS = frozenset({"-o", "-O", "--output", "--output-name", "--output-prefix"})
 #: Code that checks whether a file exists.
 _CHECKS_FILES = re.compile(r"\b(?:exists|isfile|is_file)\(")
+_NAME = re.compile(r"\w+")
 #: A launch argument whose name is put together.
 _COMPOSED_ARGUMENT = re.compile(r"\b(?:LaunchConfiguration\(|launch_configurations\[)\s*[fF][\"']")
 #: Packages whose launch files read parameter files as YAML and write them anew.
@@ -185,6 +187,13 @@ class Launch:
         #: The first default of each launch argument that users may set.
         self.defaults: dict[str, str] = {}
         self._described: set[Path] = set()
+        self._words_in = cache(lambda file: frozenset(_NAME.findall(self.workspace.text(file))))
+        self._is_composed = cache(
+            lambda file: _COMPOSED_ARGUMENT.search(self.workspace.text(file)) is not None
+        )
+        self._checks_files = cache(
+            lambda file: _CHECKS_FILES.search(self.workspace.text(file)) is not None
+        )
         self._actions: dict[Path, tuple[Action, ...]] = {} if before is None else before._actions
         self._entered: dict[Hashable, _Entered] = {}
 
@@ -445,13 +454,12 @@ class Launch:
 
     def _note_arguments(self, given: Iterable[Parameter], file: Path, read: Iterable[Path]) -> None:
         """Note the arguments passed to a file that neither it nor one that it includes names."""
-        texts = [self.workspace.text(each) for each in read]
-        if any(_COMPOSED_ARGUMENT.search(text) for text in texts):
+        if any(map(self._is_composed, read)):
             return
+        words = [self._words_in(each) for each in read]
         for each in given:
-            name = plain(each.name)
-            word = re.compile(rf"(?<!\w){re.escape(name or '')}(?!\w)")
-            if name and not any(word.search(text) for text in texts):
+            name = plain(each.name) or ""
+            if name.isidentifier() and all(name not in found for found in words):
                 shown = self.workspace.shown(file)
                 self.missing[AbsentFile(name, shown, each.keys[0][1], "argument")] = None
 
@@ -465,7 +473,7 @@ class Launch:
             return False
         is_here = self.workspace.find(path, files[-1].parent) is not None
         lacking = (self.workspace.not_installed if is_here else self.workspace.lacking)(path)
-        if lacking is None or _CHECKS_FILES.search(self.workspace.text(files[-1])) is not None:
+        if lacking is None or self._checks_files(files[-1]):
             return False
         package, name = lacking
         sort: Literal["file", "not installed"] = "not installed" if is_here else "file"
