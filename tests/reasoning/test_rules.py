@@ -121,6 +121,7 @@ TOGETHER = (
     "lifted(X, M, P, C)",
     "element(M, I, L, R)",
     "leaf(M, R - R', K)",
+    "consequence(type_mismatch, warning, X, types(K, K'))",
     "hears(R, B, inherited(M))",
     "heard_as(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",
