@@ -268,6 +268,20 @@ def test_a_launch_file_of_ros1_in_a_package_of_ros2_starts_nothing(tmp_path: Pat
     assert [Path(tree.path).name for tree in trees] == ["new.launch.py"]
 
 
+def test_a_launch_file_of_ros1_means_another_package_than_one_of_ros2(tmp_path: Path) -> None:
+    manifest = "<package><name>{}</name><export><build_type>{}</build_type></export></package>"
+    source = 'int main() { n->create_publisher<A>("t", 1); }'
+    for name, build in (("mine", "ament_cmake"), ("yours", "catkin")):
+        written = {"src/e.cpp": source, "CMakeLists.txt": "add_executable(e src/e.cpp)"}
+        write_package(written, tmp_path / name)
+        (tmp_path / name / "package.xml").write_text(manifest.format(name, build))
+    nodes = "".join(f'<node pkg="{name}" type="e" name="{name}"/>' for name in ("mine", "yours"))
+    (tmp_path / "robot.launch").write_text(f"<launch>{nodes}</launch>")
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    ends = {node.name: [end.topic for end in node.published] for node in tree.nodes}
+    assert ends == {"/mine": [], "/yours": ["/t"]}
+
+
 def test_an_empty_launch_file_is_broken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_package({"launch/robot.launch.py": "\n"}, tmp_path)
     assert run_here(["check", str(tmp_path)]) == 0

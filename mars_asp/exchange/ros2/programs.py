@@ -88,7 +88,7 @@ class Programs:
         files = {self.workspace.shown(file): file for file in self.workspace.files if broken}
         for path, line, error in broken:
             package = self.workspace.package_of(files[path]) if path in files else None
-            if package is not None and self.workspace.is_of_ros2(package):
+            if package is not None and package.is_of_ros2:
                 yield f"{path}: this is not Python: {error}", point(path, line, 1)
 
     def absent_entries(self) -> Iterator[AbsentFile]:
@@ -99,7 +99,7 @@ class Programs:
         CMake builds needs no `setup.py`.
         """
         for package in self.workspace.packages:
-            if self.workspace.is_built_by_cmake(package):
+            if package.is_built_by_cmake:
                 continue
             setup = package.folder / "setup.py"
             text = self._text(setup) or ""

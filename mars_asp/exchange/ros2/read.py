@@ -338,7 +338,7 @@ class _Robot:
             is_named = each.executable != "" and not each.plugin
             if is_named and not self.workspace.has_program(each.package, each.executable, of_ros2):
                 missing[AbsentFile(each.executable, each.package, each.span, "program")] = None
-            match self._node(each):
+            match self._node(each, of_ros2):
                 case Mux() as mux:
                     muxes.append(mux)
                 case Relay() as relay:
@@ -506,8 +506,8 @@ class _Robot:
     def _is_for_ros2(self, file: Path) -> bool | None:
         """Whether a launch file is for ROS 2, by its package or else its text; None if unknown."""
         package = self.workspace.package_of(file)
-        if package is not None:
-            return self.workspace.is_of_ros2(package)
+        if package is not None and not (package.is_of_ros1 and package.is_of_ros2):
+            return package.is_of_ros2
         is_of_ros1 = file.is_file() and _TYPE.search(self.workspace.text(file)) is not None
         return False if is_of_ros1 else None
 
@@ -516,7 +516,7 @@ class _Robot:
         package = self.workspace.package_of(file)
         if package is None or not _TYPE.search(self.workspace.text(file)):
             return False
-        return self.workspace.is_of_ros2(package)
+        return package.is_of_ros2 and not package.is_of_ros1
 
     def _alone(self, paths: Sequence[Path]) -> Iterator[Started]:
         """Yield each program of a folder as if it were started, where no launch file is."""
@@ -555,7 +555,7 @@ class _Robot:
         self.unread, self.conditional, self.catalogued = [], {}, {}
         for each in self._alone(paths):
             program = Program(each.package, each.executable, each.plugin)
-            node = None if program in started else self._node(each)
+            node = None if program in started else self._node(each, None)
             if isinstance(node, Node):
                 published, subscribed = (
                     tuple(end for end in ends if end.span not in spans)
@@ -566,7 +566,7 @@ class _Robot:
         known = {node.name for tree in self.trees for node in tree.nodes}
         for launch in [*self.parts, *launches]:
             for part in with_controllers(launch.started, self._values, find, is_part=True):
-                node = self._node(part) if isinstance(part, Started) else None
+                node = self._node(part, None) if isinstance(part, Started) else None
                 # Controllers of a manager elsewhere have no node in any tree.
                 is_further = launch in self.parts or (node is not None and node.name not in known)
                 if isinstance(node, Node) and is_further:
@@ -589,7 +589,7 @@ class _Robot:
         found = Diagnostic("ros2", "error", message, place, help=help_text)
         return MarsError((found, *notes(_once(self.unread))))
 
-    def _node(self, started: Started) -> Node | Mux | Relay | None:
+    def _node(self, started: Started, of_ros2: bool | None) -> Node | Mux | Relay | None:
         """Return the node that is started, or the mux or relay that it is."""
         program = Program(started.package, started.executable, started.plugin)
         known = self.catalogue.interface(*_key(program))
@@ -599,10 +599,9 @@ class _Robot:
                 sort = _CONTROLLER_MANAGERS
             self.unread.append(Unread(sort, called, started.span))
             return None
-        interface, is_catalogued = self.programs.interface(program), False
-        if interface is None:
-            interface = known
-            is_catalogued = interface is not None
+        is_here = not self.workspace.is_for_other_ros(started.package, of_ros2)
+        source = self.programs.interface(program) if is_here else None
+        interface, is_catalogued = source or known, source is None and known is not None
         if interface is not None and interface.namespace and started.namespace == "/":
             started = replace(started, namespace=name_in("/", interface.namespace))
         name = (

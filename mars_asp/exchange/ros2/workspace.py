@@ -71,15 +71,39 @@ _SCRIPT_FOLDER = re.compile(r"\b(?:install[_-]scripts|script[_-]dir)\b|[\"']lib/
 _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
 _PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
+_BUILD_TYPE = re.compile(r"<build_type[^<>]*>\s*(\w+)")
+#: Names the type where nothing else does.
+_BUILD_TOOL = re.compile(r"<buildtool_depend[^<>]*>\s*(\w+)")
 _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)
 class Package:
-    """A package: its name and folder."""
+    """A package: its name, its folder and its types of build, such as `ament_cmake`."""
 
     name: str
     folder: Path
+    build_types: frozenset[str] = frozenset()
+
+    @property
+    def is_of_ros1(self) -> bool:
+        """Whether ROS 1 builds it."""
+        return "catkin" in self.build_types
+
+    @property
+    def is_of_ros2(self) -> bool:
+        """Whether ROS 2 builds it."""
+        return any(each.startswith("ament") for each in self.build_types)
+
+    @property
+    def is_built_by_cmake(self) -> bool:
+        """Whether CMake builds it for ROS 2, whatever other build files it has."""
+        return "ament_cmake" in self.build_types
+
+    @property
+    def is_of_python(self) -> bool:
+        """Whether its `setup.py` builds it for ROS 2."""
+        return "ament_python" in self.build_types
 
 
 class Workspace:
@@ -191,7 +215,8 @@ class Workspace:
                     continue
                 match = _XML_NAME.search(text)
                 if match:
-                    found.append(Package(match[1], file.parent))
+                    built = _BUILD_TYPE.findall(text) or _BUILD_TOOL.findall(text)
+                    found.append(Package(match[1], file.parent, frozenset(built)))
         return tuple(sorted(found, key=lambda package: -len(package.folder.parts)))
 
     def package(self, name: str) -> Package | None:
@@ -297,10 +322,9 @@ class Workspace:
             return None
         if self._may_have(package, name):
             contents, build = self._contents[package.folder]
-            is_catkin = "catkin<" in self.text(package.folder / "package.xml")
             # What the build file installs from elsewhere would have been found.
             is_elsewhere = name in contents and f"{name}.in" not in contents and name not in build
-            if not is_elsewhere or not (is_catkin or (match and self._lists_all(package))):
+            if not is_elsewhere or not (package.is_of_ros1 or (match and self._lists_all(package))):
                 return None
         return package.name, inside
 
@@ -312,7 +336,7 @@ class Workspace:
         """
         match = _SHARE.match(path)
         package = None if match is None else self.package(match[1])
-        if match is None or package is None or not self.is_of_ros2(package):
+        if match is None or package is None or not package.is_of_ros2:
             return None
         inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
         file = package.folder / inside
@@ -329,7 +353,7 @@ class Workspace:
         that installs nothing is taken to be launched by paths.
         """
         package = self.package_of(file)
-        if package is None or not self.is_of_ros2(package) or self._is_ignored(package, file.name):
+        if package is None or not package.is_of_ros2 or self._is_ignored(package, file.name):
             return None
         inside = file.relative_to(package.folder).as_posix()
         installed = self._installed(package)
@@ -341,7 +365,7 @@ class Workspace:
 
     def _lists_all(self, package: Package) -> bool:
         """Whether the build file of a package lists its shared files, and was wholly read."""
-        if "<build_type>ament_python" in self._readable(package.folder / "package.xml"):
+        if package.is_of_python:
             configuration = self._readable(package.folder / "setup.cfg")
             setup = self._readable(package.folder / "setup.py")
             return "data_files" not in configuration and lists_all_files(setup)
@@ -349,31 +373,27 @@ class Workspace:
         return has_build_file and self.targets(package).is_whole
 
     def has_program(self, package: str, executable: str, of_ros2: bool | None) -> bool:
-        """Whether a package that a launch file names may have a program of a name.
+        """Whether a package that a launch file names may have a program of a name."""
+        found = self.package(package)
+        is_here = found is not None and not self.is_for_other_ros(package, of_ros2)
+        return found is None or not is_here or self._may_have(found, executable)
 
-        A package elsewhere may, as may one for the version of ROS of the launch file, if that is
-        known, where the package here is for the other.
+    def is_for_other_ros(self, package: str, of_ros2: bool | None) -> bool:
+        """Whether a package here is for the other version of ROS than a launch file that names it.
+
+        The launch file then means another package of that name, which is elsewhere.
         """
         found = self.package(package)
-        if found is None or self._may_have(found, executable):
-            return True
-        return of_ros2 is not None and of_ros2 != self.is_of_ros2(found)
+        if found is None or of_ros2 is None or found.is_of_ros1 == found.is_of_ros2:
+            return False
+        return of_ros2 != found.is_of_ros2
 
     def places_scripts(self, package: Package) -> bool:
         """Whether a package is not one of Python, or sets where its scripts are installed."""
-        manifest = self._readable(package.folder / "package.xml")
-        if "<build_type>ament_python" not in manifest or self._is_ignored(package, "setup.cfg"):
+        if not package.is_of_python or self._is_ignored(package, "setup.cfg"):
             return True
         files = (package.folder / name for name in ("setup.cfg", "setup.py", "pyproject.toml"))
         return any(_SCRIPT_FOLDER.search(self._readable(each)) for each in files if each.is_file())
-
-    def is_built_by_cmake(self, package: Package) -> bool:
-        """Whether a package of ROS 2 is built by CMake, whatever other build files it has."""
-        return "<build_type>ament_cmake" in self._readable(package.folder / "package.xml")
-
-    def is_of_ros2(self, package: Package) -> bool:
-        """Whether a package is built by ROS 2."""
-        return "<build_type>ament" in self._readable(package.folder / "package.xml")
 
     def _is_ignored(self, package: Package, name: str) -> bool:
         """Whether git ignores files of a name in a package."""
