@@ -101,16 +101,6 @@ def calls_of(part: ast.AST) -> Iterator[ast.Call]:
     return (node for node in ast.walk(part) if isinstance(node, ast.Call))
 
 
-def assigned(part: ast.AST) -> Iterator[tuple[str | None, ast.expr]]:
-    """Yield the values that a part of a file assigns, with the names of the variables."""
-    for each in ast.walk(part):
-        match each:
-            case ast.Assign(targets=[target], value=value):
-                yield keeper_of(target), value
-            case ast.AnnAssign(target=target, value=ast.expr() as value):
-                yield keeper_of(target), value
-
-
 def _parsed(text: str, path: str, module: str) -> SourceFile | None:
     """Return a file, `None` where Python cannot read it.
 
@@ -147,7 +137,9 @@ def _parsed(text: str, path: str, module: str) -> SourceFile | None:
             ):
                 file.outer[defined] = statement
             case ast.Assign(targets=[ast.Name(id=assigned)], value=value):
-                file.constants.setdefault(assigned, value)
+                known = file.constants.setdefault(assigned, value)
+                if ast.dump(known) != ast.dump(value):
+                    file.constants[assigned] = ast.Constant(...)
     return file
 
 

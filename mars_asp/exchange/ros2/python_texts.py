@@ -2,11 +2,22 @@
 
 import ast
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import cached_property
+from typing import TypeVar
 
-from mars_asp.exchange.ros2.python_files import Files, SourceFile, assigned, called_name, keeper_of
-from mars_asp.exchange.ros2.python_written import Loop, calls_in, constants_of, declared
+from mars_asp.exchange.ros2.python_files import (
+    Files,
+    SourceFile,
+    called_name,
+    dotted_name,
+    keeper_of,
+)
+from mars_asp.exchange.ros2.python_scopes import OF_LOOP, UNKNOWN, CodePlace, scopes_of
+from mars_asp.exchange.ros2.python_written import constants_of, declared, rounds
+
+T = TypeVar("T")
 
 #: Functions that hand on the value of a parameter.
 _PASSED_ON = frozenset({"get_parameter_value", "as_string", "str", "bool"})
@@ -16,6 +27,9 @@ _MARK = "\0"
 _MOST_STEPS = 1000
 _DEEPEST = 60
 _MOST_TEXT = 1000
+#: So many values of one expression count.
+_MOST_CHOICES = 16
+_EMPTY = frozenset({ast.dump(ast.Constant(None)), ast.dump(ast.Constant(""))})
 #: Over so many files a constant is followed.
 _FARTHEST = 8
 #: Where texts have holes: those of `%`, and those of `format` that are plain.
@@ -34,7 +48,7 @@ class Texts:
         far: int = 0,
         given: Mapping[str, ast.expr] | None = None,
     ) -> None:
-        """Take a part of a file, and what `given` parameters of its class stand for.
+        """Take a part of a file, and the values of `given` parameters of its class.
 
         `far` is over how many files a constant was followed to here.
         """
@@ -45,31 +59,130 @@ class Texts:
         self.steps = 0
         #: Whether parameters within a text are marked, instead of replaced by their defaults.
         self.is_marking = False
-        self.values: dict[str, ast.expr] = {**file.constants, **(given or {})}
-        # What stands in the class itself is an attribute of each object.
-        self.values |= {f"self.{name}": value for name, value in constants_of(node)}
+        [self.scopes] = files.once(scopes_of, node)
+        #: Where an expression is, and the names that a loop has there.
+        self.place, self.bound = CodePlace(), dict[str, ast.expr]()
+        #: Which of several values is taken, by their places; None where there must be one.
+        self.taken: dict[tuple[int, ...], int] | None = None
+        self._met: dict[tuple[int, ...], int] = {}
+        self._given = dict(given or {})
+        # A name of the class itself is an attribute of each object.
+        of_class = {f"self.{name}": value for name, value in constants_of(node)}
+        self._constants = {**file.constants, **of_class}
         self.parameters: dict[str, ast.expr] = {}
-        self.calls: list[tuple[ast.Call, str | None]] = []
-        for name, value in files.once(assigned, node):
-            if name:
-                self.values[name] = value
-            if isinstance(value, ast.Call):
-                self.calls.append((value, name))
-        known = {id(call) for call, _ in self.calls}
-        self.loops: dict[int, tuple[Loop, ...]] = {}
-        self.tests: dict[int, tuple[tuple[ast.expr, bool], ...]] = {}
-        for each, around in files.once(calls_in, node):
-            if id(each) not in known:
-                self.calls.append((each, None))
-            if around.loops:
-                self.loops[id(each)] = around.loops
-            if around.tests:
-                self.tests[id(each)] = around.tests
+        keepers = files.once(_keepers_of, node)
+        names = {id(call): name for call, name in keepers}
+        self.calls = [(call, names.get(id(call))) for call, _ in self.scopes.calls]
+        self.places = {id(call): place for call, place in self.scopes.calls}
+        for each, place in self.scopes.calls:
             for stated, default in declared(each, called_name(each)):
+                self.place = place
                 name = self.text(stated)
                 if name is not None:
                     self.parameters[name] = default
         self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))
+
+    def rounds_of(self, call: ast.Call) -> Iterator[None]:
+        """Go through the rounds of the loops around a call; names are then those of each."""
+        self.place, self.bound, self.steps = self.places[id(call)], {}, 0
+        for bound in rounds(self.place.loops, self.gone_over):
+            self.bound, self.steps = bound, 0
+            yield
+
+    def choices(self) -> Iterator[None]:
+        """Go through the ways to take one of several values, the first of each to begin with.
+
+        Each time the expression is to be looked into, to find those that it has.
+        """
+        waiting: list[dict[tuple[int, ...], int]] = [{}]
+        for _ in range(_MOST_CHOICES):
+            if not waiting:
+                break
+            chosen = waiting.pop()
+            self.taken, self._met, self.steps = chosen, {}, 0
+            yield
+            before = dict(chosen)
+            for key, several in self._met.items():
+                if key not in before:
+                    waiting += ({**before, key: at} for at in range(1, several))
+                    before[key] = 0
+        self.taken = None
+
+    def _one_of(self, values: Sequence[ast.expr]) -> int | None:
+        """Return which of several values is taken; None if there should be one."""
+        if len(values) == 1:
+            return 0
+        if self.taken is None:
+            return None
+        key = tuple(map(id, values))
+        self._met[key] = len(values)
+        return self.taken.get(key, 0)
+
+    def follow(
+        self, node: ast.expr, look: "Callable[[ast.expr, int], T | None]", depth: int
+    ) -> "T | None":
+        """Return the result of looking into the value of a name, where it is assigned."""
+        held = self.held(node)
+        if held is None:
+            return None
+        value, place = held
+        before = self.place, self.bound
+        if place is not None and place.functions != self.place.functions:
+            self.bound = {}
+        self.place = place or self.place
+        found = look(value, depth + 1)
+        self.place, self.bound = before
+        return found
+
+    def held(self, node: ast.expr) -> tuple[ast.expr, CodePlace | None] | None:
+        """Return the value of a name at this place, and the place of that value."""
+        name = keeper_of(node) or ""
+        if name.startswith("cls."):
+            name = f"self.{name[4:]}"
+        several = self.scopes.values(name, self.place)
+        # A variable may be empty at first.
+        filled = [each for each in several if ast.dump(each.value) not in _EMPTY]
+        distinct = list({_identity(each.value): each for each in filled or several}.values())
+        if not distinct:
+            constant = self._constants.get(name)
+            return None if constant is None else (constant, None)
+        at = self._one_of([each.value for each in distinct])
+        if at is None:
+            return UNKNOWN, None
+        value, place, function = distinct[at]
+        if value is OF_LOOP and name in self.bound:
+            return self.bound[name], None
+        if function is not None:
+            return self._passed(function, name)
+        start = getattr(value, "lineno", place.at[0]), getattr(value, "col_offset", place.at[1])
+        return value, place._replace(at=start)
+
+    def _passed(self, function: ast.AST, name: str) -> tuple[ast.expr, CodePlace | None]:
+        """Return the value that a call in this part gives for a parameter of a function."""
+        if not isinstance(function, ast.FunctionDef) or function.name == "__init__":
+            return self._given.get(name, UNKNOWN), None
+        calls = self._calls_by_name.get(function.name, [])
+        at = self._one_of(calls) if calls else None
+        if at is None:
+            return UNKNOWN, None
+        call, given = calls[at], dict[str, ast.expr]()
+        arguments = function.args
+        names = [each.arg for each in (*arguments.posonlyargs, *arguments.args)]
+        last = names[len(names) - len(arguments.defaults) :]
+        given |= zip(last, arguments.defaults, strict=True)
+        is_method = isinstance(call.func, ast.Attribute) and names[:1] in (["self"], ["cls"])
+        given |= zip(names[is_method:], call.args, strict=False)
+        given |= {each.arg: each.value for each in call.keywords if each.arg}
+        return given.get(name, UNKNOWN), self.places[id(call)]
+
+    @cached_property
+    def _calls_by_name(self) -> dict[str, list[ast.Call]]:
+        """The calls of functions and of the methods of this class, by name."""
+        found: dict[str, list[ast.Call]] = {}
+        for call, _ in self.calls:
+            if dotted_name(call.func).rpartition(".")[0] in ("", "self", "cls"):
+                found.setdefault(called_name(call), []).append(call)
+        return found
 
     def parameter(self, node: ast.expr, depth: int = 0) -> str | None:
         """Return the parameter whose value an expression is."""
@@ -94,15 +207,18 @@ class Texts:
                     self.parameters.setdefault(name, node.args[1])
                 return None if name is None else name.lstrip("~")
             case ast.Name() | ast.Attribute():
-                held = self.values.get(keeper_of(node) or "")
-                return None if held is None else self.parameter(held, depth + 1)
+                return self.follow(node, self.parameter, depth)
+            case ast.IfExp(body=body, orelse=orelse):
+                at = self._one_of((body, orelse))
+                return None if at is None else self.parameter((body, orelse)[at], depth + 1)
             case _:
                 return None
 
     def switches(self, call: ast.Call) -> frozenset[tuple[str, bool]]:
         """Return the parameters that decide whether a call is reached, each with its value."""
         found: set[tuple[str, bool]] = set()
-        for test, holds in self.tests.get(id(call), ()):
+        self.place, self.bound = self.places[id(call)], {}
+        for test, holds in self.place.tests:
             is_all = isinstance(test, ast.BoolOp) and isinstance(test.op, ast.And)
             parts = test.values if isinstance(test, ast.BoolOp) and is_all and holds else [test]
             for part in parts:
@@ -113,13 +229,6 @@ class Texts:
                 if parameter is not None:
                     found.add((parameter, holds != negated))
         return frozenset(found)
-
-    def written(self, node: ast.expr) -> ast.expr | None:
-        """Return the value of a name in this part of the program."""
-        name = keeper_of(node) or ""
-        if name.startswith("cls."):
-            name = f"self.{name[4:]}"
-        return self.values.get(name)
 
     def constant(self, node: ast.expr) -> tuple[SourceFile, ast.expr] | None:
         """Return what a constant of another class or file is, and the file of the workspace."""
@@ -147,9 +256,11 @@ class Texts:
 
     def gone_over(self, node: ast.expr) -> ast.expr | None:
         """Return what a loop over a name goes over."""
-        held = self.written(node)
-        found = self.constant(node) if held is None else None
-        return held if found is None else found[1]
+        held = self.held(node)
+        if held is not None:
+            return held[0]
+        found = self.constant(node)
+        return None if found is None else found[1]
 
     def text(self, node: ast.expr, depth: int = 0) -> str | None:
         """Return the text that an expression is, if it is written somewhere."""
@@ -187,8 +298,11 @@ class Texts:
                 parameter = self.parameter(node)
                 if parameter is not None:
                     return self.default_of(parameter, depth)
-                held = self.written(node)
-                return self.imported(node) if held is None else self.text(held, depth + 1)
+                is_known = self.held(node) is not None
+                return self.follow(node, self.text, depth) if is_known else self.imported(node)
+            case ast.IfExp(body=body, orelse=orelse):
+                at = self._one_of((body, orelse))
+                return None if at is None else self.text((body, orelse)[at], depth + 1)
             case ast.Call():
                 parameter = self.parameter(node)
                 return None if parameter is None else self.default_of(parameter, depth)
@@ -217,9 +331,10 @@ class Texts:
 
     def part(self, node: ast.expr, depth: int) -> str | None:
         """Return what an expression, a text or a whole number, is within a text."""
-        if isinstance(node, ast.Name | ast.Attribute):
-            node = self.written(node) or node
+        self.steps += 1
         match node:
+            case ast.Name() | ast.Attribute() if depth < _DEEPEST and self.held(node) is not None:
+                return self.follow(node, self.part, depth)
             case ast.Constant(value=bool()):
                 return None
             case ast.Constant(value=int() as value) if abs(value) < _MOST_TEXT:
@@ -264,11 +379,26 @@ class Texts:
                     return first * second
                 return first / second if second else None
             case ast.Name() | ast.Attribute():
-                held = self.values.get(keeper_of(node) or "")
-                return None if held is None else self.number(held, depth + 1)
+                return self.follow(node, self.number, depth)
             case ast.Call() if called_name(node) in ("Duration", "float", "from_sec") and node.args:
                 return self.number(node.args[0], depth + 1)
             case ast.Call(keywords=[ast.keyword(arg="seconds", value=value)]):
                 return self.number(value, depth + 1)
             case _:
                 return None
+
+
+def _keepers_of(part: ast.AST) -> Iterator[tuple[ast.Call, str | None]]:
+    """Yield the calls of which a variable keeps the result, with its name."""
+    for each in ast.walk(part):
+        match each:
+            case ast.Assign(targets=[target], value=ast.Call() as call):
+                yield call, keeper_of(target)
+            case ast.AnnAssign(target=target, value=ast.Call() as call):
+                yield call, keeper_of(target)
+
+
+def _identity(value: ast.expr) -> str | int:
+    """Return a text for a value that is the same at any place, else a number of its own."""
+    names = {each.id for each in ast.walk(value) if isinstance(each, ast.Name)}
+    return ast.dump(value) if names <= {"self"} else id(value)

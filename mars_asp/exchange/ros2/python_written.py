@@ -6,44 +6,13 @@ That is in loops, in declarations of parameters, in classes and in the objects m
 import ast
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
-from typing import NamedTuple
 
-#: A loop or a part of a comprehension: its target, and what it goes over.
-Loop = tuple[ast.expr, ast.expr]
+from mars_asp.exchange.ros2.python_scopes import UNKNOWN, Loop
+
 #: What a name or attribute stands for.
 Held = Callable[[ast.expr], "ast.expr | None"]
 _MOST_ROUNDS = 64
 _DEEPEST = 8
-
-
-class Around(NamedTuple):
-    """The loops around a call, outermost first, and the tests that hold there or do not."""
-
-    loops: tuple[Loop, ...] = ()
-    tests: tuple[tuple[ast.expr, bool], ...] = ()
-
-
-def calls_in(node: ast.AST) -> Iterator[tuple[ast.Call, Around]]:
-    """Yield the calls in a part of a program, each with the statements around it."""
-    waiting: list[tuple[ast.AST, Around]] = [(node, Around())]
-    while waiting:
-        each, (loops, tests) = waiting.pop()
-        if isinstance(each, ast.Call):
-            yield each, Around(loops, tests)
-        if isinstance(each, ast.If | ast.IfExp):
-            body = each.body if isinstance(each, ast.If) else [each.body]
-            orelse = each.orelse if isinstance(each, ast.If) else [each.orelse]
-            waiting.append((each.test, Around(loops, tests)))
-            for branch, holds in ((body, True), (orelse, False)):
-                within = Around(loops, (*tests, (each.test, holds)))
-                waiting += ((child, within) for child in branch)
-            continue
-        if isinstance(each, ast.For):
-            loops = (*loops, (each.target, each.iter))
-        elif isinstance(each, ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.DictComp):
-            loops = (*loops, *((part.target, part.iter) for part in each.generators))
-        inside = Around(loops, tests)
-        waiting += ((child, inside) for child in ast.iter_child_nodes(each))
 
 
 def rounds(loops: Sequence[Loop], held: Held) -> Iterator[dict[str, ast.expr]]:
@@ -51,8 +20,10 @@ def rounds(loops: Sequence[Loop], held: Held) -> Iterator[dict[str, ast.expr]]:
     known = []
     for target, over in loops:
         items = _items(over, held, 0)
-        if items is not None:
-            known.append([_bound(target, item) for item in items[:_MOST_ROUNDS]])
+        # Which items there are only a run knows.
+        unknown = {each.id: UNKNOWN for each in ast.walk(target) if isinstance(each, ast.Name)}
+        each_round = [_bound(target, item) for item in (items or ())[:_MOST_ROUNDS]]
+        known.append([unknown] if items is None else [unknown | bound for bound in each_round])
     for _, bindings in zip(range(_MOST_ROUNDS), product(*known), strict=False):
         yield {name: value for binding in bindings for name, value in binding.items()}
 

@@ -39,7 +39,6 @@ from mars_asp.exchange.ros2.python_written import (
     distinct,
     given_by,
     made_alike,
-    rounds,
 )
 from mars_asp.exchange.unread import Unread
 
@@ -144,7 +143,7 @@ class _Program:
             keeper: hz for part in parts for keeper, hz in part.rates().items() if hz is not None
         }
         published = (
-            _at_rate(each.topic, rates.get(each.keeper or "")) for each in found if each.published
+            replace(each.topic, hz=rates.get(each.keeper or "")) for each in found if each.published
         )
         nodes = [each for part in parts if part.is_node() for each in part.node_names()]
         # A class that is no node may pass a name to its base class.
@@ -238,10 +237,6 @@ class _Program:
         return None
 
 
-def _at_rate(topic: Topic, hz: Fraction | None) -> Topic:
-    return replace(topic, hz=hz)
-
-
 class _Unit(Texts):
     """A class or function of a program: the topics, timers and nodes that it makes."""
 
@@ -279,7 +274,6 @@ class _Unit(Texts):
     def topics(self) -> Iterator[_Found]:
         """Yield the topics that calls make."""
         for call, keeper in self.calls[:_MOST_CALLS]:
-            self.steps = 0
             name = called_name(call)
             owner = dotted_name(call.func).rpartition(".")[0]
             match name:
@@ -318,24 +312,22 @@ class _Unit(Texts):
         switches = self.switches(call)
         if published and keeper:
             switches |= self.used_if(keeper)
-        before = self.values
         named_so: set[object] = set()
-        for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
-            self.values = {**before, **bound}
-            self.steps = 0
-            parameter = self.parameter(name)
-            text = self.text(name)
-            parts = () if parameter else self.name_parts(name)
-            if text is None and parameter is None and not parts:
-                self.note(AT_RUN_TIME, name, self.shown(name))
-                break
-            key = parameter or parts or text
-            if key not in named_so:
+        for _ in self.rounds_of(call):
+            for _ in self.choices():
+                parameter = self.parameter(name)
+                text = self.text(name)
+                parts = () if parameter else self.name_parts(name)
+                key = parameter or parts or text
+                if key in named_so:
+                    continue
                 named_so.add(key)
+                if key is None:
+                    self.note(AT_RUN_TIME, name, self.shown(name))
+                    continue
                 topic = Topic(text or "", self.type(kind), self.span(name), parameter)
                 topic = replace(topic, switches=tuple(sorted(switches)), parts=parts)
                 yield _Found(topic, keeper, published)
-        self.values = before
 
     def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
         """Return the parameters that decide whether a publisher publishes at all."""
@@ -360,25 +352,24 @@ class _Unit(Texts):
         name = named.get(keyword) if keyword else None
         if name is None and name_at < len(call.args):
             name = call.args[name_at]
-        before = self.values
-        for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
-            self.values = {**before, **bound}
-            self.steps = 0
-            text = None if name is None else self.text(name)
-            if name is not None and text is not None:
-                ends = OF_ACTION if called_name(call).startswith("Simple") else ("",)
-                parameter = self.parameter(name)
-                self.names += (Topic(text + end, None, None, parameter) for end in ends)
-            elif keyword is not None:
-                self.unnamed = True
-        self.values = before
+        for _ in self.rounds_of(call):
+            for _ in self.choices():
+                text = None if name is None else self.text(name)
+                if name is not None and text is not None:
+                    ends = OF_ACTION if called_name(call).startswith("Simple") else ("",)
+                    parameter = self.parameter(name)
+                    self.names += (Topic(text + end, None, None, parameter) for end in ends)
+                elif keyword is not None:
+                    self.unnamed = True
 
     def note(self, sort: str, node: ast.expr, name: str) -> None:
         """Note something that is not read."""
         self.unread.append(Unread(sort, name, self.span(node)))
 
-    def type(self, node: ast.expr) -> str | None:
+    def type(self, node: ast.expr, depth: int = 0) -> str | None:
         """Return the message type that an expression names."""
+        if depth < _FARTHEST and self.held(node) is not None:
+            return self.follow(node, self.type, depth)
         dotted = dotted_name(node)
         first, _, rest = dotted.partition(".")
         if not dotted:
@@ -397,7 +388,7 @@ class _Unit(Texts):
     def timers(self) -> Iterator[tuple[Fraction, list[ast.AST]]]:
         """Yield the rate of each timer, and what it calls."""
         for call, _ in self.calls[:_MOST_CALLS]:
-            self.steps = 0
+            self.place, self.bound, self.steps = self.places[id(call)], {}, 0
             name = called_name(call)
             named = {k.arg: k.value for k in call.keywords if k.arg}
             if name in ("create_timer", "Timer", "create_wall_timer"):
@@ -461,7 +452,7 @@ class _Unit(Texts):
     def node_names(self) -> Iterator[Unread]:
         """Yield the names that the program gives its node, or several nodes."""
         for call, _ in self.calls[:_MOST_CALLS]:
-            self.steps = 0
+            self.place, self.bound, self.steps = self.places[id(call)], {}, 0
             name = called_name(call)
             is_super = isinstance(call.func, ast.Attribute) and (
                 isinstance(call.func.value, ast.Call) and called_name(call.func.value) == "super"

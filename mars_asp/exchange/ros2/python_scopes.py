@@ -1,0 +1,287 @@
+"""Where variables of sources in Python get their values, and which of these may hold at a place.
+
+A function has names of its own, and sees those of the functions around it and of the module. An
+assignment holds until the next one that is reached whenever it is, and not in the other branch of a
+condition.
+"""
+
+import ast
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import zip_longest
+from typing import NamedTuple
+
+from mars_asp.exchange.ros2.python_files import dotted_name
+
+#: A loop or a part of a comprehension: its target, and what it goes over.
+Loop = tuple[ast.expr, ast.expr]
+_COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.GeneratorExp, ast.DictComp)
+#: Of assignments to one name in one function the last so many count.
+_MOST_ASSIGNED = 32
+#: In place of the number of a branch.
+_LOOP, _SOMETIMES = -1, -2
+#: A value that only a run knows, and that of the target of a loop in each round.
+UNKNOWN: ast.expr = ast.Constant(...)
+OF_LOOP: ast.expr = ast.Constant(b"loop")
+
+
+class CodePlace(NamedTuple):
+    """The surroundings of a place in a program, and its line and column.
+
+    `scopes` are the functions and classes around it, outermost first. `blocks` are the branches and
+    loops within the innermost, each with its sort, which is the number of a branch.
+    """
+
+    scopes: tuple[ast.AST, ...] = ()
+    blocks: tuple[tuple[int, int], ...] = ()
+    loops: tuple[Loop, ...] = ()
+    tests: tuple[tuple[ast.expr, bool], ...] = ()
+    at: tuple[int, int] = (0, 0)
+
+    @property
+    def functions(self) -> list[ast.AST]:
+        """The functions and classes around it, without comprehensions."""
+        return [scope for scope in self.scopes if not isinstance(scope, _COMPREHENSIONS)]
+
+
+class Assignment(NamedTuple):
+    """A value that a variable gets, and where; of a parameter its function."""
+
+    value: ast.expr
+    place: CodePlace
+    parameter: ast.AST | None = None
+
+
+class Scopes:
+    """The calls of a part of a program, and the values that its variables get."""
+
+    def __init__(self, part: ast.AST) -> None:
+        """Go through a part of a program once."""
+        self.calls: list[tuple[ast.Call, CodePlace]] = []
+        self._assigned: dict[tuple[ast.AST | None, str], list[Assignment]] = {}
+        #: The functions that assign an attribute.
+        self._assigning: dict[str, dict[ast.AST | None, None]] = {}
+        self._outer: dict[ast.AST | None, set[str]] = {}
+        waiting = [(part, CodePlace())]
+        while waiting:
+            node, place = waiting.pop()
+            if isinstance(node, ast.expr | ast.stmt):
+                place = place._replace(at=(node.lineno, node.col_offset))
+            if isinstance(node, ast.Call):
+                self.calls.append((node, place))
+            if isinstance(node, ast.Global | ast.Nonlocal) and place.scopes:
+                self._outer.setdefault(place.scopes[-1], set()).update(node.names)
+            # Each round of a loop assigns its target.
+            within = place
+            if isinstance(node, ast.For | ast.AsyncFor):
+                within = _block(node.body, place, _LOOP)
+            for name, value, given_to in _assigned_by(node):
+                self._keep(name, value, given_to, within)
+            waiting += _children(node, place)
+        for each in self._assigned.values():
+            each.sort(key=_end_of)
+
+    def _keep(self, name: str, value: ast.expr, function: ast.AST | None, place: CodePlace) -> None:
+        """Keep a value of a variable, which holds where the statement ends."""
+        if function is not None:
+            place = CodePlace((*place.scopes, function), at=place.at)
+        elif value not in (UNKNOWN, OF_LOOP):
+            end = value.end_lineno or 0, value.end_col_offset or 0
+            place = place._replace(at=end)
+        scope = place.scopes[-1] if place.scopes else None
+        self._assigned.setdefault((scope, name), []).append(Assignment(value, place, function))
+        if "." in name:
+            self._assigning.setdefault(name, {})[scope] = None
+
+    def values(self, name: str, place: CodePlace) -> Sequence[Assignment]:
+        """Return the values that a variable may have at a place; none if it is not of this part."""
+        if "." in name:
+            return self._of_attribute(name, place)
+        for depth in range(len(place.scopes), -1, -1):
+            scope = place.scopes[depth - 1] if depth else None
+            is_own = depth == len(place.scopes)
+            # Methods do not see the names of their class.
+            is_hidden = isinstance(scope, ast.ClassDef) and not is_own
+            every = self._assigned.get((scope, name))
+            if every and not is_hidden and name not in self._outer.get(scope, ()):
+                before = every[: bisect_right(every, place.at, key=_end_of)] if is_own else every
+                reaching = _reaching(before or every, place.blocks if is_own else ())
+                if is_own and _may_come_round(every, reaching, place):
+                    reaching.append(Assignment(UNKNOWN, place))
+                return reaching
+        return ()
+
+    def _of_attribute(self, name: str, place: CodePlace) -> Sequence[Assignment]:
+        """Return the values of an attribute, which is one in all functions."""
+        own = place.scopes[-1] if place.scopes else None
+        every = self._assigned.get((own, name), [])
+        before = every[: bisect_right(every, place.at, key=_end_of)]
+        reaching = _reaching(before, place.blocks)
+        if _covers([each.place.blocks for each in reaching], place.blocks):
+            return reaching
+        # Of the values that another function assigns, the last holds where it ends.
+        scopes = [*self._assigning.get(name, ())][:_MOST_ASSIGNED]
+        ends = (_reaching(self._assigned[scope, name], ()) for scope in scopes)
+        return [last for group in ends for last in group]
+
+
+def _end_of(assignment: Assignment) -> tuple[int, int]:
+    return assignment.place.at
+
+
+def scopes_of(part: ast.AST) -> Iterable[Scopes]:
+    """Yield the scopes of a part of a program."""
+    yield Scopes(part)
+
+
+def _assigned_by(node: ast.AST) -> Iterator[tuple[str, ast.expr, ast.AST | None]]:
+    """Yield the variables that a statement assigns, with their values; or the parameters."""
+    match node:
+        case ast.Assign(targets=targets, value=value):
+            yield from (pair for target in targets for pair in _pairs(target, value))
+        case ast.AnnAssign(target=target, value=ast.expr() as value):
+            yield from _pairs(target, value)
+        case ast.NamedExpr(target=target, value=value):
+            yield from _pairs(target, value)
+        case ast.AugAssign(target=target, op=op, value=value):
+            # The variable within the new value has the value before.
+            before = ast.copy_location(_loaded(target), target)
+            summed = ast.copy_location(ast.BinOp(before, op, value), target)
+            yield from _pairs(target, summed)
+        case ast.For(target=target) | ast.AsyncFor(target=target):
+            yield from _pairs(target, OF_LOOP)
+        case ast.comprehension(target=target):
+            yield from _pairs(target, OF_LOOP)
+        case ast.withitem(optional_vars=ast.expr() as target):
+            yield from _pairs(target, UNKNOWN)
+        case ast.ExceptHandler(name=str() as name):
+            yield name, UNKNOWN, None
+        case ast.FunctionDef(args=args) | ast.AsyncFunctionDef(args=args) | ast.Lambda(args=args):
+            for each in (*args.posonlyargs, *args.args, *args.kwonlyargs):
+                yield each.arg, UNKNOWN, node
+            for rest in filter(None, (args.vararg, args.kwarg)):
+                yield rest.arg, UNKNOWN, node
+
+
+def _loaded(target: ast.expr) -> ast.expr:
+    if isinstance(target, ast.Name):
+        return ast.Name(target.id, ast.Load())
+    if isinstance(target, ast.Attribute):
+        return ast.Attribute(target.value, target.attr, ast.Load())
+    return UNKNOWN
+
+
+def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr, ast.AST | None]]:
+    match target, value:
+        case ast.Tuple(elts=targets) | ast.List(elts=targets), _:
+            same = isinstance(value, ast.Tuple | ast.List) and len(value.elts) == len(targets)
+            values = value.elts if isinstance(value, ast.Tuple | ast.List) and same else ()
+            unknown = value if value is OF_LOOP else UNKNOWN
+            for each, part in zip_longest(targets, values, fillvalue=unknown):
+                yield from _pairs(each, part)
+        case ast.Starred(value=inner), _:
+            yield from _pairs(inner, UNKNOWN)
+        case _:
+            name = dotted_name(target)
+            if name:
+                yield name, value, None
+
+
+def _children(node: ast.AST, place: CodePlace) -> Iterator[tuple[ast.AST, CodePlace]]:
+    """Yield the parts of a node, each with its place."""
+    match node:
+        case ast.If(test=test, body=body, orelse=orelse):
+            yield test, place
+            for branch, statements in enumerate((body, orelse)):
+                blocks = (*place.blocks, (id(node), branch))
+                tests = (*place.tests, (test, branch == 0))
+                yield from (
+                    (each, place._replace(blocks=blocks, tests=tests)) for each in statements
+                )
+        case ast.IfExp(test=test, body=body, orelse=orelse):
+            yield test, place
+            for part, holds in ((body, True), (orelse, False)):
+                yield part, place._replace(tests=(*place.tests, (test, holds)))
+        case (
+            ast.For(target=target, iter=over, body=body, orelse=orelse)
+            | ast.AsyncFor(target=target, iter=over, body=body, orelse=orelse)
+        ):
+            yield over, place
+            around = _block(body, place, _LOOP)._replace(loops=(*place.loops, (target, over)))
+            yield from ((each, around) for each in body)
+            yield from ((each, place) for each in orelse)
+        case ast.While(test=test, body=body, orelse=orelse):
+            yield test, place
+            yield from ((each, _block(body, place, _LOOP)) for each in body)
+            yield from ((each, place) for each in orelse)
+        case ast.Try(body=body, handlers=handlers, orelse=orelse, finalbody=last):
+            for statements in (body, orelse):
+                yield from ((each, _block(statements, place)) for each in statements)
+            yield from ((each, _block(each.body, place)) for each in handlers)
+            yield from ((each, place) for each in last)
+        case ast.match_case(body=body):
+            yield from ((each, _block(body, place)) for each in ast.iter_child_nodes(node))
+        case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.Lambda() | ast.ClassDef():
+            # What the function is called with is of the place where it is called.
+            own = CodePlace((*place.scopes, node), (), place.loops, place.tests)
+            yield from ((each, own) for each in ast.iter_child_nodes(node))
+        case ast.ListComp() | ast.SetComp() | ast.GeneratorExp() | ast.DictComp():
+            loops = (*place.loops, *((part.target, part.iter) for part in node.generators))
+            own = CodePlace((*place.scopes, node), (), loops, place.tests)
+            yield from ((each, own) for each in ast.iter_child_nodes(node))
+        case _:
+            yield from ((each, place) for each in ast.iter_child_nodes(node))
+
+
+def _block(statements: Sequence[ast.AST], place: CodePlace, sort: int = _SOMETIMES) -> CodePlace:
+    """Return the place of statements that may be left out."""
+    return place._replace(blocks=(*place.blocks, (id(statements), sort)))
+
+
+def _reaching(
+    assigned: Sequence[Assignment], blocks: tuple[tuple[int, int], ...]
+) -> list[Assignment]:
+    """Return the assignments, last first, that may hold at a later place within blocks."""
+    found: list[Assignment] = []
+    for each in reversed(assigned[-_MOST_ASSIGNED:]):
+        pairs = zip(each.place.blocks, blocks, strict=False)
+        fork = next(((own, other) for own, other in pairs if own != other), None)
+        # The other branch of a condition does not count.
+        if fork is None or fork[0][0] != fork[1][0]:
+            found.append(each)
+            if _covers([later.place.blocks for later in found], blocks):
+                break
+    return found
+
+
+def _may_come_round(
+    every: Sequence[Assignment], reaching: Sequence[Assignment], place: CodePlace
+) -> bool:
+    """Whether a loop around a place may go on with a value that another round has assigned."""
+    loops = {block for block in place.blocks if block[1] == _LOOP}
+    # A round that assigns it anew in any case has none of another.
+    loops -= {block for each in reaching[-1:] for block in each.place.blocks}
+    others = [each for each in every[-_MOST_ASSIGNED:] if each not in reaching] if loops else []
+    return any(not loops.isdisjoint(each.place.blocks) for each in others)
+
+
+def _covers(
+    assigned: Sequence[tuple[tuple[int, int], ...]], blocks: tuple[tuple[int, int], ...]
+) -> bool:
+    """Whether one of the assignments is reached whenever a later place is."""
+    return any(_is_certain(assigned, blocks[:size]) for size in range(len(blocks) + 1))
+
+
+def _is_certain(
+    assigned: Sequence[tuple[tuple[int, int], ...]], outer: tuple[tuple[int, int], ...]
+) -> bool:
+    """Whether a block assigns itself, or in both branches of one of its conditions."""
+    if outer in assigned:
+        return True
+    within = [each for each in assigned if each[: len(outer)] == outer]
+    branches = {each[len(outer)] for each in within}
+    return any(
+        branch == 0 and (number, 1) in branches
+        and all(_is_certain(within, (*outer, (number, side))) for side in (0, 1))
+        for number, branch in branches
+    )  # fmt: skip
