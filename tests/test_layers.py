@@ -89,8 +89,8 @@ FILES = {
         "actions commands names interface catalogue cmake setup_files workspace parameters "
         "cpp_code cpp_durations cpp_handles source_cpp python_files python_scopes python_written "
         "python_texts source_python programs glue bridges python_values conditions python_known "
-        "python_nodes python_tests python_evaluate launch_python launch_markup launch_catalogue descriptions "
-        "launch controllers muxes read"
+        "python_nodes python_tests python_evaluate launch_python launch_markup launch_catalogue "
+        "descriptions launch controllers muxes read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",

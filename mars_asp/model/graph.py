@@ -95,6 +95,7 @@ class Mux:
     numbers: tuple[tuple[int, int], ...] = ()
     inner: tuple[Inner, ...] = ()
     conditions: tuple["StartCondition", ...] = ()
+    given: tuple[GivenFile, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,5 +226,7 @@ class LaunchTree:
             spans += (end.span for end in (*node.published, *node.subscribed))
             spans += (each.span for each in node.renamed)
             spans += (each.span for each in node.given)
-        spans += (each.span for mux in self.muxes for each in mux.inputs)
+        for mux in self.muxes:
+            spans += (each.span for each in mux.inputs)
+            spans += (each.span for each in mux.given)
         return frozenset(span.path for span in spans)

@@ -238,6 +238,33 @@ def test_a_parameter_file_has_parameters_for_ros2(
     assert capsys.readouterr().err.count("[launch/nodes/no-parameters]") == found
 
 
+def test_a_mux_of_ros2_does_not_take_the_file_of_one_of_ros1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = "topics:\n- {name: joy, topic: joy_vel, timeout: 0.5, priority: 100}\n"
+    launch = PARAMETERS.replace("joy_node", "twist_mux").replace("joy", "twist_mux")
+    read({"config/p.yaml": file, "launch/x.launch.xml": launch}, tmp_path)
+    run_here(["check", str(tmp_path)])
+    assert "given to `/twist_mux` as a parameter file" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize(("folder", "found"), [("launch", ["speed"]), ("mine", [])])
+def test_a_launch_file_reads_no_parameter_of_a_program(
+    folder: str, found: list[str], tmp_path: Path
+) -> None:
+    parsed = read(
+        {
+            "launch/x.launch.xml": '<launch><node pkg="mine" exec="e">'
+            '<param name="speed" value="1"/></node></launch>',
+            f"{folder}/more.py": "speed = 1",
+            "src/e.cpp": 'int main() { n->create_publisher<A>("t", 1); }',
+            "CMakeLists.txt": "add_executable(e src/e.cpp)\ninstall(TARGETS e DESTINATION lib)",
+        },
+        tmp_path,
+    )
+    assert [name for sort, name in lacking(parsed) if sort == "parameter"] == found
+
+
 LAUNCH = (
     "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n{}\n"
     "def generate_launch_description():\n  {}\n"
@@ -249,6 +276,15 @@ LAUNCH = (
     ("outer", "inner", "after", "found"),
     [
         ("", "print(os.sep)", "", ["`os` is not defined"]),
+        (
+            "",
+            "print(os.sep, math.pi, os.sep, json)",
+            "",
+            ["`json`, `math` and `os` are not defined"],
+        ),
+        # Launching does not call the function, or calls it through another.
+        ("def f():\n  print(os.sep)", "pass", "", []),
+        ("def f():\n  print(os.sep)\ndef g():\n  f()", "g()", "", ["`os` is not defined"]),
         ("import os", "print(os.sep)", "", []),
         ("import a.os as os", "print(os.sep)", "", []),
         ("from os import *", "print(sep)", "", []),

@@ -375,23 +375,17 @@ class _Reader(Evaluator):
                 yield NotRead("nodes that are made but not launched", name, span)
 
     def undefined(self, tree: ast.Module) -> Iterator[NotRead]:
-        """Yield the first name that the file uses and nothing in it defines, as an error."""
+        """Yield the names that launching uses and nothing in the file defines, as an error."""
         bound, used = {*dir(builtins), "__file__"}, list[ast.Name]()
-        # What only a call of the file itself runs, launching does not.
-        launched = ast.Module(
-            [
-                each
-                for each in tree.body
-                if not (isinstance(each, ast.If) and "__name__" in ast.dump(each.test))
-            ],
-            [],
-        )
-        is_whole = len(launched.body) == len(tree.body)
-        for node in self.nodes if is_whole else ast.walk(launched):
-            match node:
-                case ast.Name(ctx=ast.Load()):
+        for statement in _launched(tree):
+            for node in ast.walk(statement):
+                if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
                     used.append(node)
-                case ast.Name(id=name) | ast.arg(arg=name) | ast.MatchAs(name=str(name)):
+        for node in self.nodes:
+            match node:
+                case ast.Name(id=name, ctx=ast.Store() | ast.Del()) | ast.arg(arg=name):
+                    bound.add(name)
+                case ast.MatchAs(name=str(name)):
                     bound.add(name)
                 case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
                     bound.add(name)
@@ -404,11 +398,30 @@ class _Reader(Evaluator):
         # Names may come from elsewhere, or be looked for in vain on purpose.
         if bound & {"*", "annotations"} or any(each.id in _LOOKING for each in used):
             return
-        for each in used:
-            if each.id not in bound:
-                message = f"{self.path}: `{each.id}` is not defined"
-                yield NotRead("launch files with errors", message, self.span(each))
-                return
+        first = {each.id: each for each in reversed(used) if each.id not in bound}
+        if first:
+            *others, last = (f"`{each}`" for each in sorted(first))
+            listed = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+            message = f"{self.path}: {listed} not defined"
+            place = min(first.values(), key=lambda each: (each.lineno, each.col_offset))
+            yield NotRead("launch files with errors", message, self.span(place))
+
+
+def _launched(tree: ast.Module) -> list[ast.stmt]:
+    """Return the statements of a launch file that launching runs, with the functions they name."""
+    functions: dict[str, ast.stmt] = {}
+    waiting: list[ast.stmt] = []
+    for each in tree.body:
+        if isinstance(each, ast.FunctionDef) and each.name != _ENTRY:
+            functions[each.name] = each
+        elif not (isinstance(each, ast.If) and "__name__" in ast.dump(each.test)):
+            waiting.append(each)
+    found: list[ast.stmt] = []
+    while waiting:
+        found.append(waiting.pop())
+        words = {node.id for node in ast.walk(found[-1]) if isinstance(node, ast.Name)}
+        waiting += [functions.pop(name) for name in words & functions.keys()]
+    return sorted(found, key=lambda each: each.lineno)
 
 
 def _arguments_of(call: Call) -> tuple[Text, ...]:

@@ -31,6 +31,8 @@ _REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLA
 _STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
 _MOST_FILES = 100
 _WORD = re.compile(r"\w+")
+_PACKAGE_NAME = re.compile(r"[\w-]+")
+_LAUNCHES = re.compile(r"[._]launch\.py$|/launch/[^/]*\.py$")
 #: Options with which a node takes parameters that it does not declare.
 _TAKES_ANY = frozenset(
     {"automatically_declare_parameters_from_overrides", "allow_undeclared_parameters"}
@@ -138,9 +140,12 @@ class Programs:
 
     def _words_of(self, package: Package) -> frozenset[str]:
         manifest = self._text(package.folder / "package.xml") or ""
-        used = (each for each in self.workspace.packages if each.name in manifest)
+        named = set(_PACKAGE_NAME.findall(manifest))
+        used = (each for each in self.workspace.packages if each.name in named)
         files = chain.from_iterable(self.workspace.by_package[each.folder] for each in used)
-        texts = (self._text(file) or "" for file in files if file.suffix in _CODE)
+        # A launch file gives parameters, and reads none.
+        sources = (f for f in files if f.suffix in _CODE and not _LAUNCHES.search(f.as_posix()))
+        texts = (self._text(file) or "" for file in sources)
         return frozenset(chain.from_iterable(map(_WORD.findall, texts)))
 
     def _span_of(self, file: Path, text: str, word: str) -> Span:

@@ -340,7 +340,8 @@ class _Robot:
                 missing[AbsentFile(each.executable, each.package, each.span, "program")] = None
             match self._node(each, of_ros2):
                 case Mux() as mux:
-                    muxes.append(mux)
+                    given = tuple(self._given_files(each, mux.name, of_ros2))
+                    muxes.append(replace(mux, given=given))
                 case Relay() as relay:
                     relays.append(relay)
                 case Node() as node if each.name and not each.is_rewritten:

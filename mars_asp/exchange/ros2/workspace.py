@@ -72,8 +72,7 @@ _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
 _PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
 _BUILD_TYPE = re.compile(r"<build_type[^<>]*>\s*(\w+)")
-#: Names the type where nothing else does.
-_BUILD_TOOL = re.compile(r"<buildtool_depend[^<>]*>\s*(\w+)")
+_CATKIN = re.compile(r"<buildtool_depend[^<>]*>\s*(catkin)\b")
 _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 
 
@@ -215,8 +214,8 @@ class Workspace:
                     continue
                 match = _XML_NAME.search(text)
                 if match:
-                    built = _BUILD_TYPE.findall(text) or _BUILD_TOOL.findall(text)
-                    found.append(Package(match[1], file.parent, frozenset(built)))
+                    built = frozenset(_BUILD_TYPE.findall(text) or _CATKIN.findall(text))
+                    found.append(Package(match[1], file.parent, built))
         return tuple(sorted(found, key=lambda package: -len(package.folder.parts)))
 
     def package(self, name: str) -> Package | None:

@@ -7,7 +7,7 @@ from itertools import chain, count
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import FOREVER
-from mars_asp.model.graph import Endpoint, LaunchTree, Mux, Node, Relay
+from mars_asp.model.graph import Endpoint, GivenFile, LaunchTree, Mux, Node, Relay
 from mars_asp.model.ranges import MOST
 from mars_asp.output import encodable
 from mars_asp.spelling import nearest
@@ -201,11 +201,15 @@ class _TreeFacts:
         is_unknown = node.unread and not (node.published or node.subscribed)
         for named in sorted(node.names if is_unknown else ()):
             yield _fact_at(node.span, "may_use", number, named)
-        for file in node.given:
-            fits = Atom(_FITS[file.is_for_it])
-            yield from self.with_place(file.span, "given", number, file.path, fits)
+        yield from self.of_files(number, node.given)
         for managed, span in node.manages:
             yield from self.with_place(span, "manages", number, managed)
+
+    def of_files(self, number: int, files: Iterable[GivenFile]) -> Iterator[Fact]:
+        """Yield the facts of the parameter files that a node or mux is given."""
+        for file in files:
+            fits = Atom(_FITS[file.is_for_it])
+            yield from self.with_place(file.span, "given", number, file.path, fits)
 
     def of_end(self, name: str, node: int, end: Endpoint) -> Iterator[Fact]:
         """Yield the facts of an end of a topic."""
@@ -226,6 +230,7 @@ class _TreeFacts:
         number, facts = self.of_start(mux, mux.engine)
         yield from facts
         yield _fact_at(mux.span, "selects_for", number, Atom(mux.engine), mux.output)
+        yield from self.of_files(number, mux.given)
         for each in mux.inputs:
             first, *others = self.with_place(
                 each.span, "selects", number, each.name, each.topic, min(each.priority, MOST)
