@@ -37,7 +37,7 @@ from mars_asp.exchange.ros2.parameters import (
     values_for,
 )
 from mars_asp.exchange.ros2.programs import Program, Programs
-from mars_asp.exchange.ros2.workspace import Workspace
+from mars_asp.exchange.ros2.workspace import IGNORE_MARKERS, Workspace
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.twist_mux.document import (
     SORTS,
@@ -170,7 +170,7 @@ def _root(path: Path) -> tuple[Path, bool]:
 
     Of a launch file it is its package, and then the folder above as long as that has other packages
     directly in it or is a `src`; without a package it is the folder of the file. Nothing above a
-    folder with `.git` is read. Standard input lies nowhere.
+    folder with `.git`, or of one that is not to be built, is read. Standard input lies nowhere.
     """
     if path.is_dir():
         return path.resolve(), True
@@ -182,9 +182,15 @@ def _root(path: Path) -> tuple[Path, bool]:
         if (root / ".git").exists() or root == root.parent:
             return folder, False
         root = root.parent
-    while not (root / ".git").exists() and root != root.parent and _holds(root.parent, root):
+    while not _is_outermost(root) and _holds(root.parent, root):
         root = root.parent
     return root, True
+
+
+def _is_outermost(folder: Path) -> bool:
+    """Whether no folder above one is read."""
+    ends = (".git", *IGNORE_MARKERS)
+    return folder == folder.parent or any((folder / each).exists() for each in ends)
 
 
 def _is_package(folder: Path) -> bool:

@@ -26,6 +26,8 @@ _SKIPPED = frozenset(
     {"build", "install", "log", "devel", "node_modules", "__pycache__", "templates"}
     | {"test", "tests"}
 )
+#: Files that mark a folder as not to be built; its files say the same once more, or nothing.
+IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"})
 _SHARE = re.compile(
     r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/\1(?=/|$))?/?"
 )
@@ -158,17 +160,15 @@ class Workspace:
         """The files of the kinds that are read, without those of folders that are built."""
         found: list[Path] = []
         for folder, folders, names in os.walk(self.root):
-            folders[:] = sorted(
-                name
-                for name in folders
-                if not name.startswith(".")
-                and name not in _SKIPPED
-                # What was installed or is not to be built says the same once more, or nothing.
-                and not (Path(folder) / name / "COLCON_IGNORE").exists()
-            )
-            if not self._deep:
-                folders.clear()
             at = Path(folder)
+            is_ignored = at != self.root and not IGNORE_MARKERS.isdisjoint(names)
+            if is_ignored:
+                names.clear()
+            if is_ignored or not self._deep:
+                folders.clear()
+            folders[:] = sorted(
+                name for name in folders if not name.startswith(".") and name not in _SKIPPED
+            )
             for name in folders:
                 self._note_link(at / name)
             for name in sorted(names):

@@ -1,0 +1,50 @@
+"""Which packages of a folder count: those that a build of the workspace finds."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.language import Parsed
+from mars_asp.model.graph import LaunchTree
+
+PACKAGE = "<package><name>{}</name></package>"
+NODE = '<launch><node pkg="joy" type="joy_node" name="{}"/></launch>'
+
+
+def read(written: Mapping[str, str], folder: Path, named: str = ".") -> Parsed:
+    """Return the configuration of a path in a folder with these files."""
+    for name, text in written.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    path = folder / named
+    return import_ros2([("" if path.is_dir() else path.read_text(), str(path))])
+
+
+def launched(parsed: Parsed) -> list[str]:
+    """Return the names of the launch files, without their folders and ends."""
+    return [Path(tree.path).stem for tree in parsed.trees]
+
+
+def lacking(trees: tuple[LaunchTree, ...]) -> list[tuple[str, str]]:
+    """Return the files and programs that packages lack, each with its package."""
+    return [(each.package, each.name) for tree in trees for each in tree.missing]
+
+
+@pytest.mark.parametrize("marker", ["COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"])
+def test_a_folder_that_is_not_to_be_built_holds_no_packages(tmp_path: Path, marker: str) -> None:
+    include = '<launch><include file="$(find arm)/launch/wrist.launch"/></launch>'
+    written = {
+        "src/old/arm/package.xml": PACKAGE.format("arm"),
+        "src/old/arm/launch/arm.launch": include,
+        "src/base/package.xml": PACKAGE.format("base"),
+        "src/base/launch/base.launch": NODE.format("pad"),
+    }
+    assert launched(read(written, tmp_path / "built")) == ["base", "arm"]
+    written[f"src/old/{marker}"] = ""
+    assert launched(read(written, tmp_path / "marked")) == ["base"]
+    # A folder or file that the user names is read.
+    for named in "src/old", "src/old/arm/launch/arm.launch":
+        parsed = read(written, tmp_path / "marked", named)
+        assert lacking(parsed.trees) == [("arm", "launch/wrist.launch")]
