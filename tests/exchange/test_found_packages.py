@@ -48,3 +48,36 @@ def test_a_folder_that_is_not_to_be_built_holds_no_packages(tmp_path: Path, mark
     for named in "src/old", "src/old/arm/launch/arm.launch":
         parsed = read(written, tmp_path / "marked", named)
         assert lacking(parsed.trees) == [("arm", "launch/wrist.launch")]
+
+
+def test_a_package_in_the_folder_of_another_is_none(tmp_path: Path) -> None:
+    include = '<launch><include file="$(find arm)/launch/wrist.launch"/></launch>'
+    written = {
+        "src/old/package.xml": PACKAGE.format("old"),
+        "src/old/deep/launch/own.launch": NODE.format("pad"),
+        "src/old/parts/arm/package.xml": PACKAGE.format("arm"),
+        "src/old/parts/arm/launch/arm.launch": include,
+        "src/old/parts/arm/launch/empty.launch": "",
+    }
+    parsed = read(written, tmp_path)
+    assert launched(parsed) == ["own"]
+    assert lacking(parsed.trees) == []
+    [note] = [each for each in parsed.warnings if "in the folders of others" in each.message]
+    assert note.message.endswith("which no build finds, not read: 1 (`arm`)")
+    # The folder that the user names may be a package with others in it.
+    assert lacking(read(written, tmp_path, "src/old").trees) == [("arm", "launch/wrist.launch")]
+    named = "src/old/parts/arm/launch/arm.launch"
+    assert lacking(read(written, tmp_path, named).trees) == [("arm", "launch/wrist.launch")]
+    chosen = import_ros2([("", str(tmp_path / "src"))], ["arm.launch"])
+    assert "arm" in launched(chosen)
+
+
+def test_a_launch_file_named_in_a_package_below_another_has_both(tmp_path: Path) -> None:
+    written = {
+        "src/robot/package.xml": PACKAGE.format("robot"),
+        "src/robot/arm/package.xml": PACKAGE.format("arm"),
+        "src/robot/arm/launch/arm.launch": '<launch><include file="$(find base)/a.launch"/></launch>',
+        "src/robot/base/package.xml": PACKAGE.format("base"),
+    }
+    [tree] = read(written, tmp_path, "src/robot/arm/launch/arm.launch").trees
+    assert lacking((tree,)) == [("base", "a.launch")]

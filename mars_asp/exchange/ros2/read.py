@@ -170,7 +170,8 @@ def _root(path: Path) -> tuple[Path, bool]:
 
     Of a launch file it is its package, and then the folder above as long as that has other packages
     directly in it or is a `src`; without a package it is the folder of the file. Nothing above a
-    folder with `.git`, or of one that is not to be built, is read. Standard input lies nowhere.
+    folder with `.git`, of one that is not to be built or of a package with others in it is read.
+    Standard input lies nowhere.
     """
     if path.is_dir():
         return path.resolve(), True
@@ -184,6 +185,8 @@ def _root(path: Path) -> tuple[Path, bool]:
         root = root.parent
     while not _is_outermost(root) and _holds(root.parent, root):
         root = root.parent
+        if _is_package(root):
+            break
     return root, True
 
 
@@ -411,7 +414,12 @@ class _Robot:
         Raises:
             MarsError: a choice is not a launch file of the folder, or has errors.
         """
-        files = [file for file in self.workspace.files if self._is_launch(file)]
+        files = [
+            file
+            for file in self.workspace.files
+            # Nothing finds the files of nested packages by name, but users may choose them.
+            if (self.chosen or not self.workspace.is_nested(file)) and self._is_launch(file)
+        ]
         launch = Launch(self.workspace)
         if self.chosen:
             for file in self._chosen(files):

@@ -5,7 +5,7 @@ Nothing that lies elsewhere is read, whatever a path or a symbolic link says.
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -204,9 +204,9 @@ class Workspace:
         return real if inside and (real.is_file() or real.is_dir()) else None
 
     @cached_property
-    def packages(self) -> tuple[Package, ...]:
-        """The packages, those that lie in others first."""
-        found = []
+    def _described(self) -> Mapping[Path, Package]:
+        """The packages that manifests describe, by their folders."""
+        found = {}
         for file in self.files:
             if file.name == "package.xml":
                 try:
@@ -216,7 +216,28 @@ class Workspace:
                 match = _XML_NAME.search(text)
                 if match:
                     built = _BUILD_TYPE.findall(text) or _BUILD_TOOL.findall(text)
-                    found.append(Package(match[1], file.parent, frozenset(built)))
+                    found[file.parent] = Package(match[1], file.parent, frozenset(built))
+        return found
+
+    def is_nested(self, path: Path) -> bool:
+        """Whether a file or folder is of a package in the folder of another, which no build finds.
+
+        The folder of the workspace may be a package with others in it.
+        """
+        around = (path, *path.parents)
+        return sum(each in self._described and each != self.root for each in around) > 1
+
+    @cached_property
+    def packages(self) -> tuple[Package, ...]:
+        """The packages that a build finds, the deepest first."""
+        found = []
+        for folder, package in self._described.items():
+            if self.is_nested(folder):
+                place = point(self.shown(folder / "package.xml"), 1, 1)
+                sort = "packages in the folders of others, which no build finds,"
+                self.unread.append(Unread(sort, package.name, place))
+            else:
+                found.append(package)
         return tuple(sorted(found, key=lambda package: -len(package.folder.parts)))
 
     def package(self, name: str) -> Package | None:
