@@ -81,3 +81,42 @@ def test_a_launch_file_named_in_a_package_below_another_has_both(tmp_path: Path)
     }
     [tree] = read(written, tmp_path, "src/robot/arm/launch/arm.launch").trees
     assert lacking((tree,)) == [("base", "a.launch")]
+
+
+def test_of_two_packages_of_one_name_that_of_the_launch_file_is_meant(tmp_path: Path) -> None:
+    include = '<launch><include file="$(find arm)/launch/{}.launch"/></launch>'
+    program = '<launch><node pkg="arm" type="{}" name="n"/></launch>'
+    written = {
+        **{f"src/{each}/arm/package.xml": PACKAGE.format("arm") for each in ("left", "right")},
+        "src/left/arm/launch/wrist.launch": NODE.format("wrist"),
+        "src/left/arm/scripts/turn.py": "",
+        "src/left/arm/launch/arm.launch": include.format("wrist"),
+        "src/right/arm/launch/arm.launch": include.format("wrist"),
+        "src/base/package.xml": PACKAGE.format("base"),
+        "src/base/launch/a.launch": include.format("wrist"),
+        "src/base/launch/b.launch": include.format("absent"),
+        "src/base/launch/c.launch": program.format("turn"),
+        "src/base/launch/d.launch": program.format("bend"),
+    }
+    trees = {Path(tree.path).stem: tree for tree in read(written, tmp_path).trees if tree.missing}
+    assert list(trees) == ["d", "arm"]
+    assert "right" in trees["arm"].path
+    assert lacking((trees["arm"],)) == [("arm", "launch/wrist.launch")]
+    # Neither of them has the program.
+    assert lacking((trees["d"],)) == [("arm", "bend")]
+
+
+def test_console_scripts_are_of_the_package_in_their_folder(tmp_path: Path) -> None:
+    setup = "setup(entry_points={'console_scripts': ['n = arm.n:main']})"
+    python = "</name><export><build_type>ament_python</build_type></export>"
+    manifest = PACKAGE.format("arm").replace("</name>", python)
+    written = {
+        "a/arm/package.xml": manifest,
+        "a/arm/setup.py": setup,
+        "a/arm/setup.cfg": "[install]\ninstall_scripts=$base/lib/arm",
+        "a/arm/arm/m.py": "",
+        "a/arm/launch/x.launch.xml": NODE.format("pad").replace("type", "exec"),
+        "b/arm/package.xml": manifest,
+        "b/arm/setup.py": "setup()",
+    }
+    assert lacking(read(written, tmp_path).trees) == [("arm", "arm/n.py")]

@@ -241,8 +241,27 @@ class Workspace:
         return tuple(sorted(found, key=lambda package: -len(package.folder.parts)))
 
     def package(self, name: str) -> Package | None:
-        """Return a package by its name."""
-        return next((each for each in self.packages if each.name == name), None)
+        """Return a package by its name, the first of several."""
+        return next(iter(self._by_name.get(name, ())), None)
+
+    @cached_property
+    def _by_name(self) -> Mapping[str, Sequence[Package]]:
+        """The packages of each name, of which a workspace may have several by mistake."""
+        found: dict[str, list[Package]] = {}
+        for each in self.packages:
+            found.setdefault(each.name, []).append(each)
+        return found
+
+    def _meant(self, name: str, folder: Path) -> Sequence[Package]:
+        """Return the packages that a name may mean in a folder: the one around it, else all."""
+        named = self._by_name.get(name, ())
+        around = [each for each in named if each.folder in (folder, *folder.parents)]
+        return around[:1] or named
+
+    def _sole(self, name: str, folder: Path) -> Package | None:
+        """Return the package that a name means in a folder, or None if it may be several."""
+        found = self._meant(name, folder)
+        return found[0] if len(found) == 1 else None
 
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
@@ -277,12 +296,12 @@ class Workspace:
         above = self.root.parent if self.root.name == "src" else self.root
         candidates: Sequence[Path] = (folder / path, above / path)
         if match:
-            package = self.package(match[1])
             inner = path[match.end() :].lstrip("/")
-            if package is not None:
-                candidates = (package.folder / inner, *self._installed_sources(package, inner))
-            else:
-                return None
+            candidates = [
+                file
+                for package in self._meant(match[1], folder)
+                for file in (package.folder / inner, *self._installed_sources(package, inner))
+            ]
         for candidate in candidates:
             try:
                 found = self._inside(candidate)
@@ -315,12 +334,13 @@ class Workspace:
                 return found
         return None
 
-    def lacking(self, path: str) -> tuple[str, str] | None:
+    def lacking(self, path: str, folder: Path) -> tuple[str, str] | None:
         """Return the package and the path in it of a file that the package does not have.
 
-        Return None if the path names no file of a package here, or one that the build may make: a
-        template, a file of that name elsewhere in the package, or one that its build file names.
-        In a source workspace of catkin, a path is that of the source.
+        Return None if the path of a launch file in a folder names no file of one package here, or
+        one that the build may make: a template, a file of that name elsewhere in the package, or
+        one that its build file names. In a source workspace of catkin, a path is that of the
+        source.
         """
         match = _SHARE.match(path)
         if match is None:
@@ -329,7 +349,7 @@ class Workspace:
             package = self.package_of(whole) if whole.is_absolute() else None
             inside = "" if package is None else whole.relative_to(package.folder).as_posix()
         else:
-            package = self.package(match[1])
+            package = self._sole(match[1], folder)
             inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
         if package is None:
             return None
@@ -349,14 +369,14 @@ class Workspace:
                 return None
         return package.name, inside
 
-    def not_installed(self, path: str) -> tuple[str, str] | None:
+    def not_installed(self, path: str, folder: Path) -> tuple[str, str] | None:
         """Return the package and the path in it of a file of ROS 2 that it has and leaves out.
 
-        Return None if the path is not one of the shared files of a package here, or if that is
-        installed, or may be by an unread part of its build file.
+        Return None if the path of a launch file in a folder is not one of the shared files of one
+        package here, or if that is installed, or may be by an unread part of its build file.
         """
         match = _SHARE.match(path)
-        package = None if match is None else self.package(match[1])
+        package = None if match is None else self._sole(match[1], folder)
         if match is None or package is None or not package.is_of_ros2:
             return None
         inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
@@ -395,9 +415,10 @@ class Workspace:
 
     def has_program(self, package: str, executable: str, of_ros2: bool | None) -> bool:
         """Whether a package that a launch file names may have a program of a name."""
-        found = self.package(package)
-        is_here = found is not None and not self.is_for_other_ros(package, of_ros2)
-        return found is None or not is_here or self._may_have(found, executable)
+        found = self._by_name.get(package)
+        if found is None or self.is_for_other_ros(package, of_ros2):
+            return True
+        return any(self._may_have(each, executable) for each in found)
 
     def is_for_other_ros(self, package: str, of_ros2: bool | None) -> bool:
         """Whether a package here is for the other version of ROS than a launch file that names it.
