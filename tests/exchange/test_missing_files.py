@@ -92,6 +92,16 @@ def test_templates_of_launch_files_are_not_read(tmp_path: Path) -> None:
     assert [each.broken for each in trees if each.broken] == []
 
 
+def test_a_script_that_is_named_like_a_launch_file_is_none(tmp_path: Path) -> None:
+    script = "#! /usr/bin/env python3\ndef generate_launch_description():\n    return 1\n"
+    node = '<launch><node pkg="joy" exec="joy_node" name="joy"/></launch>'
+    write_package({"launch/run.launch": script, "launch/y.launch.xml": node}, tmp_path)
+    parsed = import_ros2([("", str(tmp_path))])
+    assert [tree.broken for tree in parsed.trees] == [()]
+    noted = "files that are named as launch files but are none not read: 1 (`run.launch`)"
+    assert noted in [each.message for each in parsed.warnings]
+
+
 PASSED = (
     '<include file="$(find-pkg-share elsewhere)/launch/x.launch.xml">'
     '<arg name="world" value="$(find-pkg-share arm)/worlds/home.world"/></include>'

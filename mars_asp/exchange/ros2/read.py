@@ -69,6 +69,8 @@ from mars_asp.spelling import nearest
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
 #: A node of a launch file of ROS 1; in ROS 2 `type` is `exec`.
 _TYPE = re.compile(r"<node\b[^>]*\btype\s*=")
+#: The start of a script, which may be named like a launch file of another format.
+_SCRIPT = re.compile(r"#!.*python")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
 #: A folder that does not exist.
 _NOWHERE = Path("/dev/null/nowhere")
@@ -494,7 +496,9 @@ class _Robot:
         if not is_named and not (file.suffix in _IN_FOLDER and "launch" in file.parent.parts[-2:]):
             return False
         try:
-            found = is_launch(self.workspace.text(file))
+            text = self.workspace.text(file)
+            is_script = file.suffix == ".launch" and _SCRIPT.match(text) is not None
+            found = is_launch(text) and not is_script
         except MarsError as error:
             self.unread.append(
                 Unread("launch files with errors", file.name, error.diagnostics[0].span)
