@@ -10,10 +10,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property, partial
+from itertools import chain
 from pathlib import Path, PurePosixPath
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.exchange.ros2.cmake import Installed, Targets, read_cmake
+from mars_asp.exchange.ros2.cmake import Installed, Targets, installing_macros, read_cmake
 from mars_asp.exchange.ros2.setup_files import files_of_setup, lists_all_files
 from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
@@ -537,9 +538,15 @@ class Workspace:
             }
             build = files.get("CMakeLists.txt")
             self._targets[package.folder] = (
-                Targets() if build is None else read_cmake(build(), files)
+                Targets() if build is None else read_cmake(build(), files, self._macros)
             )
         return self._targets[package.folder]
+
+    @cached_property
+    def _macros(self) -> frozenset[str]:
+        """The macros and functions of modules of CMake that may install something."""
+        modules = (file for file in self.files if file.suffix == ".cmake")
+        return frozenset(chain.from_iterable(map(installing_macros, map(self._readable, modules))))
 
     def _readable(self, file: Path) -> str:
         """Return the text of a file, or an empty one if it has errors."""
