@@ -50,6 +50,26 @@ def test_a_folder_that_is_not_to_be_built_holds_no_packages(tmp_path: Path, mark
         assert lacking(parsed.trees) == [("arm", "launch/wrist.launch")]
 
 
+def test_in_a_package_a_marked_folder_has_its_sources_and_launch_files(tmp_path: Path) -> None:
+    source = "int main() { n.advertise<A>('/t', 1); }".replace("'", '"')
+    written = {
+        "package.xml": PACKAGE.format("base"),
+        "CMakeLists.txt": "file(GLOB ALL src/*.cpp)\nadd_executable(n ${ALL})",
+        "src/AMENT_IGNORE": "",
+        "src/n.cpp": source,
+        "launch/AMENT_IGNORE": "",
+        "launch/base.launch": '<launch><node pkg="base" type="n" name="n"/></launch>',
+    }
+    for folder, named in ("alone", "alone"), ("src/base", "."):
+        moved = {f"{folder}/{name}": text for name, text in written.items()}
+        [tree] = read(moved, tmp_path / folder.replace("/", "-"), named).trees
+        assert [end.topic for node in tree.nodes for end in node.published] == ["/t"]
+    # The packages in it are none.
+    inner = {"old/COLCON_IGNORE": "", "old/arm/package.xml": PACKAGE.format("arm")}
+    launch = {"old/arm/launch/arm.launch": NODE.format("pad")}
+    assert launched(read({**written, **inner, **launch}, tmp_path / "more")) == ["base"]
+
+
 def test_a_package_in_the_folder_of_another_is_none(tmp_path: Path) -> None:
     include = '<launch><include file="$(find arm)/launch/wrist.launch"/></launch>'
     written = {

@@ -122,6 +122,7 @@ class Workspace:
         self.unread: list[Unread] = []
         self._deep = deep
         self._is_absolute = Path(named).is_absolute()
+        self._marked: set[Path] = set()
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
         self._ignored: list[tuple[Path, tuple[str, ...]]] | None = None
@@ -162,10 +163,13 @@ class Workspace:
         found: list[Path] = []
         for folder, folders, names in os.walk(self.root):
             at = Path(folder)
-            is_ignored = at != self.root and not IGNORE_MARKERS.isdisjoint(names)
-            if is_ignored:
-                names.clear()
-            if is_ignored or not self._deep:
+            if at != self.root and not IGNORE_MARKERS.isdisjoint(names):
+                self._marked.add(at)
+                # In a package a marker hides sources from linters alone.
+                if not any((each / "package.xml").exists() for each in self._above(at)):
+                    names.clear()
+                    folders.clear()
+            if not self._deep:
                 folders.clear()
             folders[:] = sorted(
                 name for name in folders if not name.startswith(".") and name not in _SKIPPED
@@ -186,6 +190,10 @@ class Workspace:
                 self.unread.append(Unread(sort, self.named, point(self.named, 1, 1)))
                 break
         return tuple(found)
+
+    def _above(self, path: Path) -> Sequence[Path]:
+        """Return the folders of the workspace that hold one of its files or folders."""
+        return path.parents[: len(path.parts) - len(self.root.parts)]
 
     def _note_link(self, path: Path) -> bool:
         """Whether a path is a link that leads out of the workspace, or nowhere; it is noted."""
@@ -223,10 +231,12 @@ class Workspace:
     def is_nested(self, path: Path) -> bool:
         """Whether a file or folder is of a package in the folder of another, which no build finds.
 
-        The folder of the workspace may be a package with others in it.
+        The folder of the workspace may be a package with others in it that are not marked.
         """
-        around = (path, *path.parents)
-        return sum(each in self._described and each != self.root for each in around) > 1
+        around = [path, *self._above(path)]
+        first, *others = [each for each in around if each in self._described] or [self.root]
+        is_marked = not self._marked.isdisjoint((first, *self._above(first)))
+        return first != self.root and (is_marked or bool({*others} - {self.root}))
 
     @cached_property
     def packages(self) -> tuple[Package, ...]:
