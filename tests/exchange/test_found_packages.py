@@ -96,10 +96,10 @@ def test_a_launch_file_named_in_a_package_below_another_has_both(tmp_path: Path)
     written = {
         "src/robot/package.xml": PACKAGE.format("robot"),
         "src/robot/arm/package.xml": PACKAGE.format("arm"),
-        "src/robot/arm/launch/arm.launch": '<launch><include file="$(find base)/a.launch"/></launch>',
+        "src/robot/arm/arm.launch": '<launch><include file="$(find base)/a.launch"/></launch>',
         "src/robot/base/package.xml": PACKAGE.format("base"),
     }
-    [tree] = read(written, tmp_path, "src/robot/arm/launch/arm.launch").trees
+    [tree] = read(written, tmp_path, "src/robot/arm/arm.launch").trees
     assert lacking((tree,)) == [("base", "a.launch")]
 
 

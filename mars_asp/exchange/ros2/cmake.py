@@ -28,6 +28,27 @@ _INSTALLING = frozenset(
         "ament_python_install_module",
     }
 )
+#: Commands that name no programs, or only those that another command makes.
+_WITHOUT_PROGRAMS = _LIBRARIES | frozenset(
+    "add_compile_options add_definitions add_dependencies add_message_files add_service_files"
+    " add_action_files add_subdirectory ament_auto_package ament_package"
+    " ament_python_install_package ament_target_dependencies catkin_package catkin_python_setup"
+    " else elseif endif endfunction endmacro get_target_property if include include_directories"
+    " install link_directories link_libraries message project set_property set_target_properties"
+    " rclcpp_components_register_node rclcpp_components_register_nodes string".split()
+)
+_WITHOUT_PROGRAM = (
+    "ament_add_",
+    "ament_export_",
+    "find_",
+    "generate_",
+    "pluginlib_",
+    "rosidl_",
+    "target_",
+)
+#: Words before the name of a program.
+_PROGRAM_KEYS = frozenset({"EXECUTABLE", "OUTPUT_NAME", "RENAME"})
+_FILE_WORD = re.compile(r"[\w.+-]+")
 _BLOCKS = frozenset({"macro", "function", "foreach"})
 _DEFINITION = re.compile(r"(?im)^[ \t]*(?:macro|function)[ \t]*\([ \t]*([\w-]+)")
 _MAY_INSTALL = re.compile(r"(?i)(?:install\w*|\binclude)[ \t]*\(")
@@ -88,6 +109,23 @@ def installing_macros(text: str) -> Iterator[str]:
     """Yield the names of the macros and functions of a file that may install something."""
     if _MAY_INSTALL.search(text):
         yield from map(str.lower, _DEFINITION.findall(text))
+
+
+def words_of_programs(text: str) -> Iterator[str]:
+    """Yield the words of commands that may name programs, or the files that these are.
+
+    A target of a name is a program or a library.
+    """
+    commands = list(_commands(text))
+    libraries = {words[0] for name, words in commands if name in _LIBRARIES and words}
+    for name, words in commands:
+        named = [word for key, word in pairwise(words) if key in _PROGRAM_KEYS]
+        is_installing = name == "install" and words[:1] in (["PROGRAMS"], ["TARGETS"])
+        if is_installing or not (name in _WITHOUT_PROGRAMS or name.startswith(_WITHOUT_PROGRAM)):
+            used = (w for key, w in pairwise(("", *words)) if key != "DESTINATION")
+            named += (word for word in used if word not in libraries)
+        for word in named:
+            yield from _FILE_WORD.findall(word.rpartition("/")[2])
 
 
 def read_cmake(

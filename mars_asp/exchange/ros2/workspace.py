@@ -5,16 +5,23 @@ Nothing that lies elsewhere is read, whatever a path or a symbolic link says.
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property, partial
 from itertools import chain
 from pathlib import Path, PurePosixPath
+from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.exchange.ros2.cmake import Installed, Targets, installing_macros, read_cmake
+from mars_asp.exchange.ros2.cmake import (
+    Installed,
+    Targets,
+    installing_macros,
+    read_cmake,
+    words_of_programs,
+)
 from mars_asp.exchange.ros2.setup_files import files_of_setup, lists_all_files
 from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
@@ -69,6 +76,8 @@ _COMPOSED = re.compile(
     r"(?i)add_executable\s*\(\s*[^)\s]*\$\{|add_example|add_demo|install\s*\(\s*PROGRAMS\s+\$\{"
     r"|\bEXECUTABLE\s+[^)\s]*\$\{|foreach\s*\(|catkin_install_python\s*\([^)]*\$\{"
 )
+#: An entry of console scripts that puts together the name of its program.
+_COMPOSED_ENTRY = r"[fF][\"']\s*\{|[\"']\s*=\s*\w|%s|\.format\("
 #: The setting of where the scripts of a package in Python are installed.
 _SCRIPT_FOLDER = re.compile(r"\b(?:install[_-]scripts|script[_-]dir)\b|[\"']lib/")
 _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
@@ -109,6 +118,17 @@ class Package:
         return "ament_python" in self.build_types
 
 
+class _Contents(NamedTuple):
+    """The names of the files of a package, and the texts of its build files of CMake and Python.
+
+    Programs that files or commands may be are among the names, as `_as_program` writes them.
+    """
+
+    names: Set[str]
+    build: str
+    python: str
+
+
 class Workspace:
     """The files below a folder."""
 
@@ -126,7 +146,7 @@ class Workspace:
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
         self._ignored: list[tuple[Path, tuple[str, ...]]] | None = None
-        self._contents: dict[Path, tuple[frozenset[str], str]] = {}
+        self._contents: dict[Path, _Contents] = {}
         self._shared: dict[Path, list[Installed]] = {}
         self._targets: dict[Path, Targets] = {}
         #: What paths name, as the defaults of arguments are looked up for each include.
@@ -373,9 +393,13 @@ class Workspace:
         if name.endswith(_OF_RESULTS) and not (package.folder / inside).parent.is_dir():
             return None
         if self._may_have(package, name):
-            contents, build = self._contents[package.folder]
+            contents, *texts = self._contents_of(package)
             # What the build file installs from elsewhere would have been found.
-            is_elsewhere = name in contents and f"{name}.in" not in contents and name not in build
+            is_elsewhere = (
+                name in contents
+                and f"{name}.in" not in contents
+                and all(name not in text for text in texts)
+            )
             if not is_elsewhere or not (package.is_of_ros1 or (match and self._lists_all(package))):
                 return None
         return package.name, inside
@@ -429,7 +453,7 @@ class Workspace:
         found = self._by_name.get(package)
         if found is None or self.is_for_other_ros(package, of_ros2):
             return True
-        return any(self._may_have(each, executable) for each in found)
+        return any(self._may_have_program(each, executable) for each in found)
 
     def is_for_other_ros(self, package: str, of_ros2: bool | None) -> bool:
         """Whether a package here is for the other version of ROS than a launch file that names it.
@@ -477,41 +501,53 @@ class Workspace:
                     ):
                         yield name
 
-    def _may_have(self, package: Package, name: str) -> bool:
-        """Whether a package has a file of a name or its template, or its build file names it."""
+    def _contents_of(self, package: Package) -> _Contents:
+        """Return the names of the files of a package, and the texts of its build files."""
         if package.folder not in self._contents:
-            stems = set[str]()
-            build = ""
+            found: dict[str, None] = {}
+            python = build = ""
             for folder, folders, names in os.walk(package.folder):
                 folders[:] = [each for each in folders if not each.startswith(".")]
-                stems.update(names)
-                stems.update(_as_program(each) for each in names)
+                found |= dict.fromkeys(names)
                 for each in names:
+                    text = ""
                     if each in _BUILD_FILES or each.endswith(".cmake"):
-                        with suppress(MarsError):
-                            build += self.text(Path(folder) / each)
+                        text = self._readable(Path(folder) / each)
+                    if each.startswith(("setup.", "pyproject.")):
+                        python += f"{text}\n"
+                    else:
+                        build += f"{text}\n"
             projects = dict.fromkeys((package.name, *_PROJECT.findall(build)))
             build = "\n".join(_PROJECT_NAME.sub(each, build) for each in projects)
-            self._contents[package.folder] = frozenset(stems), build
-        contents, build = self._contents[package.folder]
-        has_build_file = "CMakeLists.txt" in contents
-        if "." not in name and "console_scripts" in build and not has_build_file:
-            # A package of Python has the programs that its build file lists, whatever its files.
-            return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build) is not None
+            programs = map(_as_program, chain(found, words_of_programs(build)))
+            self._contents[package.folder] = _Contents({*found, *programs}, build, python)
+        return self._contents[package.folder]
+
+    def _may_have(self, package: Package, name: str) -> bool:
+        """Whether a package has a file of a name or its template, or its build file names it."""
+        contents, build, python = self._contents_of(package)
         stem = name.partition(".")[0]
         templates = (f"{stem}.xacro", f"{name}.xacro") if name.endswith((".urdf", ".sdf")) else ()
-        if not contents.isdisjoint((name, f"{name}.in", *templates)):
+        has_file = not contents.isdisjoint((name, f"{name}.in", *templates))
+        return has_file or _mentions(build + python, name)
+
+    def _may_have_program(self, package: Package, name: str) -> bool:
+        """Whether a package has a script of a name, or its build files name such a program."""
+        contents, build, python = self._contents_of(package)
+        if "." in name:
+            return self._may_have(package, name)
+        is_of_cmake = "CMakeLists.txt" in contents
+        if "console_scripts" in python and not is_of_cmake:
+            # A package of Python has the programs that its build file lists, whatever its files.
+            if name == package.name:
+                entry = rf"(?m)(?:^|[\"'])[ \t]*{re.escape(name)}[ \t]*="
+                return re.search(f"{entry}|{_COMPOSED_ENTRY}", python) is not None
+            return _mentions(python, name)
+        if _as_program(name) in contents or f"{name}.in" in contents or _mentions(python, name):
             return True
-        is_program = "." not in name
-        if is_program and _as_program(stem) in contents:
-            return True
-        # A source is built only where the build file names it.
-        if is_program and _as_program(f"{stem}.cpp") in contents and not has_build_file:
-            return True
-        if re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build):
-            return True
-        # Names that a build file composes are not known.
-        return is_program and _COMPOSED.search(build) is not None
+        # A source is built only where the build file names it, but names may be composed.
+        is_built = _COMPOSED.search(build) if is_of_cmake else f"{name} (source)" in contents
+        return bool(is_built)
 
     def _installed_sources(self, package: Package, path: str) -> Iterator[Path]:
         """Yield the files of a package that may be installed as a path of its shared folder."""
@@ -581,6 +617,11 @@ class Workspace:
                 raise MarsError((Diagnostic("encoding", "error", message, place, help=help_text),))
             self._texts[file] = text
         return self._texts[file]
+
+
+def _mentions(text: str, name: str) -> bool:
+    """Whether a build file has a name as a word."""
+    return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", text) is not None
 
 
 def _as_program(file: str) -> str:
