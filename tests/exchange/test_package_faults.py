@@ -156,6 +156,22 @@ def test_programs_are_where_ros2_looks(
 
 
 @pytest.mark.parametrize(
+    ("entry", "found"),
+    [("mine.n:main", [("file", "mine/n.py")]), ("mine.n", []), ("mine.__init__.py", [])],
+)
+def test_an_entry_without_a_function_lacks_no_module(
+    entry: str, found: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    written = {
+        "setup.py": f"{SETUP}setup(entry_points={{'console_scripts': ['n = {entry}']}})\n",
+        "setup.cfg": "[install]\ninstall_scripts=$base/lib/mine\n",
+        "mine/__init__.py": "",
+        "x.launch.xml": '<launch><node pkg="joy" exec="joy_node"/></launch>',
+    }
+    assert lacking(read(written, tmp_path, "ament_python")) == found
+
+
+@pytest.mark.parametrize(
     ("module", "is_found"),
     [
         ("def run(): ...\n", True),

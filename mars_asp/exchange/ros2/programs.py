@@ -114,7 +114,8 @@ class Programs:
                 at = text.find(module)
                 is_own = (package.folder / path.partition("/")[0]).is_dir()
                 is_here = any(each.is_dir() or each.with_suffix(".py").is_file() for each in places)
-                is_name = all(part.isidentifier() for part in module.split("."))
+                # An entry without a function names no module whose file could be added.
+                is_name = function and all(part.isidentifier() for part in module.split("."))
                 if not (is_name and is_own and at >= 0 and "/" in path):
                     continue
                 if not is_here:
