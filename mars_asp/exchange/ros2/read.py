@@ -185,17 +185,14 @@ def _root(path: Path) -> tuple[Path, bool]:
         if (root / ".git").exists() or root == root.parent:
             return folder, False
         root = root.parent
-    while not _is_outermost(root) and _holds(root.parent, root):
+    ends = (".git", *IGNORE_MARKERS)
+    while root != root.parent and not any((root / each).exists() for each in ends):
+        if not _holds(root.parent, root):
+            break
         root = root.parent
         if _is_package(root):
             break
     return root, True
-
-
-def _is_outermost(folder: Path) -> bool:
-    """Whether no folder above one is read."""
-    ends = (".git", *IGNORE_MARKERS)
-    return folder == folder.parent or any((folder / each).exists() for each in ends)
 
 
 def _is_package(folder: Path) -> bool:

@@ -233,7 +233,7 @@ class Workspace:
         return real if inside and (real.is_file() or real.is_dir()) else None
 
     @cached_property
-    def _described(self) -> Mapping[Path, Package]:
+    def _by_manifest(self) -> Mapping[Path, Package]:
         """The packages that manifests describe, by their folders."""
         found = {}
         for file in self.files:
@@ -254,7 +254,7 @@ class Workspace:
         The folder of the workspace may be a package with others in it that are not marked.
         """
         around = [path, *self._above(path)]
-        first, *others = [each for each in around if each in self._described] or [self.root]
+        first, *others = [each for each in around if each in self._by_manifest] or [self.root]
         is_marked = not self._marked.isdisjoint((first, *self._above(first)))
         return first != self.root and (is_marked or bool({*others} - {self.root}))
 
@@ -262,7 +262,7 @@ class Workspace:
     def packages(self) -> tuple[Package, ...]:
         """The packages that a build finds, the deepest first."""
         found = []
-        for folder, package in self._described.items():
+        for folder, package in self._by_manifest.items():
             if self.is_nested(folder):
                 place = point(self.shown(folder / "package.xml"), 1, 1)
                 sort = "packages in the folders of others, which no build finds,"
