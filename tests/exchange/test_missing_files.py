@@ -92,6 +92,16 @@ def test_templates_of_launch_files_are_not_read(tmp_path: Path) -> None:
     assert [each.broken for each in trees if each.broken] == []
 
 
+def test_a_script_that_is_named_like_a_launch_file_is_none(tmp_path: Path) -> None:
+    script = "#! /usr/bin/env python3\ndef generate_launch_description():\n    return 1\n"
+    node = '<launch><node pkg="joy" exec="joy_node" name="joy"/></launch>'
+    write_package({"launch/run.launch": script, "launch/y.launch.xml": node}, tmp_path)
+    parsed = import_ros2([("", str(tmp_path))])
+    assert [tree.broken for tree in parsed.trees] == [()]
+    noted = "files that are named as launch files but are none not read: 1 (`run.launch`)"
+    assert noted in [each.message for each in parsed.warnings]
+
+
 PASSED = (
     '<include file="$(find-pkg-share elsewhere)/launch/x.launch.xml">'
     '<arg name="world" value="$(find-pkg-share arm)/worlds/home.world"/></include>'
@@ -228,6 +238,13 @@ def generate_launch_description():
         ("arm/src/grip.cpp", "add_executable(grip src/grip.cpp)", True),
         ("arm/src/grip.cpp", "project(gr)\nadd_executable(${PROJECT_NAME}ip src/grip.cpp)", True),
         ("arm/src/grip.cpp", "foreach(name ${NAMES})", True),
+        ("arm/src/grip.cpp", "add_executable(arm_grip src/grip.cpp)", False),
+        ("arm/src/grip.cpp", "# add_executable(grip src/a.cpp)", False),
+        ("arm/src/grip.cpp", "set(NODES grip)\nadd_nodes(${NODES})", True),
+        ("arm/src/grip/a.cpp", "add_subdirectory(src/grip)\nfind_package(grip)", False),
+        ("arm/src/a.cpp", "add_library(grip a.cpp)\ninstall(TARGETS grip DESTINATION lib)", False),
+        ("arm/src/a.cpp", "set_target_properties(a PROPERTIES OUTPUT_NAME grip)", True),
+        ("arm/src/a.cpp", "install(PROGRAMS a.py DESTINATION lib/arm RENAME grip)", True),
         ("arm/src/a.cpp", 'register_node(a PLUGIN "A" EXECUTABLE ${NAME}_exe)', True),
         ("arm/src/a.cpp", 'register_node(a PLUGIN "A" EXECUTABLE ${PROJECT_NAME}_exe)', False),
     ],
@@ -239,6 +256,28 @@ def test_a_program_is_a_script_or_named_in_the_build_file(
     lines = launch('<node pkg="arm" exec="grip"/>')
     expected = [] if is_there else [("grip", "arm", True)]
     assert missing(tmp_path, {**files, **lines}) == expected
+
+
+@pytest.mark.parametrize(
+    ("file", "build", "is_there"),
+    [
+        ("CMakeLists.txt", "project(arm)\nadd_executable(grip a.cpp)", False),
+        ("CMakeLists.txt", "project(arm)\nadd_executable(${PROJECT_NAME} a.cpp)", True),
+        ("CMakeLists.txt", "project(arm)\nadd_all_of(${PROJECT_NAME})", True),
+        ("CMakeLists.txt", "install(PROGRAMS a.py DESTINATION lib/arm)", False),
+        ("setup.py", SETUP, False),
+        ("setup.py", SETUP.replace("gripper =", "arm ="), True),
+        ("setup.py", SETUP.replace("'gripper =", "f'{name} ="), True),
+        ("setup.py", SETUP.replace("'gripper =", "name + ' ="), True),
+        ("setup.cfg", "[options.entry_points]\nconsole_scripts =\n  arm = arm.a:main\n", True),
+    ],
+)
+def test_a_program_that_is_named_like_its_package_is_built(
+    tmp_path: Path, file: str, build: str, is_there: bool
+) -> None:
+    lines = launch('<node pkg="arm" exec="arm"/>')
+    found = missing(tmp_path, {f"arm/{file}": build, "arm/arm/gripper.py": "main = 1", **lines})
+    assert found == ([] if is_there else [("arm", "arm", True)])
 
 
 def test_angles_of_rosparam_are_read(tmp_path: Path) -> None:

@@ -44,6 +44,12 @@ LEFT_OUT = [("not installed", "config/p.yaml")]
         ("install_launch_files()", []),
         ("install(CODE x)", []),
         ("add_custom_command(OUTPUT config/p.yaml)", []),
+        ("include(all)", []),
+        ("include(GNUInstallDirs)", LEFT_OUT),
+        ("include(../build/all.cmake)", []),
+        ("set_flags()", LEFT_OUT),
+        ("finish()", []),
+        ("macro(finish)\nendmacro()\nfinish()", LEFT_OUT),
         ("ament_auto_package(INSTALL_TO_SHARE config launch)", []),
         ("ament_auto_package(INSTALL_TO_SHARE launch)", LEFT_OUT),
         # A quote in a word does not begin a text.
@@ -53,7 +59,13 @@ LEFT_OUT = [("not installed", "config/p.yaml")]
 def test_cmake_installs_a_file_or_leaves_it_out(
     commands: str, found: list[tuple[str, str]], tmp_path: Path
 ) -> None:
-    written = {"config/p.yaml": FILE, "x.launch.xml": PARAMETERS}
+    written = {
+        "config/p.yaml": FILE,
+        "x.launch.xml": PARAMETERS,
+        "cmake/all.cmake": "install(DIRECTORY config DESTINATION share/mine)",
+        "cmake/end.cmake": "macro(Finish)\n  install(DIRECTORY config DESTINATION a)\nendmacro()",
+        "cmake/flags.cmake": "function(set_flags)\nendfunction()",
+    }
     parsed = read({**written, "CMakeLists.txt": f"project(mine)\n{commands}\n"}, tmp_path)
     assert lacking(parsed) == found
 
@@ -141,6 +153,22 @@ def test_programs_are_where_ros2_looks(
     }
     found = lacking(read(written, tmp_path, built_by))
     assert found == ([("programs", "mine")] if is_found else [])
+
+
+@pytest.mark.parametrize(
+    ("entry", "found"),
+    [("mine.n:main", [("file", "mine/n.py")]), ("mine.n", []), ("mine.__init__.py", [])],
+)
+def test_an_entry_without_a_function_lacks_no_module(
+    entry: str, found: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    written = {
+        "setup.py": f"{SETUP}setup(entry_points={{'console_scripts': ['n = {entry}']}})\n",
+        "setup.cfg": "[install]\ninstall_scripts=$base/lib/mine\n",
+        "mine/__init__.py": "",
+        "x.launch.xml": '<launch><node pkg="joy" exec="joy_node"/></launch>',
+    }
+    assert lacking(read(written, tmp_path, "ament_python")) == found
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import posixpath
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from itertools import pairwise
@@ -28,7 +28,30 @@ _INSTALLING = frozenset(
         "ament_python_install_module",
     }
 )
+#: Commands that name no programs, or only those that another command makes.
+_WITHOUT_PROGRAMS = _LIBRARIES | frozenset(
+    "add_compile_options add_definitions add_dependencies add_message_files add_service_files"
+    " add_action_files add_subdirectory ament_auto_package ament_package"
+    " ament_python_install_package ament_target_dependencies catkin_package catkin_python_setup"
+    " else elseif endif endfunction endmacro get_target_property if include include_directories"
+    " install link_directories link_libraries message project set_property set_target_properties"
+    " rclcpp_components_register_node rclcpp_components_register_nodes string".split()
+)
+_WITHOUT_PROGRAM = (
+    "ament_add_",
+    "ament_export_",
+    "find_",
+    "generate_",
+    "pluginlib_",
+    "rosidl_",
+    "target_",
+)
+#: Words before the name of a program.
+_PROGRAM_KEYS = frozenset({"EXECUTABLE", "OUTPUT_NAME", "RENAME"})
+_FILE_WORD = re.compile(r"[\w.+-]+")
 _BLOCKS = frozenset({"macro", "function", "foreach"})
+_DEFINITION = re.compile(r"(?im)^[ \t]*(?:macro|function)[ \t]*\([ \t]*([\w-]+)")
+_MAY_INSTALL = re.compile(r"(?i)(?:install\w*|\binclude)[ \t]*\(")
 #: The folder of the package at the start of absolute paths.
 _PACKAGE = "/package"
 _MOST_WORDS = 10_000
@@ -82,14 +105,42 @@ class Targets:
         return found
 
 
-def read_cmake(text: str, files: Mapping[str, Callable[[], str]] | None = None) -> Targets:
+def installing_macros(text: str) -> Iterator[str]:
+    """Yield the names of the macros and functions of a file that may install something."""
+    if _MAY_INSTALL.search(text):
+        yield from map(str.lower, _DEFINITION.findall(text))
+
+
+def words_of_programs(text: str) -> Iterator[str]:
+    """Yield the words of commands that may name programs, or the files that these are.
+
+    A target of a name is a program or a library.
+    """
+    commands = list(_commands(text))
+    libraries = {words[0] for name, words in commands if name in _LIBRARIES and words}
+    for name, words in commands:
+        named = [word for key, word in pairwise(words) if key in _PROGRAM_KEYS]
+        is_installing = name == "install" and words[:1] in (["PROGRAMS"], ["TARGETS"])
+        if is_installing or not (name in _WITHOUT_PROGRAMS or name.startswith(_WITHOUT_PROGRAM)):
+            used = (w for key, w in pairwise(("", *words)) if key != "DESTINATION")
+            named += (word for word in used if word not in libraries)
+        for word in named:
+            yield from _FILE_WORD.findall(word.rpartition("/")[2])
+
+
+def read_cmake(
+    text: str,
+    files: Mapping[str, Callable[[], str]] | None = None,
+    elsewhere: Set[str] = frozenset(),
+) -> Targets:
     """Return the targets of a `CMakeLists.txt`; conditions are taken whatever they say.
 
     `files` are the files of the package by their paths in it, each with a function that returns
     its text: included files and those of subfolders are read, and patterns name their files.
-    Paths are relative to the package.
+    Paths are relative to the package. `elsewhere` are the macros and functions of other
+    packages that may install something.
     """
-    reader = _Reader(files or {})
+    reader = _Reader(files or {}, elsewhere)
     reader.follow(list(_commands(text)), "", {"CMAKE_INSTALL_DATADIR": ["share"]})
     reader.targets.is_whole &= reader.left > 0
     return reader.targets
@@ -98,8 +149,11 @@ def read_cmake(text: str, files: Mapping[str, Callable[[], str]] | None = None) 
 class _Reader:
     """Follows the commands of a package, through loops, macros and the files they name."""
 
-    def __init__(self, files: Mapping[str, Callable[[], str]]) -> None:
+    def __init__(self, files: Mapping[str, Callable[[], str]], elsewhere: Set[str]) -> None:
         self.files = files
+        self.elsewhere = elsewhere
+        #: The files that an include names by the name of a module.
+        self.modules = {posixpath.basename(path).removesuffix(".cmake"): path for path in files}
         self.targets = Targets()
         self.macros: dict[str, tuple[Sequence[str], Sequence[_Command]]] = {}
         self.automatic: list[str] = []
@@ -148,7 +202,8 @@ class _Reader:
                 is_script = name == "install" and given[:1] in (["CODE"], ["SCRIPT"])
                 may_install = is_script or ("install" in name and name not in _INSTALLING)
                 is_making = name in _MAKING and given[:1] not in (["GLOB"], ["GLOB_RECURSE"])
-                self.targets.is_whole &= not (may_install or is_making)
+                is_unread = name in self.elsewhere
+                self.targets.is_whole &= not (may_install or is_making or is_unread)
                 if given:
                     self.take_command(name, given, folder, values)
         self.depth -= 1
@@ -188,8 +243,12 @@ class _Reader:
             case "project":
                 values["PROJECT_NAME"] = [first]
                 values["CATKIN_PACKAGE_SHARE_DESTINATION"] = [f"share/{first}"]
-            case "include" if first.endswith(".cmake"):
-                self.follow(self.commands_of(_in_package(first, folder)), folder, values)
+            case "include":
+                path = self.modules.get(first) or _in_package(first, folder)
+                # A name alone is mostly of a module of CMake, which installs nothing.
+                is_module = "/" not in first and not first.endswith(".cmake")
+                self.targets.is_whole &= path in self.files or is_module
+                self.follow(self.commands_of(path), folder, values)
             case "add_subdirectory":
                 inner = _in_package(first, folder)
                 self.follow(self.commands_of(f"{inner}/CMakeLists.txt"), inner, dict(values))

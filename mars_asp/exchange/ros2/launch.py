@@ -471,8 +471,10 @@ class Launch:
         # Most texts of launch files name no file, which has an ending.
         if path is None or "." not in path:
             return False
-        is_here = self.workspace.find(path, files[-1].parent) is not None
-        lacking = (self.workspace.not_installed if is_here else self.workspace.lacking)(path)
+        folder = files[-1].parent
+        is_here = self.workspace.find(path, folder) is not None
+        lacks = self.workspace.not_installed if is_here else self.workspace.lacking
+        lacking = lacks(path, folder)
         if lacking is None or self._checks_files(files[-1]):
             return False
         package, name = lacking

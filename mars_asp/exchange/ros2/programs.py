@@ -72,7 +72,7 @@ class Programs:
     def all(self) -> Iterator[Program]:
         """Yield every program that a package of the workspace says it has."""
         for package in self.workspace.packages:
-            for name in self._scripts.get(package.name, {}):
+            for name in self._scripts.get(package.folder, {}):
                 yield Program(package.name, name, False)
             targets = self.workspace.targets(package)
             for name in targets.executables:
@@ -105,18 +105,19 @@ class Programs:
                 continue
             setup = package.folder / "setup.py"
             text = self._text(setup) or ""
-            has_scripts = self._scripts.get(package.name) and "console_scripts" in text
+            has_scripts = self._scripts.get(package.folder) and "console_scripts" in text
             if has_scripts and not self.workspace.places_scripts(package):
                 place = self._span_of(setup, text, "console_scripts")
                 yield AbsentFile(package.name, package.name, place, "programs")
-            for entry in self._scripts.get(package.name, {}).values():
+            for entry in self._scripts.get(package.folder, {}).values():
                 module, _, function = (part.strip() for part in entry.partition(":"))
                 path = module.replace(".", "/")
                 places = [package.folder / above / path for above in ("", "src")]
                 at = text.find(module)
                 is_own = (package.folder / path.partition("/")[0]).is_dir()
                 is_here = any(each.is_dir() or each.with_suffix(".py").is_file() for each in places)
-                is_name = all(part.isidentifier() for part in module.split("."))
+                # An entry without a function names no module whose file could be added.
+                is_name = function and all(part.isidentifier() for part in module.split("."))
                 if not (is_name and is_own and at >= 0 and "/" in path):
                     continue
                 if not is_here:
@@ -163,7 +164,7 @@ class Programs:
         package = self.workspace.package(program.package)
         if package is None:
             return None
-        entry = self._scripts.get(package.name, {}).get(program.executable)
+        entry = self._scripts.get(package.folder, {}).get(program.executable)
         if entry is not None:
             module, _, function = entry.partition(":")
             return self._python.interface(module.strip(), function.strip() or None)
@@ -343,9 +344,9 @@ class Programs:
         return found
 
     @cached_property
-    def _scripts(self) -> dict[str, dict[str, str]]:
-        """The console scripts of each package, each with its module and function."""
-        found: dict[str, dict[str, str]] = {}
+    def _scripts(self) -> dict[Path, dict[str, str]]:
+        """The console scripts of each package by its folder, each with its module and function."""
+        found: dict[Path, dict[str, str]] = {}
         for package in self.workspace.packages:
             scripts: dict[str, str] = {}
             setup = self._text(package.folder / "setup.py")
@@ -356,7 +357,7 @@ class Programs:
             configured = self._text(package.folder / "setup.cfg")
             if configured is not None:
                 scripts |= dict(scripts_of_configuration(configured))
-            found[package.name] = scripts
+            found[package.folder] = scripts
         return found
 
     @cached_property

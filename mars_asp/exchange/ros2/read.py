@@ -37,7 +37,7 @@ from mars_asp.exchange.ros2.parameters import (
     values_for,
 )
 from mars_asp.exchange.ros2.programs import Program, Programs
-from mars_asp.exchange.ros2.workspace import Workspace
+from mars_asp.exchange.ros2.workspace import IGNORE_MARKERS, Workspace
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.twist_mux.document import (
     SORTS,
@@ -69,6 +69,8 @@ from mars_asp.spelling import nearest
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
 #: A node of a launch file of ROS 1; in ROS 2 `type` is `exec`.
 _TYPE = re.compile(r"<node\b[^>]*\btype\s*=")
+#: The start of a script, which may be named like a launch file of another format.
+_SCRIPT = re.compile(r"#!.*python")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
 #: A folder that does not exist.
 _NOWHERE = Path("/dev/null/nowhere")
@@ -170,7 +172,8 @@ def _root(path: Path) -> tuple[Path, bool]:
 
     Of a launch file it is its package, and then the folder above as long as that has other packages
     directly in it or is a `src`; without a package it is the folder of the file. Nothing above a
-    folder with `.git` is read. Standard input lies nowhere.
+    folder with `.git`, of one that is not to be built or of a package with others in it is read.
+    Standard input lies nowhere.
     """
     if path.is_dir():
         return path.resolve(), True
@@ -182,8 +185,13 @@ def _root(path: Path) -> tuple[Path, bool]:
         if (root / ".git").exists() or root == root.parent:
             return folder, False
         root = root.parent
-    while not (root / ".git").exists() and root != root.parent and _holds(root.parent, root):
+    ends = (".git", *IGNORE_MARKERS)
+    while root != root.parent and not any((root / each).exists() for each in ends):
+        if not _holds(root.parent, root):
+            break
         root = root.parent
+        if _is_package(root):
+            break
     return root, True
 
 
@@ -406,7 +414,12 @@ class _Robot:
         Raises:
             MarsError: a choice is not a launch file of the folder, or has errors.
         """
-        files = [file for file in self.workspace.files if self._is_launch(file)]
+        files = [
+            file
+            for file in self.workspace.files
+            # Nothing finds the files of nested packages by name, but users may choose them.
+            if (self.chosen or not self.workspace.is_nested(file)) and self._is_launch(file)
+        ]
         launch = Launch(self.workspace)
         if self.chosen:
             for file in self._chosen(files):
@@ -481,7 +494,9 @@ class _Robot:
         if not is_named and not (file.suffix in _IN_FOLDER and "launch" in file.parent.parts[-2:]):
             return False
         try:
-            found = is_launch(self.workspace.text(file))
+            text = self.workspace.text(file)
+            is_script = file.suffix == ".launch" and _SCRIPT.match(text) is not None
+            found = is_launch(text) and not is_script
         except MarsError as error:
             self.unread.append(
                 Unread("launch files with errors", file.name, error.diagnostics[0].span)

@@ -5,15 +5,23 @@ Nothing that lies elsewhere is read, whatever a path or a symbolic link says.
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property, partial
+from itertools import chain
 from pathlib import Path, PurePosixPath
+from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.exchange.ros2.cmake import Installed, Targets, read_cmake
+from mars_asp.exchange.ros2.cmake import (
+    Installed,
+    Targets,
+    installing_macros,
+    read_cmake,
+    words_of_programs,
+)
 from mars_asp.exchange.ros2.setup_files import files_of_setup, lists_all_files
 from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
@@ -26,6 +34,8 @@ _SKIPPED = frozenset(
     {"build", "install", "log", "devel", "node_modules", "__pycache__", "templates"}
     | {"test", "tests"}
 )
+#: Files that mark a folder as not to be built; its files say the same once more, or nothing.
+IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"})
 _SHARE = re.compile(
     r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/\1(?=/|$))?/?"
 )
@@ -66,6 +76,8 @@ _COMPOSED = re.compile(
     r"(?i)add_executable\s*\(\s*[^)\s]*\$\{|add_example|add_demo|install\s*\(\s*PROGRAMS\s+\$\{"
     r"|\bEXECUTABLE\s+[^)\s]*\$\{|foreach\s*\(|catkin_install_python\s*\([^)]*\$\{"
 )
+#: An entry of console scripts that puts together the name of its program.
+_COMPOSED_ENTRY = r"[fF][\"']\s*\{|[\"']\s*=\s*\w|%s|\.format\("
 #: The setting of where the scripts of a package in Python are installed.
 _SCRIPT_FOLDER = re.compile(r"\b(?:install[_-]scripts|script[_-]dir)\b|[\"']lib/")
 _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
@@ -105,6 +117,17 @@ class Package:
         return "ament_python" in self.build_types
 
 
+class _Contents(NamedTuple):
+    """The names of the files of a package, and the texts of its build files of CMake and Python.
+
+    Programs that files or commands may be are among the names, as `_as_program` writes them.
+    """
+
+    names: Set[str]
+    build: str
+    python: str
+
+
 class Workspace:
     """The files below a folder."""
 
@@ -118,10 +141,11 @@ class Workspace:
         self.unread: list[Unread] = []
         self._deep = deep
         self._is_absolute = Path(named).is_absolute()
+        self._marked: set[Path] = set()
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
         self._ignored: list[tuple[Path, tuple[str, ...]]] | None = None
-        self._contents: dict[Path, tuple[frozenset[str], str]] = {}
+        self._contents: dict[Path, _Contents] = {}
         self._shared: dict[Path, list[Installed]] = {}
         self._targets: dict[Path, Targets] = {}
         #: What paths name, as the defaults of arguments are looked up for each include.
@@ -157,17 +181,18 @@ class Workspace:
         """The files of the kinds that are read, without those of folders that are built."""
         found: list[Path] = []
         for folder, folders, names in os.walk(self.root):
-            folders[:] = sorted(
-                name
-                for name in folders
-                if not name.startswith(".")
-                and name not in _SKIPPED
-                # What was installed or is not to be built says the same once more, or nothing.
-                and not (Path(folder) / name / "COLCON_IGNORE").exists()
-            )
+            at = Path(folder)
+            if at != self.root and not IGNORE_MARKERS.isdisjoint(names):
+                self._marked.add(at)
+                # In a package a marker hides sources from linters alone.
+                if not any((each / "package.xml").exists() for each in self._above(at)):
+                    names.clear()
+                    folders.clear()
             if not self._deep:
                 folders.clear()
-            at = Path(folder)
+            folders[:] = sorted(
+                name for name in folders if not name.startswith(".") and name not in _SKIPPED
+            )
             for name in folders:
                 self._note_link(at / name)
             for name in sorted(names):
@@ -184,6 +209,10 @@ class Workspace:
                 self.unread.append(Unread(sort, self.named, point(self.named, 1, 1)))
                 break
         return tuple(found)
+
+    def _above(self, path: Path) -> Sequence[Path]:
+        """Return the folders of the workspace that hold one of its files or folders."""
+        return path.parents[: len(path.parts) - len(self.root.parts)]
 
     def _note_link(self, path: Path) -> bool:
         """Whether a path is a link that leads out of the workspace, or nowhere; it is noted."""
@@ -203,9 +232,9 @@ class Workspace:
         return real if inside and (real.is_file() or real.is_dir()) else None
 
     @cached_property
-    def packages(self) -> tuple[Package, ...]:
-        """The packages, those that lie in others first."""
-        found = []
+    def _by_manifest(self) -> Mapping[Path, Package]:
+        """The packages that manifests describe, by their folders."""
+        found = {}
         for file in self.files:
             if file.name == "package.xml":
                 try:
@@ -215,12 +244,54 @@ class Workspace:
                 match = _XML_NAME.search(text)
                 if match:
                     built = frozenset(_BUILD_TYPE.findall(text) or _CATKIN.findall(text))
-                    found.append(Package(match[1], file.parent, built))
+                    found[file.parent] = Package(match[1], file.parent, built)
+        return found
+
+    def is_nested(self, path: Path) -> bool:
+        """Whether a file or folder is of a package in the folder of another, which no build finds.
+
+        The folder of the workspace may be a package with others in it that are not marked.
+        """
+        around = [path, *self._above(path)]
+        first, *others = [each for each in around if each in self._by_manifest] or [self.root]
+        is_marked = not self._marked.isdisjoint((first, *self._above(first)))
+        return first != self.root and (is_marked or bool({*others} - {self.root}))
+
+    @cached_property
+    def packages(self) -> tuple[Package, ...]:
+        """The packages that a build finds, the deepest first."""
+        found = []
+        for folder, package in self._by_manifest.items():
+            if self.is_nested(folder):
+                place = point(self.shown(folder / "package.xml"), 1, 1)
+                sort = "packages in the folders of others, which no build finds,"
+                self.unread.append(Unread(sort, package.name, place))
+            else:
+                found.append(package)
         return tuple(sorted(found, key=lambda package: -len(package.folder.parts)))
 
     def package(self, name: str) -> Package | None:
-        """Return a package by its name."""
-        return next((each for each in self.packages if each.name == name), None)
+        """Return a package by its name, the first of several."""
+        return next(iter(self._by_name.get(name, ())), None)
+
+    @cached_property
+    def _by_name(self) -> Mapping[str, Sequence[Package]]:
+        """The packages of each name, of which a workspace may have several by mistake."""
+        found: dict[str, list[Package]] = {}
+        for each in self.packages:
+            found.setdefault(each.name, []).append(each)
+        return found
+
+    def _meant(self, name: str, folder: Path) -> Sequence[Package]:
+        """Return the packages that a name may mean in a folder: the one around it, else all."""
+        named = self._by_name.get(name, ())
+        around = [each for each in named if each.folder in (folder, *folder.parents)]
+        return around[:1] or named
+
+    def _sole(self, name: str, folder: Path) -> Package | None:
+        """Return the package that a name means in a folder, or None if it may be several."""
+        found = self._meant(name, folder)
+        return found[0] if len(found) == 1 else None
 
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
@@ -255,12 +326,12 @@ class Workspace:
         above = self.root.parent if self.root.name == "src" else self.root
         candidates: Sequence[Path] = (folder / path, above / path)
         if match:
-            package = self.package(match[1])
             inner = path[match.end() :].lstrip("/")
-            if package is not None:
-                candidates = (package.folder / inner, *self._installed_sources(package, inner))
-            else:
-                return None
+            candidates = [
+                file
+                for package in self._meant(match[1], folder)
+                for file in (package.folder / inner, *self._installed_sources(package, inner))
+            ]
         for candidate in candidates:
             try:
                 found = self._inside(candidate)
@@ -293,12 +364,13 @@ class Workspace:
                 return found
         return None
 
-    def lacking(self, path: str) -> tuple[str, str] | None:
+    def lacking(self, path: str, folder: Path) -> tuple[str, str] | None:
         """Return the package and the path in it of a file that the package does not have.
 
-        Return None if the path names no file of a package here, or one that the build may make: a
-        template, a file of that name elsewhere in the package, or one that its build file names.
-        In a source workspace of catkin, a path is that of the source.
+        Return None if the path of a launch file in a folder names no file of one package here, or
+        one that the build may make: a template, a file of that name elsewhere in the package, or
+        one that its build file names. In a source workspace of catkin, a path is that of the
+        source.
         """
         match = _SHARE.match(path)
         if match is None:
@@ -307,7 +379,7 @@ class Workspace:
             package = self.package_of(whole) if whole.is_absolute() else None
             inside = "" if package is None else whole.relative_to(package.folder).as_posix()
         else:
-            package = self.package(match[1])
+            package = self._sole(match[1], folder)
             inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
         if package is None:
             return None
@@ -320,21 +392,25 @@ class Workspace:
         if name.endswith(_OF_RESULTS) and not (package.folder / inside).parent.is_dir():
             return None
         if self._may_have(package, name):
-            contents, build = self._contents[package.folder]
+            contents, *texts = self._contents_of(package)
             # What the build file installs from elsewhere would have been found.
-            is_elsewhere = name in contents and f"{name}.in" not in contents and name not in build
+            is_elsewhere = (
+                name in contents
+                and f"{name}.in" not in contents
+                and all(name not in text for text in texts)
+            )
             if not is_elsewhere or not (package.is_of_ros1 or (match and self._lists_all(package))):
                 return None
         return package.name, inside
 
-    def not_installed(self, path: str) -> tuple[str, str] | None:
+    def not_installed(self, path: str, folder: Path) -> tuple[str, str] | None:
         """Return the package and the path in it of a file of ROS 2 that it has and leaves out.
 
-        Return None if the path is not one of the shared files of a package here, or if that is
-        installed, or may be by an unread part of its build file.
+        Return None if the path of a launch file in a folder is not one of the shared files of one
+        package here, or if that is installed, or may be by an unread part of its build file.
         """
         match = _SHARE.match(path)
-        package = None if match is None else self.package(match[1])
+        package = None if match is None else self._sole(match[1], folder)
         if match is None or package is None or not package.is_of_ros2:
             return None
         inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
@@ -373,9 +449,10 @@ class Workspace:
 
     def has_program(self, package: str, executable: str, of_ros2: bool | None) -> bool:
         """Whether a package that a launch file names may have a program of a name."""
-        found = self.package(package)
-        is_here = found is not None and not self.is_for_other_ros(package, of_ros2)
-        return found is None or not is_here or self._may_have(found, executable)
+        found = self._by_name.get(package)
+        if found is None or self.is_for_other_ros(package, of_ros2):
+            return True
+        return any(self._may_have_program(each, executable) for each in found)
 
     def is_for_other_ros(self, package: str, of_ros2: bool | None) -> bool:
         """Whether a package here is for the other version of ROS than a launch file that names it.
@@ -423,41 +500,53 @@ class Workspace:
                     ):
                         yield name
 
-    def _may_have(self, package: Package, name: str) -> bool:
-        """Whether a package has a file of a name or its template, or its build file names it."""
+    def _contents_of(self, package: Package) -> _Contents:
+        """Return the names of the files of a package, and the texts of its build files."""
         if package.folder not in self._contents:
-            stems = set[str]()
-            build = ""
+            found: dict[str, None] = {}
+            python = build = ""
             for folder, folders, names in os.walk(package.folder):
                 folders[:] = [each for each in folders if not each.startswith(".")]
-                stems.update(names)
-                stems.update(_as_program(each) for each in names)
+                found |= dict.fromkeys(names)
                 for each in names:
+                    text = ""
                     if each in _BUILD_FILES or each.endswith(".cmake"):
-                        with suppress(MarsError):
-                            build += self.text(Path(folder) / each)
+                        text = self._readable(Path(folder) / each)
+                    if each.startswith(("setup.", "pyproject.")):
+                        python += f"{text}\n"
+                    else:
+                        build += f"{text}\n"
             projects = dict.fromkeys((package.name, *_PROJECT.findall(build)))
             build = "\n".join(_PROJECT_NAME.sub(each, build) for each in projects)
-            self._contents[package.folder] = frozenset(stems), build
-        contents, build = self._contents[package.folder]
-        has_build_file = "CMakeLists.txt" in contents
-        if "." not in name and "console_scripts" in build and not has_build_file:
-            # A package of Python has the programs that its build file lists, whatever its files.
-            return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build) is not None
+            programs = map(_as_program, chain(found, words_of_programs(build)))
+            self._contents[package.folder] = _Contents({*found, *programs}, build, python)
+        return self._contents[package.folder]
+
+    def _may_have(self, package: Package, name: str) -> bool:
+        """Whether a package has a file of a name or its template, or its build file names it."""
+        contents, build, python = self._contents_of(package)
         stem = name.partition(".")[0]
         templates = (f"{stem}.xacro", f"{name}.xacro") if name.endswith((".urdf", ".sdf")) else ()
-        if not contents.isdisjoint((name, f"{name}.in", *templates)):
+        has_file = not contents.isdisjoint((name, f"{name}.in", *templates))
+        return has_file or _mentions(build + python, name)
+
+    def _may_have_program(self, package: Package, name: str) -> bool:
+        """Whether a package has a script of a name, or its build files name such a program."""
+        contents, build, python = self._contents_of(package)
+        if "." in name:
+            return self._may_have(package, name)
+        is_of_cmake = "CMakeLists.txt" in contents
+        if "console_scripts" in python and not is_of_cmake:
+            # A package of Python has the programs that its build file lists, whatever its files.
+            if name == package.name:
+                entry = rf"(?m)(?:^|[\"'])[ \t]*{re.escape(name)}[ \t]*="
+                return re.search(f"{entry}|{_COMPOSED_ENTRY}", python) is not None
+            return _mentions(python, name)
+        if _as_program(name) in contents or f"{name}.in" in contents or _mentions(python, name):
             return True
-        is_program = "." not in name
-        if is_program and _as_program(stem) in contents:
-            return True
-        # A source is built only where the build file names it.
-        if is_program and _as_program(f"{stem}.cpp") in contents and not has_build_file:
-            return True
-        if re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", build):
-            return True
-        # Names that a build file composes are not known.
-        return is_program and _COMPOSED.search(build) is not None
+        # A source is built only where the build file names it, but names may be composed.
+        is_built = _COMPOSED.search(build) if is_of_cmake else f"{name} (source)" in contents
+        return bool(is_built)
 
     def _installed_sources(self, package: Package, path: str) -> Iterator[Path]:
         """Yield the files of a package that may be installed as a path of its shared folder."""
@@ -494,9 +583,15 @@ class Workspace:
             }
             build = files.get("CMakeLists.txt")
             self._targets[package.folder] = (
-                Targets() if build is None else read_cmake(build(), files)
+                Targets() if build is None else read_cmake(build(), files, self._macros)
             )
         return self._targets[package.folder]
+
+    @cached_property
+    def _macros(self) -> frozenset[str]:
+        """The macros and functions of modules of CMake that may install something."""
+        modules = (file for file in self.files if file.suffix == ".cmake")
+        return frozenset(chain.from_iterable(map(installing_macros, map(self._readable, modules))))
 
     def _readable(self, file: Path) -> str:
         """Return the text of a file, or an empty one if it has errors."""
@@ -521,6 +616,11 @@ class Workspace:
                 raise MarsError((Diagnostic("encoding", "error", message, place, help=help_text),))
             self._texts[file] = text
         return self._texts[file]
+
+
+def _mentions(text: str, name: str) -> bool:
+    """Whether a build file has a name as a word."""
+    return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", text) is not None
 
 
 def _as_program(file: str) -> str:
