@@ -215,7 +215,12 @@ class Texts:
         around = list(file.bodies_at(at))
         inner = file.class_at(at)
         own = file.class_of(around[-1]) if around else inner
-        for each in (*self._with_bases(inner), *self._with_bases(own), *file.owners_at(at), ""):
+        for each in (
+            *self.with_base_classes(inner),
+            *self.with_base_classes(own),
+            *file.owners_at(at),
+            "",
+        ):
             if each in declared:
                 return (each,)
         # Functions of no class may be in the place of methods.
@@ -239,7 +244,7 @@ class Texts:
                 found.setdefault(head.name, set()).update(head.bases)
         return found
 
-    def _with_bases(self, name: str) -> Sequence[str]:
+    def with_base_classes(self, name: str) -> Sequence[str]:
         """Return a class and those from which it is derived."""
         found = [name] * bool(name)
         for each in found:

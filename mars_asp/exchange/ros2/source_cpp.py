@@ -5,7 +5,7 @@ timer, or loop, whose function publishes.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache
@@ -92,10 +92,16 @@ def _parsed_file(text: str, path: str) -> "_File":
     return _File(text, path, _CALLED, _RATES)
 
 
-def read_cpp(sources: Iterable[tuple[str, str]]) -> Interface:
-    """Return the interface of a program of several files, each a text and its path."""
+def read_cpp(
+    sources: Iterable[tuple[str, str]], component: str = "", others: Collection[str] = ()
+) -> Interface:
+    """Return the interface of a program of several files, each a text and its path.
+
+    Of a component the classes of `others` are left out, but for those from which it is derived.
+    """
     files = [_parsed_file(text, path) for text, path in sources]
     texts = Texts(files)
+    others = set(others) - set(texts.with_base_classes(component)) if others else others
     kinds: dict[str, str] = {}
     for file in files:
         kinds |= file.callbacks
@@ -116,7 +122,7 @@ def read_cpp(sources: Iterable[tuple[str, str]]) -> Interface:
             rates[keeper] = hz if rates.get(keeper, hz) == hz else None
     names: list[tuple[str, str]] = []
     for file in files:
-        for call in file.calls:
+        for call in file.calls_outside(others):
             found = file.topic(call, texts, kinds)
             if isinstance(found, Unread):
                 unread.append(found)
@@ -141,7 +147,7 @@ def read_cpp(sources: Iterable[tuple[str, str]]) -> Interface:
             for further, handle in file.further_names(call, texts):
                 prefixed = _prefixed(further, file, handle, handles)
                 named += (each for each in prefixed if isinstance(each, Topic))
-        names += file.node_names()
+        names += file.node_names(others)
     # A service with a name that only a run knows is noted, but gives no name.
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
@@ -188,10 +194,17 @@ class _File(ScopedCode):
         # A definition may be in another file, so declarations count.
         return found
 
-    def node_names(self) -> Iterator[tuple[str, str]]:
+    def calls_outside(self, classes: Collection[str]) -> Iterator[Call]:
+        """Yield the calls that are in none of some classes."""
+        for call in self.calls:
+            around = list(self.bodies_at(call.at)) if classes else []
+            if not around or self.class_of(around[-1]) not in classes:
+                yield call
+
+    def node_names(self, classes: Collection[str]) -> Iterator[tuple[str, str]]:
         """Yield the names that the file gives its node, each with its namespace."""
         tokens = self.tokens
-        for call in self.calls:
+        for call in self.calls_outside(classes):
             if call.name in ("Node", "LifecycleNode", "make_shared", "init"):
                 is_node = call.name != "make_shared" or any("Node" in t for t in call.types)
                 is_ros = call.name != "init" or text_at(tokens, call.at - 2) == "ros"
