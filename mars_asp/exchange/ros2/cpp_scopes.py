@@ -3,6 +3,7 @@
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import islice
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -14,6 +15,8 @@ DECLARING = frozenset({"declare_parameter", "declare_parameter_if_not_declared"}
 _RETURNING = frozenset({"declare_or_get_parameter", "get_parameter_or", "param"})
 PARAMETERS = DECLARING | _RETURNING | {"get_parameter", "getParam"}
 _MOST_WORDS = 50
+#: No program has scopes in so many others.
+_DEEPEST_SCOPE = 100
 #: Signs after the name of a variable that is declared: in a block, among parameters or in a header.
 _IN_BLOCK = frozenset({"=", ";", ",", "{", "(", "["})
 _IN_PARAMETERS = frozenset({",", ")", "=", "["})
@@ -85,7 +88,7 @@ class ScopedCode(CppCode):
         """Return the bracket of the scope of a local name at a token, -1 if it is not local."""
         if text_at(self.tokens, at - 1) in (".", "->", "::") or self._is_initialised(at):
             return -1
-        for opening in self._brackets.around(at):
+        for opening in islice(self._brackets.around(at), _DEEPEST_SCOPE):
             if named.scopes.get(opening, at + 1) <= at:
                 return opening
             if self._owner_brackets.get(opening) in named.owners:
@@ -134,7 +137,7 @@ class ScopedCode(CppCode):
         """Yield the classes and namespaces around a token, the innermost first."""
         return (
             self._owner_brackets[each]
-            for each in self._brackets.around(at)
+            for each in islice(self._brackets.around(at), _DEEPEST_SCOPE)
             if each in self._owner_brackets
         )
 
