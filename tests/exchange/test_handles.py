@@ -235,6 +235,49 @@ def test_a_program_has_the_sources_of_a_library_whose_own_headers_it_includes(
     assert [node.name for node in tree.nodes] == ["/saver"]
 
 
+COMPONENT = (
+    'class {name} : public rclcpp::Node {{ {name}() : Node("{name}") {{\n'
+    'create_publisher<M>("/{name}/t", 1); }} }};\n'
+    "RCLCPP_COMPONENTS_REGISTER_NODE(mine::{name})\n"
+)
+#: Sources of two components in one library, and the topics of the second one.
+LIBRARIES = [
+    ({"a.cpp": COMPONENT.format(name="A"), "b.cpp": COMPONENT.format(name="B")}, ["/B/t"]),
+    ({"a.cpp": COMPONENT.format(name="A") + COMPONENT.format(name="B")}, ["/B/t"]),
+    # A derived component has the topics of its base class.
+    (
+        {
+            "a.cpp": COMPONENT.format(name="A"),
+            "b.cpp": COMPONENT.format(name="B").replace("rclcpp::Node", "A"),
+            "a.hpp": "",
+        },
+        ["/A/t", "/B/t"],
+    ),
+]
+
+
+@pytest.mark.parametrize(("sources", "topics"), LIBRARIES)
+def test_a_component_has_no_topics_of_another_in_its_library(
+    sources: dict[str, str], topics: list[str], tmp_path: Path
+) -> None:
+    cmake = "add_library(both a.cpp b.cpp common.hpp)\n" + "".join(
+        f'rclcpp_components_register_node(both PLUGIN "mine::{name}" EXECUTABLE {name}_node)\n'
+        for name in "AB"
+    )
+    written = {
+        "CMakeLists.txt": cmake,
+        "common.hpp": "",
+        **{
+            name: f'#include "common.hpp"\n#include "a.hpp"\n{text}'
+            for name, text in sources.items()
+        },
+        "launch/x.launch.xml": '<launch><node pkg="mine" exec="B_node"/></launch>',
+    }
+    write_package(written, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert sorted(end.topic for node in tree.nodes for end in node.published) == topics
+
+
 def test_camera_information_is_beside_the_renamed_image(tmp_path: Path) -> None:
     written = {
         "CMakeLists.txt": "add_executable(e src/e.cpp)",
@@ -355,11 +398,11 @@ def test_objects_and_base_classes_that_are_not_here_may_have_topics(
 def test_a_name_with_two_texts_is_known_at_run_time() -> None:
     text = (
         'void f() { std::string t = "a"; create_publisher<A>(t, 1); }\n'
-        'void g() { std::string t = "b"; create_publisher<A>(t, 1); }'
+        'void g() { std::string t = "a"; if (x) { t = "b"; } create_publisher<A>(t, 1); }'
     )
     found = read_cpp([(text, "n.cpp")])
-    assert not found.published
-    assert found.unread
+    assert [each.name for each in found.published] == ["a"]
+    assert [each.sort for each in found.unread] == [AT_RUN_TIME]
 
 
 def test_a_parameter_that_is_read_in_place_has_its_declared_default() -> None:

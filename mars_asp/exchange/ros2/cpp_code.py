@@ -60,7 +60,15 @@ class Body:
     opening: int
 
 
-class _Nested(Generic[T]):
+class ClassHead(NamedTuple):
+    """A class by the bracket of its body, its name, and the words that name its base classes."""
+
+    opening: int
+    name: str
+    bases: frozenset[str]
+
+
+class Nested(Generic[T]):
     """Ranges of tokens that lie in each other or apart, each with a value."""
 
     def __init__(self, ranges: Sequence[tuple[int, int, T]]) -> None:
@@ -154,7 +162,7 @@ class CppCode:
             if at > last and tokens[at].text == "(" and is_word(text_at(tokens, at - 1)):
                 end = behind = self.closed[at]
                 name = text_at(tokens, at - 1)
-                while is_word(text_at(tokens, behind)) or text_at(tokens, behind) == "->":
+                while is_word(text_at(tokens, behind)) or text_at(tokens, behind) in ("->", "::"):
                     behind += 1
                 if text_at(tokens, behind) == ":" and text_at(tokens, behind + 1) != ":":
                     behind = _behind_initialisers(tokens, behind + 1)
@@ -199,8 +207,8 @@ class CppCode:
         return next(self._classes.around(at), "")
 
     @cached_property
-    def _nested_bodies(self) -> "_Nested[Body]":
-        return _Nested([(body.opening, body.end, body) for body in self.bodies])
+    def _nested_bodies(self) -> "Nested[Body]":
+        return Nested([(body.opening, body.end, body) for body in self.bodies])
 
     def class_of(self, body: Body) -> str:
         """Return the class of a function, or an empty text if it has none."""
@@ -215,7 +223,7 @@ class CppCode:
         return self._branches.around(at)
 
     @cached_property
-    def _branches(self) -> "_Nested[tuple[int, int, bool]]":
+    def _branches(self) -> "Nested[tuple[int, int, bool]]":
         """The branches of `if`, each with the range of its condition and which branch it is."""
         found: list[tuple[int, int, tuple[int, int, bool]]] = []
         for at, token in enumerate(self.tokens):
@@ -227,7 +235,7 @@ class CppCode:
             if text_at(self.tokens, end) == "else":
                 otherwise = self._statement_end(end + 1)
                 found.append((end, otherwise, (at + 2, last - 1, False)))
-        return _Nested(sorted(found))
+        return Nested(sorted(found))
 
     def _statement_end(self, at: int) -> int:
         """Return the index after a statement; one that begins with `if` has no end of its own."""
@@ -239,9 +247,9 @@ class CppCode:
         return min(at + 1, last)
 
     @cached_property
-    def _classes(self) -> "_Nested[str]":
-        """The names of the classes that are defined."""
-        found: list[tuple[int, int, str]] = []
+    def class_heads(self) -> Sequence[ClassHead]:
+        """The classes that are defined."""
+        found: list[ClassHead] = []
         for at, token in enumerate(self.tokens):
             if token.text not in ("class", "struct"):
                 continue
@@ -250,13 +258,20 @@ class CppCode:
                 word = text_at(self.tokens, after)
                 name = name if word == "final" else word
                 after += 1
-            last = after + _MOST_BASES
+            last, bases = after + _MOST_BASES, list[str]()
             if text_at(self.tokens, after) == ":":
                 while after < last and text_at(self.tokens, after) not in ("{", ";", "(", ""):
+                    bases.append(text_at(self.tokens, after))
                     after += 1
             if name and text_at(self.tokens, after) == "{":
-                found.append((after, self.closed[after], name))
-        return _Nested(found)
+                found.append(ClassHead(after, name, frozenset(filter(is_word, bases))))
+        return found
+
+    @cached_property
+    def _classes(self) -> "Nested[str]":
+        """The names of the classes that are defined."""
+        heads = self.class_heads
+        return Nested([(head.opening, self.closed[head.opening], head.name) for head in heads])
 
 
 def _closed(tokens: Sequence[Token]) -> dict[int, int]:

@@ -1,7 +1,7 @@
 """Programs of a workspace: from a package and an executable to the sources behind them."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -219,11 +219,18 @@ class Programs:
                 yield found
 
     def _with_headers(
-        self, package: Package, files: Sequence[Path], linked: Sequence[Path] = ()
+        self,
+        package: Package,
+        files: Sequence[Path],
+        linked: Sequence[Path] = (),
+        component: str = "",
+        others: Collection[str] = (),
     ) -> Interface | None:
+        """Return the interface of files, without the classes of other components."""
         texts: dict[Path, str] = {}
         waiting = list(reversed(files))
-        left = [file for file in linked if file not in files]
+        # Headers are reached if a source includes them.
+        left = [file for file in linked if file not in files and file.suffix in _CPP]
         while (waiting or left) and len(texts) < _MOST_FILES:
             if not waiting:
                 reached = []
@@ -247,12 +254,14 @@ class Programs:
         if not any(map(self._is_of_ros, texts)):
             # Libraries bring programs that have nothing to do with ROS.
             return Interface(unnamed=True)
-        return read_cpp((text, self.workspace.shown(file)) for file, text in texts.items())
+        shown = ((text, self.workspace.shown(file)) for file, text in texts.items())
+        return read_cpp(shown, component, others)
 
-    def _with_library(self, package: Package, file: Path) -> Interface | None:
+    def _with_library(self, package: Package, file: Path, component: str) -> Interface | None:
         """Return the interface of a component with the sources of its library.
 
         Where no target has the file, these are all sources of the package that are no program.
+        Sources that register other components are left out, as are the classes of these.
         """
         targets = self.workspace.targets(package)
         libraries = [
@@ -269,7 +278,16 @@ class Programs:
                     if each.suffix in _CPP and not _STARTS.search(self._text(each) or "")
                 ]
             ]
-        return self._with_headers(package, [file], [each for files in others for each in files])
+        linked = [each for files in others for each in files if each != file]
+        rivals = self._components_in.get(file, set()) - {component}
+        # A component may be derived from another one, or make it.
+        own = (file, *self._included(package, file))
+        words = {word for each in own for word in _WORD.findall(self._text(each) or "")}
+        for each in linked:
+            found = self._components_in.get(each, set())
+            rivals |= found if words.isdisjoint(found) else set()
+        linked = [each for each in linked if rivals.isdisjoint(self._components_in.get(each, ()))]
+        return self._with_headers(package, [file], linked, component, rivals)
 
     def _headers_of(self, package: Package, file: Path) -> Sequence[Path]:
         """Return the headers of a package that a file of it includes."""
@@ -290,7 +308,7 @@ class Programs:
         file = self._registered.get(plugin) or self._registered.get(last)
         if file is not None:
             package = self.workspace.package_of(file)
-            return None if package is None else self._with_library(package, file)
+            return None if package is None else self._with_library(package, file, last)
         for package in self.workspace.packages:
             targets = self.workspace.targets(package)
             if plugin in targets.plugins:
@@ -361,9 +379,9 @@ class Programs:
         return found
 
     @cached_property
-    def _registered(self) -> dict[str, Path]:
-        """The files that register components, by the classes of these."""
-        found: dict[str, Path] = {}
+    def _registrations(self) -> Sequence[tuple[str, Path, bool]]:
+        """The classes that files register, with these, and whether they are nodes."""
+        found: list[tuple[str, Path, bool]] = []
         for files in self._sources.values():
             for file in files:
                 text = self._text(file)
@@ -376,9 +394,28 @@ class Programs:
                         while text_at(tokens, end) not in ("", ")", ","):
                             end += 1
                         name = "".join(each.text for each in tokens[at + 2 : end])
-                        found[name] = file
-                        # ROS 1 names the package where C++ names the namespace.
-                        found.setdefault(name.rpartition("::")[2], file)
+                        kinds = {text_at(tokens, each) for each in range(end, end + 5)}
+                        is_node = text_at(tokens, end) == ")" or "Nodelet" in kinds
+                        found.append((name, file, is_node))
+        return found
+
+    @cached_property
+    def _registered(self) -> dict[str, Path]:
+        """The files that register components, by the classes of these."""
+        found: dict[str, Path] = {}
+        for name, file, _ in self._registrations:
+            found[name] = file
+            # ROS 1 names the package where C++ names the namespace.
+            found.setdefault(name.rpartition("::")[2], file)
+        return found
+
+    @cached_property
+    def _components_in(self) -> dict[Path, set[str]]:
+        """The classes of the components that each file registers."""
+        found: dict[Path, set[str]] = {}
+        for name, file, is_node in self._registrations:
+            if is_node:
+                found.setdefault(file, set()).add(name.rpartition("::")[2])
         return found
 
     def _text(self, file: Path) -> str | None:

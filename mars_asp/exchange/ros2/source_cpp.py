@@ -5,11 +5,10 @@ timer, or loop, whose function publishes.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache
-from itertools import pairwise
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -25,6 +24,8 @@ from mars_asp.annotations.types import representation
 from mars_asp.exchange.ros2.cpp_code import Call, CppCode
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
 from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens, prefixed_name
+from mars_asp.exchange.ros2.cpp_scopes import PARAMETERS, ScopedCode
+from mars_asp.exchange.ros2.cpp_texts import Texts, resolved_name
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
     OF_ACTION,
@@ -37,7 +38,6 @@ from mars_asp.exchange.unread import Unread
 
 #: Limits of what is copied or searched more than once; no program comes near them.
 _MOST_WORDS = 50
-_MOST_CHARACTERS = 1000
 _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
 _MOST_PARSED = 1000
@@ -52,17 +52,11 @@ _IMAGE, _CAMERA_INFO = "sensor_msgs::msg::Image", "sensor_msgs::msg::CameraInfo"
 _PATH = re.compile(r"~?/?\w+(?:/\w+)+")
 #: What filters messages of a type; the node comes first, and then the topic.
 _FILTER = re.compile(r"(?:\w+::)*Subscriber\s*<(?P<type>[^<>,]+)[^<>]*>")
-#: Signs after a variable that may be given a value.
-_BEFORE_VALUES = frozenset("=[{(")
 _TIMERS = frozenset({"create_wall_timer", "create_timer", "createTimer", "createWallTimer"})
 _RATES = frozenset({"Rate", "WallRate"})
 _SERVICES = frozenset(
     {"create_service", "create_client", "advertiseService", "serviceClient", "create_server"}
     | {"SimpleActionServer", "SimpleActionClient"}
-)
-_PARAMETERS = frozenset(
-    {"declare_parameter", "get_parameter", "declare_or_get_parameter", "getParam", "param"}
-    | {"declare_parameter_if_not_declared", "get_parameter_or"}
 )
 #: Methods of the node handles of ROS 1 for parameters, which a launch file may rename.
 _RENAMED = frozenset({"getParam", "getParamCached", "param", "setParam", "hasParam", "deleteParam"})
@@ -71,7 +65,7 @@ _CALLED = (
     _TIMERS
     | _RATES
     | _SERVICES
-    | _PARAMETERS
+    | PARAMETERS
     | _RENAMED
     | _TWISTS.keys()
     | _CAMERAS
@@ -81,13 +75,6 @@ _CALLED = (
         " init".split()
     )
 )
-
-
-class _Value(NamedTuple):
-    """What an expression is: a text, and the parameter that may give another."""
-
-    text: str | None
-    parameter: str | None = None
 
 
 class _TopicCall(NamedTuple):
@@ -105,25 +92,26 @@ def _parsed_file(text: str, path: str) -> "_File":
     return _File(text, path, _CALLED, _RATES)
 
 
-def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
-    """Return the interface of a program of several files, each a text and its path."""
-    files = [_parsed_file(text, path) for text, path in texts]
-    values: dict[str, _Value] = {}
+def read_cpp(
+    sources: Iterable[tuple[str, str]], component: str = "", others: Collection[str] = ()
+) -> Interface:
+    """Return the interface of a program of several files, each a text and its path.
+
+    Of a component the classes of `others` are left out, but for those from which it is derived.
+    """
+    files = [_parsed_file(text, path) for text, path in sources]
+    texts = Texts(files)
+    others = set(others) - set(texts.with_base_classes(component)) if others else others
     kinds: dict[str, str] = {}
     for file in files:
-        for variable, value in file.values.items():
-            # A variable that gets a parameter may have another value before, as in a header.
-            before = values.get(variable, value)
-            is_other = before != value and before.parameter is None and value.parameter is None
-            values[variable] = _Value(None) if is_other else before if before.parameter else value
         kinds |= file.callbacks
 
     def literal(file: CppCode, tokens: Sequence[Token]) -> str | None:
-        found = file.value(tokens, values) if isinstance(file, _File) else _Value(None)
-        return found.text if found.parameter is None else None
+        found = texts.text_of(file, tokens) if isinstance(file, _File) else None
+        return found.text if found and found.parameter is None else None
 
     handles = Handles(files, literal)
-    used_if = cache(lambda keeper: _used_if(files, keeper, values))
+    used_if = cache(lambda keeper: _used_if(files, keeper, texts))
     published: list[Topic] = []
     subscribed: list[Topic] = []
     unread: list[Unread] = []
@@ -134,12 +122,12 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
             rates[keeper] = hz if rates.get(keeper, hz) == hz else None
     names: list[tuple[str, str]] = []
     for file in files:
-        for call in file.calls:
-            found = file.topic(call, values, kinds)
+        for call in file.calls_outside(others):
+            found = file.topic(call, texts, kinds)
             if isinstance(found, Unread):
                 unread.append(found)
             elif found is not None:
-                switches = file.switches(call.at, values)
+                switches = file.switches(call.at, texts)
                 if found.published and found.keeper:
                     switches |= used_if(found.keeper)
                 hz = rates.get(found.keeper or "")
@@ -156,10 +144,10 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
                         ends.append(
                             replace(topic, name=beside, type=_CAMERA_INFO, image=topic.name)
                         )
-            for further, handle in file.further_names(call, values):
+            for further, handle in file.further_names(call, texts):
                 prefixed = _prefixed(further, file, handle, handles)
                 named += (each for each in prefixed if isinstance(each, Topic))
-        names += file.node_names()
+        names += file.node_names(others)
     # A service with a name that only a run knows is noted, but gives no name.
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
@@ -178,114 +166,14 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     )
 
 
-class _File(CppCode):
+class _File(ScopedCode):
     """What the calls and functions of a file mean to ROS."""
 
     @cached_property
     def topic_paths(self) -> Sequence[str]:
         """The texts in quotes that look like topics below a namespace."""
-        texts = (self.string(token) for token in self.tokens if token.text.startswith('"'))
-        return [text for text in texts if text and _PATH.fullmatch(text)]
-
-    @cached_property
-    def values(self) -> Mapping[str, _Value]:
-        """The texts that variables have."""
-        found: dict[str, _Value] = {}
-        texts: dict[str, set[str | None]] = {}
-        unknown: set[str] = set()
-        tokens = self.tokens
-        for at, (token, after) in enumerate(pairwise(tokens)):
-            # Few words are assigned to, made or defined.
-            has_value = after.text in _BEFORE_VALUES or after.text.startswith('"')
-            if not has_value or not is_word(token.text):
-                continue
-            # Of `char NAME[] = ...` the brackets say nothing.
-            behind = at + 3 if text_at(tokens, at + 1) == "[" else at + 1
-            sign = text_at(tokens, behind)
-            if sign == "=" and text_at(tokens, behind + 1) != "=":
-                end = behind + 1
-                last = min(len(tokens), end + _MOST_WORDS)
-                while end < last and text_at(tokens, end) not in (";", ",", ")"):
-                    end = self.closed.get(end, end + 1)
-                value = self.value(tokens[behind + 1 : min(end, last)], found)
-            elif text_at(tokens, at - 1) == "define" and sign.startswith('"'):
-                value = self.value(tokens[at + 1 : at + 2], found)
-            elif sign in ("{", "(") and text_at(tokens, at + 2).startswith('"'):
-                end = min(self.closed[at + 1] - 1, at + _MOST_WORDS)
-                value = self.value(tokens[at + 2 : end], found)
-            else:
-                continue
-            if value.text is None and value.parameter is None and sign == "=":
-                unknown.add(token.text)
-            if value.text is not None or value.parameter is not None:
-                texts.setdefault(token.text, set()).add(value.text)
-                found[token.text] = value
-        for name, known in texts.items():
-            # A name with two texts, or with one and another value, is known at run time.
-            if (len(known) > 1 or name in unknown) and found[name].parameter is None:
-                found[name] = _Value(None)
-        defaults: dict[str | None, str | None] = {
-            value.parameter: value.text for value in found.values() if value.parameter
-        }
-        for call in self.calls:
-            if call.name in _PARAMETERS and len(call.arguments) >= 2:
-                self._parameter(call, found, defaults)
-        # In quotes a name is that of a parameter, which an expression may read.
-        found |= {f'"{name}"': _Value(text, name) for name, text in defaults.items() if name}
-        found |= {name: _Value(None) for name in unknown - texts.keys() - found.keys()}
-        return {
-            name: _Value(defaults.get(value.parameter), value.parameter)
-            if value.text is None and value.parameter is not None
-            else value
-            for name, value in found.items()
-        }
-
-    def _parameter(
-        self, call: Call, found: dict[str, _Value], defaults: dict[str | None, str | None]
-    ) -> None:
-        """Note a parameter that is read into a variable, or declared with a default."""
-        first, *others = call.arguments
-        if call.name == "declare_parameter_if_not_declared":
-            first, *others = others
-        name = self.string(first[0]) if len(first) == 1 else None
-        if name is None:
-            return
-        texts = [self.value(list(other), found) for other in others]
-        default = next((value.text for value in texts if value.text is not None), None)
-        if default is not None:
-            defaults[name] = default
-        variable = others[0] if others else ()
-        if call.name in ("declare_parameter", "declare_parameter_if_not_declared"):
-            return
-        if len(variable) == 1 and is_word(variable[0].text):
-            found[variable[0].text] = _Value(defaults.get(name), name.lstrip("~"))
-
-    def value(self, tokens: Sequence[Token], values: Mapping[str, _Value]) -> _Value:
-        """Return the text of an expression, and the parameter that it reads."""
-        tokens = _unwrapped(tokens)
-        strings = [self.string(t) for t in tokens if t.text.startswith('"')]
-        words = [token.text for token in tokens]
-        if any(word in _PARAMETERS for word in words) and strings:
-            name = (strings[0] or "").lstrip("~")
-            declared = values.get(f'"{name}"', _Value(None)).text
-            return _Value(strings[1] if len(strings) > 1 else declared, name)
-        if strings and len(strings) == len(tokens):
-            # Literals in a row are one.
-            text = "".join(each or "" for each in strings)
-            return _Value(text if len(text) <= _MOST_CHARACTERS else None)
-        if len(tokens) == 1:
-            return values.get(words[0], _Value(None))
-        if "+" in words:
-            parts = [self.value(group, values) for group in _summands(tokens)]
-            if all(part.text is not None and part.parameter is None for part in parts):
-                text = "".join(part.text or "" for part in parts)
-                return _Value(text if len(text) <= _MOST_CHARACTERS else None)
-            return _Value(None)
-        if words[:2] == ["this", "->"] or (len(words) == 3 and words[1] in (".", "->")):
-            return values.get(words[-1], _Value(None))
-        if len(words) % 2 and {*words[1::2]} == {"::"} and all(map(is_word, words[::2])):
-            return values.get(words[-1], _Value(None))
-        return _Value(None)
+        quoted = (self.string(token) for token in self.tokens if token.text.startswith('"'))
+        return [text for text in quoted if text and _PATH.fullmatch(text)]
 
     @cached_property
     def callbacks(self) -> Mapping[str, str]:
@@ -306,10 +194,17 @@ class _File(CppCode):
         # A definition may be in another file, so declarations count.
         return found
 
-    def node_names(self) -> Iterator[tuple[str, str]]:
+    def calls_outside(self, classes: Collection[str]) -> Iterator[Call]:
+        """Yield the calls that are in none of some classes."""
+        for call in self.calls:
+            around = list(self.bodies_at(call.at)) if classes else []
+            if not around or self.class_of(around[-1]) not in classes:
+                yield call
+
+    def node_names(self, classes: Collection[str]) -> Iterator[tuple[str, str]]:
         """Yield the names that the file gives its node, each with its namespace."""
         tokens = self.tokens
-        for call in self.calls:
+        for call in self.calls_outside(classes):
             if call.name in ("Node", "LifecycleNode", "make_shared", "init"):
                 is_node = call.name != "make_shared" or any("Node" in t for t in call.types)
                 is_ros = call.name != "init" or text_at(tokens, call.at - 2) == "ros"
@@ -327,7 +222,7 @@ class _File(CppCode):
     def topic(
         self,
         call: Call,
-        values: Mapping[str, _Value],
+        texts: Texts,
         kinds: Mapping[str, str],
     ) -> "_TopicCall | Unread | None":
         """Return the topic that a call makes, or None if it makes none."""
@@ -356,7 +251,7 @@ class _File(CppCode):
             case "create_generic_publisher" | "create_generic_subscription":
                 published = call.name == "create_generic_publisher"
                 types = call.arguments[1:2]
-                kind = self.value(types[0], values).text if types else None
+                kind = texts.text_of(self, types[0]).text if types else None
             case "Subscriber" if kind is not None and len(call.arguments) >= 2:
                 published = False
                 name_at = 0 if call.arguments[0][0].text.startswith('"') else 1
@@ -377,16 +272,22 @@ class _File(CppCode):
         if name_at >= len(call.arguments):
             return None
         argument = call.arguments[name_at]
-        value = self.value(argument, values)
+        handle = self._handle(call, name_at)
+        resolved = resolved_name(argument)
+        if resolved:
+            # The handle that is called gives the prefix.
+            handle = handle_tokens(self, self.index_of(resolved[0]) - 2)
+            argument = tuple(resolved)
+        value = texts.text_of(self, argument)
         span = self.span(argument[0])
         if value.text is None and value.parameter is None:
             last = argument[-1]
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
             return Unread(AT_RUN_TIME, shown, span)
         topic = Topic(value.text or "", _written(kind), span, value.parameter)
-        return _TopicCall(topic, self._keeper(call), published, self._handle(call, name_at))
+        return _TopicCall(topic, self._keeper(call), published, handle)
 
-    def switches(self, at: int, values: Mapping[str, _Value]) -> set[tuple[str, bool]]:
+    def switches(self, at: int, texts: Texts) -> set[tuple[str, bool]]:
         """Return the parameters that decide whether a token is reached, each with its value."""
         found: set[tuple[str, bool]] = set()
         for first, last, holds in self.tests_at(at):
@@ -394,7 +295,7 @@ class _File(CppCode):
             # Of a conjunction that does not hold it is unknown which part is false.
             for part in parts if holds or len(parts) == 1 else ():
                 negated = text_at(part, 0) == "!"
-                value = self.value(part[negated:], values)
+                value = texts.text_of(self, part[negated:])
                 if value.parameter is not None:
                     found.add((value.parameter, holds != negated))
         return found
@@ -417,9 +318,7 @@ class _File(CppCode):
             opening += 1
         return opening + 1, opening + 1 + len(call.arguments[0])
 
-    def further_names(
-        self, call: Call, values: Mapping[str, _Value]
-    ) -> Iterator[tuple[Topic, tuple[int, int]]]:
+    def further_names(self, call: Call, texts: Texts) -> Iterator[tuple[Topic, tuple[int, int]]]:
         """Yield the name of a service, action or parameter of ROS 1, with its handle."""
         if call.name in _RENAMED:
             if text_at(self.tokens, call.at - 1) not in (".", "->"):
@@ -429,14 +328,14 @@ class _File(CppCode):
             is_free = text_at(self.tokens, call.at - 1) == "::"
             takes_node = call.name in ("create_server", "create_client") and is_free
             first = call.arguments[:1]
-            is_named = bool(first) and self.value(first[0], values).text is not None
+            is_named = bool(first) and texts.text_of(self, first[0]).text is not None
             is_action = call.name.startswith("Simple")
             name_at = 1 if takes_node or (is_action and not is_named) else 0
         else:
             return
         if name_at >= len(call.arguments):
             return
-        value = self.value(call.arguments[name_at], values)
+        value = texts.text_of(self, call.arguments[name_at])
         if value.text is None:
             return
         span = self.span(self.tokens[call.at])
@@ -539,12 +438,10 @@ def _prefixed(
             yield replace(topic, name=name)
 
 
-def _used_if(
-    files: Sequence["_File"], keeper: str, values: Mapping[str, _Value]
-) -> set[tuple[str, bool]]:
+def _used_if(files: Sequence["_File"], keeper: str, texts: Texts) -> set[tuple[str, bool]]:
     """Return the parameters that decide whether a publisher publishes at all."""
     places = [(file, at) for file in files for at in file.publications.get(keeper, ())]
-    used = [file.switches(at, values) for file, at in places[:_MOST_FOLLOWED]]
+    used = [file.switches(at, texts) for file, at in places[:_MOST_FOLLOWED]]
     return set.intersection(*used) if 0 < len(places) <= _MOST_FOLLOWED else set()
 
 
@@ -563,32 +460,6 @@ def _conjuncts(tokens: Sequence[Token]) -> list[Sequence[Token]]:
         found[-1] += tokens[at:end]
         at = end
     return [part for part in found if part]
-
-
-def _unwrapped(tokens: Sequence[Token]) -> Sequence[Token]:
-    """Return an expression without brackets around it, `std::string(...)` and `.c_str()`."""
-    while len(tokens) <= _MOST_WORDS:
-        words = [token.text for token in tokens]
-        bare = words[2:] if words[:2] == ["std", "::"] else words
-        at = len(words) - len(bare) + (bare[:1] in (["string"], ["string_view"]))
-        if words[-4:] in ([".", "c_str", "(", ")"], [".", "data", "(", ")"]):
-            tokens = tokens[:-4]
-        elif words[at : at + 1] in (["("], ["{"]) and closing(tokens, at) == len(tokens):
-            tokens = tokens[at + 1 : -1]
-        else:
-            break
-    return tokens
-
-
-def _summands(tokens: Sequence[Token]) -> Iterator[list[Token]]:
-    group: list[Token] = []
-    for token in tokens:
-        if token.text == "+":
-            yield group
-            group = []
-        else:
-            group.append(token)
-    yield group
 
 
 def _written(kind: str | None) -> str | None:
