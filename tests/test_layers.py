@@ -87,10 +87,11 @@ FILES = {
     "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
         "actions commands names interface catalogue cmake setup_files workspace parameters "
-        "cpp_code cpp_durations cpp_handles source_cpp python_files python_scopes python_written "
-        "python_texts source_python programs glue bridges python_values conditions python_known "
-        "python_nodes python_tests python_evaluate launch_python launch_markup launch_catalogue "
-        "descriptions launch controllers muxes read"
+        "cpp_code cpp_durations cpp_handles cpp_scopes cpp_texts source_cpp python_files "
+        "python_scopes python_written python_texts source_python programs glue bridges "
+        "python_values conditions python_known python_nodes python_tests python_evaluate "
+        "launch_python launch_markup launch_catalogue descriptions launch controllers muxes "
+        "read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",
