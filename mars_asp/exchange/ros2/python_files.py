@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -112,7 +113,7 @@ def _parsed(text: str, path: str, module: str) -> SourceFile | None:
     except (ValueError, RecursionError, MemoryError):
         return None
     file = SourceFile(path, text.split("\n"), tree)
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         match node:
             case ast.Import(names=names):
                 for name in names:
@@ -141,6 +142,16 @@ def _parsed(text: str, path: str, module: str) -> SourceFile | None:
                 if ast.dump(known) != ast.dump(value):
                     file.constants[assigned] = ast.Constant(...)
     return file
+
+
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """Yield the statements of a module, those within others after these."""
+    waiting = deque[ast.AST](tree.body)
+    while waiting:
+        node = waiting.popleft()
+        yield node
+        for part in ("body", "orelse", "handlers", "finalbody", "cases"):
+            waiting += getattr(node, part, ())
 
 
 def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:

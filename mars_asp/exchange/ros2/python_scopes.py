@@ -9,12 +9,19 @@ import ast
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import zip_longest
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from mars_asp.exchange.ros2.python_files import dotted_name
 
 #: A loop or a part of a comprehension: its target, and what it goes over.
 Loop = tuple[ast.expr, ast.expr]
+_ASSIGNING = (
+    *(ast.Assign, ast.AnnAssign, ast.AugAssign, ast.NamedExpr, ast.For, ast.AsyncFor),
+    *(ast.comprehension, ast.withitem, ast.ExceptHandler, ast.FunctionDef, ast.AsyncFunctionDef),
+    *(ast.Lambda, ast.Global, ast.Nonlocal),
+)
+#: Nodes without a call or assignment in them.
+_LEAVES = (ast.Name, ast.Constant, ast.expr_context, ast.operator, ast.cmpop, ast.boolop)
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.GeneratorExp, ast.DictComp)
 #: Of assignments to one name in one function the last so many count.
 _MOST_ASSIGNED = 32
@@ -58,6 +65,9 @@ class Scopes:
     def __init__(self, part: ast.AST) -> None:
         """Go through a part of a program once."""
         self.calls: list[tuple[ast.Call, CodePlace]] = []
+        #: The variables that keep the results of calls, by these.
+        self.keepers: dict[ast.Call, str] = {}
+        self.functions: list[ast.FunctionDef | ast.AsyncFunctionDef] = []
         self._assigned: dict[tuple[ast.AST | None, str], list[Assignment]] = {}
         #: The functions that assign an attribute.
         self._assigning: dict[str, dict[ast.AST | None, None]] = {}
@@ -65,21 +75,32 @@ class Scopes:
         waiting = [(part, CodePlace())]
         while waiting:
             node, place = waiting.pop()
-            if isinstance(node, ast.expr | ast.stmt):
-                place = place._replace(at=(node.lineno, node.col_offset))
             if isinstance(node, ast.Call):
-                self.calls.append((node, place))
-            if isinstance(node, ast.Global | ast.Nonlocal) and place.scopes:
-                self._outer.setdefault(place.scopes[-1], set()).update(node.names)
-            # Each round of a loop assigns its target.
-            within = place
-            if isinstance(node, ast.For | ast.AsyncFor):
-                within = _block(node.body, place, _LOOP)
-            for name, value, given_to in _assigned_by(node):
-                self._keep(name, value, given_to, within)
+                self.calls.append((node, place._replace(at=(node.lineno, node.col_offset))))
+            elif isinstance(node, _ASSIGNING):
+                self._assign(node, place)
             waiting += _children(node, place)
         for each in self._assigned.values():
             each.sort(key=_end_of)
+
+    def _assign(self, node: Any, place: CodePlace) -> None:
+        """Keep the values that a statement assigns, and the names that it takes from outside."""
+        if isinstance(node, ast.Global | ast.Nonlocal):
+            if place.scopes:
+                self._outer.setdefault(place.scopes[-1], set()).update(node.names)
+            return
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            self.functions.append(node)
+        first = node.context_expr if isinstance(node, ast.withitem) else node
+        if not isinstance(first, ast.comprehension):
+            place = place._replace(at=(first.lineno, first.col_offset))
+        # Each round of a loop assigns its target.
+        if isinstance(node, ast.For | ast.AsyncFor):
+            place = _block(node.body, place, _LOOP)
+        for name, value, function in _assigned_by(node):
+            self._keep(name, value, function, place)
+            if isinstance(value, ast.Call):
+                self.keepers[value] = name
 
     def _keep(self, name: str, value: ast.expr, function: ast.AST | None, place: CodePlace) -> None:
         """Keep a value of a variable, which holds where the statement ends."""
@@ -230,7 +251,8 @@ def _children(node: ast.AST, place: CodePlace) -> Iterator[tuple[ast.AST, CodePl
             own = CodePlace((*place.scopes, node), (), loops, place.tests)
             yield from ((each, own) for each in ast.iter_child_nodes(node))
         case _:
-            yield from ((each, place) for each in ast.iter_child_nodes(node))
+            parts = ast.iter_child_nodes(node)
+            yield from ((each, place) for each in parts if not isinstance(each, _LEAVES))
 
 
 def _block(statements: Sequence[ast.AST], place: CodePlace, sort: int = _SOMETIMES) -> CodePlace:

@@ -70,9 +70,8 @@ class Texts:
         of_class = {f"self.{name}": value for name, value in constants_of(node)}
         self._constants = {**file.constants, **of_class}
         self.parameters: dict[str, ast.expr] = {}
-        keepers = files.once(_keepers_of, node)
-        names = {id(call): name for call, name in keepers}
-        self.calls = [(call, names.get(id(call))) for call, _ in self.scopes.calls]
+        keepers = self.scopes.keepers
+        self.calls = [(call, keepers.get(call)) for call, _ in self.scopes.calls]
         self.places = {id(call): place for call, place in self.scopes.calls}
         for each, place in self.scopes.calls:
             for stated, default in declared(each, called_name(each)):
@@ -386,16 +385,6 @@ class Texts:
                 return self.number(value, depth + 1)
             case _:
                 return None
-
-
-def _keepers_of(part: ast.AST) -> Iterator[tuple[ast.Call, str | None]]:
-    """Yield the calls of which a variable keeps the result, with its name."""
-    for each in ast.walk(part):
-        match each:
-            case ast.Assign(targets=[target], value=ast.Call() as call):
-                yield call, keeper_of(target)
-            case ast.AnnAssign(target=target, value=ast.Call() as call):
-                yield call, keeper_of(target)
 
 
 def _identity(value: ast.expr) -> str | int:

@@ -407,8 +407,7 @@ class _Unit(Texts):
     @cached_property
     def bodies(self) -> tuple[ast.AST, ...]:
         """The functions in this part of the program, or all of it."""
-        every = list(ast.walk(self.node))
-        return tuple(each for each in every if isinstance(each, _FUNCTIONS)) or (self.node,)
+        return (*self.scopes.functions,) or (self.node,)
 
     def functions(self, callback: ast.expr) -> list[ast.AST]:
         """Return what a callback is."""
