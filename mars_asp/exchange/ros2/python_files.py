@@ -113,7 +113,7 @@ def _parsed(text: str, path: str, module: str) -> SourceFile | None:
     except (ValueError, RecursionError, MemoryError):
         return None
     file = SourceFile(path, text.split("\n"), tree)
-    for node in _statements(tree):
+    for node in _nested_statements(tree):
         match node:
             case ast.Import(names=names):
                 for name in names:
@@ -144,7 +144,7 @@ def _parsed(text: str, path: str, module: str) -> SourceFile | None:
     return file
 
 
-def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+def _nested_statements(tree: ast.Module) -> Iterator[ast.AST]:
     """Yield the statements of a module, those within others after these."""
     waiting = deque[ast.AST](tree.body)
     while waiting:
