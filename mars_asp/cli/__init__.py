@@ -1,6 +1,6 @@
-"""The command line: one file for each verb, imported when it is called.
+"""The command line: one file for each command, imported when it is called.
 
-A verb's file has `configure(parser)`, which adds its arguments, and `run(arguments)`, which
+A command's file has `configure(parser)`, which adds its arguments, and `run(arguments)`, which
 returns the exit status and raises `MarsError` for what is wrong with the input.
 """
 
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TextIO
 
 from mars_asp import __version__
-from mars_asp.cli.arguments import ALIASES, USAGE, VERBS, help_text, parser_of, unknown_verb
+from mars_asp.cli.arguments import USAGE, help_text, ordered, parser_of
 
 DONE, CLOSED_PIPE = 0, 141
 
@@ -51,20 +51,18 @@ def run_here(words: Sequence[str]) -> int:
 def _run(words: Sequence[str], contained: bool = True) -> int:
     # What is imported takes of the time that a limit allows, too.
     started = time.monotonic()
-    word = words[0] if words else "--help"
+    word, *further = ordered(words)
     if word == "--version":
         print(f"mars-asp {__version__}")
         return DONE
-    if word in ("--help", "-h"):
+    if word == "--help":
         print(help_text(), end="")
         return DONE
-    if ALIASES.get(word, word) not in VERBS:
-        unknown_verb(words)
     module, parser = parser_of(word)
     from mars_asp.cli.limits import run_plain
     from mars_asp.cli.worker import run_contained
 
-    arguments = parser.parse_intermixed_args(words[1:])
+    arguments = parser.parse_intermixed_args(further)
     arguments.started = started
     contained = contained and getattr(module, "IS_CONTAINED", True)
     return (run_contained if contained else run_plain)(module.run, arguments)

@@ -5,9 +5,9 @@ import importlib
 import re
 import sys
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import ModuleType
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from mars_asp import __version__
 from mars_asp.exchange.recognise import FORMATS as FOREIGN
@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from _typeshed import SupportsWrite
 
 USAGE = 2
+_HELP = ("--help", "-h")
+#: Options that write files are never proposed.
+_WRITING = frozenset(
+    {"--fix", "--write-baseline", "-o", "--output", "--update", "--snapshot", "--junit"}
+)
 #: What every verb prints a result in; one with more of them names all as its `RESULT_FORMATS`.
 FORMATS = ("text", "json")
 
@@ -31,7 +36,7 @@ class Verb(NamedTuple):
 #: The verbs, by what people want to do.
 GROUPS: Mapping[str, Mapping[str, Verb]] = {
     "Check a robot": {
-        "check": Verb("report errors and warnings", "check config.mars"),
+        "check": Verb("report errors and warnings", "check my_ws/"),
         "analyse": Verb("list the consequences of a configuration", "analyse config.mars"),
         "extract": Verb("list the modules in annotated sources", "extract src/"),
         "can": Verb(
@@ -102,8 +107,10 @@ def help_text() -> str:
 
     width = columns(sys.stdout)
     parts = [
-        "usage: mars-asp VERB [WORD...] [OPTION...]\n",
-        "What follows from a robot's configuration, its minimal specification, and why.\n",
+        "usage: mars-asp COMMAND [WORD...] [OPTION...]\n",
+        "A static analyser for robot architectures: it finds wiring faults, computes the\n"
+        "smallest fix, and shows the lines that cause each. It reads ROS 2 workspaces,\n"
+        "twist_mux files, dora dataflows, URDF and `.mars` files.\n",
     ]
     for heading, verbs in GROUPS.items():
         parts.append(f"{heading}:")
@@ -113,11 +120,11 @@ def help_text() -> str:
         parts.append("")
     common = Parser(prog="mars-asp", add_help=False)
     common_options(common)
-    parts.append("Options of every verb:")
+    parts.append("Options of every command:")
     for action in common.options():
         names = ", ".join(action.option_strings)
         parts += _beside(f"  {names} {_value(action)}", action.help or "", width, 25)
-    parts += ["", "`mars-asp VERB --help` describes a verb and the options of its own.", ""]
+    parts += ["", "`mars-asp COMMAND --help` describes a command and the options of its own.", ""]
     return "\n".join(parts)
 
 
@@ -137,7 +144,14 @@ def _beside(head: str, text: str, width: int, margin: int = 14) -> list[str]:
 
 
 class Parser(argparse.ArgumentParser):
-    """Reports a wrong call, with status 2 and where help is to be found."""
+    """Reports a wrong call, with status 2 and where help is to be found.
+
+    An option is never abbreviated: `--fi` must not be `--fix`.
+    """
+
+    def __init__(self, **settings: Any) -> None:
+        """Take the settings of argparse."""
+        super().__init__(**settings, allow_abbrev=False)
 
     def options(self) -> list[argparse.Action]:
         """Return what can be said by options."""
@@ -153,8 +167,8 @@ class Parser(argparse.ArgumentParser):
         from mars_asp.output import visible
 
         unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
-        names = [name for action in self.options() for name in action.option_strings]
-        near = nearest(unknown[1], names) if unknown else None
+        names = {name for action in self.options() for name in action.option_strings}
+        near = nearest(unknown[1], sorted(names - _WRITING)) if unknown else None
         told = f"{message}: did you mean `{near}`?" if near else message
         mark = "" if told.endswith("?") else ";"
         whole = f"{self.prog}: {visible(told)}{mark} see `{self.prog} --help`"
@@ -195,30 +209,45 @@ def parser_of(word: str) -> tuple[ModuleType, Parser]:
             (
                 parser.epilog,
                 f"Example: mars-asp {VERBS[verb].example}",
-                f"Options of every verb, described by `mars-asp --help`: {', '.join(names)}. "
-                "Without --memory-limit a verb may take half of the memory that the container or "
-                "the machine has.",
+                f"Options of every command, described by `mars-asp --help`: {', '.join(names)}. "
+                "Without --memory-limit a command may take half of the memory that the container "
+                "or the machine has.",
             ),
         )
     )
     return module, parser
 
 
-def unknown_verb(words: Iterable[str]) -> NoReturn:
-    """Say that a command line does not begin with a verb; end with status 2."""
-    first = next(iter(words))
+def ordered(words: Sequence[str]) -> list[str]:
+    """Return the words of a command line with the command first, and the options before it after.
+
+    `help` is `--help`, and `help COMMAND` is `COMMAND --help`. Ends with status 2 where there is no
+    such command or option.
+    """
     parser = Parser(prog="mars-asp", add_help=False)
     common_options(parser)
-    if first.startswith("-"):
-        names = [name for option in parser.options() for name in option.option_strings]
-        name = first.partition("=")[0]
-        if name in names:
-            parser.error(f"`{name}` comes after the verb: mars-asp VERB {name}")
-        near = nearest(name, (*names, "--help"))
-        parser.error(f"unknown option `{first}`{f': did you mean `{near}`?' if near else ''}")
-    near = nearest(first, (*VERBS, *ALIASES))
-    hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
-    parser.error(f"there is no verb `{first}`: {hint}")
+    takes = {
+        name: option.nargs is None for option in parser.options() for name in option.option_strings
+    }
+    at = 0
+    while at < len(words) and words[at].startswith("-") and words[at] not in _HELP:
+        name, equals, _ = words[at].partition("=")
+        if name not in takes:
+            near = nearest(name, (*takes, "--help"))
+            parser.error(
+                f"unknown option `{words[at]}`{f': did you mean `{near}`?' if near else ''}"
+            )
+        at += 2 if takes[name] and not equals else 1
+    before, rest = list(words[:at]), list(words[at:])
+    if not rest or rest[0] in (*_HELP, "help"):
+        if not {"-V", "--version"}.isdisjoint(before):
+            return ["--version"]
+        return [*(rest[1:2] if rest else ()), "--help"]
+    if ALIASES.get(rest[0], rest[0]) not in VERBS:
+        near = nearest(rest[0], (*VERBS, *ALIASES))
+        hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
+        parser.error(f"there is no command `{rest[0]}`: {hint}")
+    return [rest[0], *before, *rest[1:]]
 
 
 def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FORMATS) -> None:
@@ -260,7 +289,7 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         help="of text; auto obeys NO_COLOR, FORCE_COLOR and TERM=dumb, and else colours what goes "
         "to a terminal",
     )
-    add("--quiet", action="store_true", help="no progress, no notes, no summary")
+    add("-q", "--quiet", action="store_true", help="no progress, no notes, no summary")
     add(
         "-v",
         "--verbose",
@@ -268,6 +297,7 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         help="list on standard error the launch files that were judged",
     )
     add(
+        "-V",
         "--version",
         action="version",
         version=f"mars-asp {__version__}",

@@ -30,7 +30,8 @@ class _Words(NamedTuple):
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
-    parser.add_argument("shell", choices=tuple(_SCRIPTS), metavar="SHELL", help=", ".join(_SCRIPTS))
+    shells = tuple(_SCRIPTS)
+    parser.add_argument("shell", nargs="?", choices=shells, metavar="SHELL", help=", ".join(shells))
     parser.epilog = (
         "bash: source <(mars-asp completion bash), in ~/.bashrc. zsh: mars-asp completion zsh > "
         "_mars-asp, in a folder of $fpath. fish: mars-asp completion fish > "
@@ -39,7 +40,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the script for a shell."""
+    """Print the script for a shell; without one the shells there are."""
+    if arguments.shell is None:
+        print("\n".join(_SCRIPTS))
+        return 0
     for line in _SCRIPTS[arguments.shell](tuple(_verbs())):
         print(line)
     return 0

@@ -40,8 +40,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="OUT",
-        required=True,
-        help=f"where to write it; its suffix chooses the form: .{', .'.join(FORMATS)}",
+        default="-",
+        help="where to write it, if not to the output; its suffix chooses the form: "
+        f".{', .'.join(FORMATS)}",
     )
     parser.add_argument(
         "--as",

@@ -1,6 +1,7 @@
 """Read a robot from another format and print it as a configuration."""
 
 import argparse
+import sys
 from pathlib import Path
 
 from mars_asp.cli.deliver import write_file
@@ -21,13 +22,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "origin",
         metavar="FORMAT",
+        nargs="?",
         choices=_FORMATS,
         help=f"{', '.join(f'`{each}`' for each in _FORMATS[:-1])} or `{_FORMATS[-1]}`",
     )
     parser.add_argument(
         "files",
         metavar="FILE",
-        nargs="+",
+        nargs="*",
         help="what to read, `-` for standard input; several are one robot",
     )
     add_launch(parser)
@@ -40,7 +42,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the configuration."""
+    """Print the configuration; without a format the formats there are."""
+    if arguments.origin is None:
+        print("\n".join(_FORMATS))
+        return 0
+    if not arguments.files:
+        print(
+            f"mars-asp import: name the files: mars-asp import {arguments.origin} FILE",
+            file=sys.stderr,
+        )
+        return 2
     check_inputs(*arguments.files)
     found, printed = (_urdf if arguments.origin == "urdf" else _foreign)(arguments)
     if len(found.trees) > 1:

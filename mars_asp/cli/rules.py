@@ -42,7 +42,9 @@ from mars_asp.spelling import nearest
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
-    parser.add_argument("action", choices=("list", "show", "lint", "doc", "new", "diff"))
+    parser.add_argument(
+        "action", nargs="?", default="list", choices=("list", "show", "lint", "doc", "new", "diff")
+    )
     parser.add_argument(
         "what",
         nargs="?",

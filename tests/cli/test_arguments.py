@@ -7,7 +7,10 @@ import pytest
 
 from mars_asp.cli import run_command, run_here
 from mars_asp.cli.arguments import VERBS, parser_of
+from tests.support.documents import ROOT
 from tests.support.processes import mars
+
+FIGURE = str(ROOT / "examples" / "figure04-divergence" / "config.mars")
 
 
 @pytest.mark.parametrize("words", [[], ["--help"], ["-h"]])
@@ -41,7 +44,7 @@ def test_the_help_of_a_verb_shows_its_example(
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["chek"], "there is no verb `chek`: did you mean `check`?"),
+        (["chek"], "there is no command `chek`: did you mean `check`?"),
         (["anlyze"], "did you mean `analyze`?"),
         (["Check"], "did you mean `check`?"),
         (["xyzzy"], "one of check, analyse,"),
@@ -49,14 +52,18 @@ def test_the_help_of_a_verb_shows_its_example(
             ["check", "a.mars", "--quite"],
             "arguments: --quite: did you mean `--quiet`?",
         ),
-        (["check", "a.mars", "--fxi"], "did you mean `--fix`?"),
+        # An option is never abbreviated, and one that writes files never proposed.
+        (["check", "a.mars", "--fxi"], "unrecognized arguments: --fxi; see"),
+        (["check", "a.mars", "--fi"], "unrecognized arguments: --fi"),
+        (["check", "a.mars", "--write-base", "b"], "unrecognized arguments: --write-base b; see"),
+        (["check", "a.mars", "--quie"], "did you mean `--quiet`?"),
         (["check", "a.mars", "--fromat=json"], "did you mean `--format`?"),
         (["check", "a.mars", "--xyzzy"], "unrecognized arguments: --xyzzy; see `mars-asp check -"),
-        (["--quiet", "check"], "`--quiet` comes after the verb"),
+        (["--fromat", "json", "check"], "unknown option `--fromat`: did you mean `--format`?"),
         (["--vresion"], "did you mean `--version`?"),
         (["-x"], "unknown option `-x`; see `mars-asp --help`"),
-        (["", "check"], "there is no verb ``"),
-        (["check"], "the following arguments are required: FILE"),
+        (["", "check"], "there is no command ``"),
+        (["analyse"], "the following arguments are required: FILE"),
         (["check", "x", "--memory-limit", "0"], "`0` must be a positive number"),
     ],
 )
@@ -68,6 +75,43 @@ def test_what_was_probably_meant(
     assert shown.out == ""
     assert told in shown.err
     assert "?;" not in shown.err
+
+
+@pytest.mark.parametrize(
+    ("words", "same"),
+    [
+        (["-V"], ["--version"]),
+        (["--quiet", "--version"], ["--version"]),
+        (["help"], ["--help"]),
+        (["help", "check"], ["check", "--help"]),
+        (["--help", "check"], ["check", "--help"]),
+        (["--format", "json", "-q", "check", FIGURE], ["check", FIGURE, "-q", "--format=json"]),
+        (["--format=json", "check", FIGURE], ["check", FIGURE, "--format", "json"]),
+        (["rules"], ["rules", "list"]),
+        (["draw", FIGURE], ["draw", FIGURE, "-o", "-"]),
+    ],
+)
+def test_two_ways_to_write_a_command(
+    words: list[str], same: list[str], capfd: pytest.CaptureFixture[str]
+) -> None:
+    outcomes = []
+    for each in (words, same):
+        outcomes.append((run_command(each), *capfd.readouterr()))
+    assert outcomes[0] == outcomes[1]
+    assert outcomes[0][0] == 0 and outcomes[0][1]
+
+
+def test_a_format_alone_has_no_file_to_read(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["import", "urdf"]) == 2
+    assert capsys.readouterr().err == "mars-asp import: name the files: mars-asp import urdf FILE\n"
+
+
+@pytest.mark.parametrize(("command", "first"), [("import", "urdf"), ("completion", "bash")])
+def test_a_command_alone_lists_its_choices(
+    command: str, first: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command([command]) == 0
+    assert capfd.readouterr().out.splitlines()[0] == first
 
 
 @pytest.fixture(scope="module")
