@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import file_key, replace_files
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.excluded import add_exclusion
 from mars_asp.cli.folding import fold, instances_of
 from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.lines import forget, line_text, remember
@@ -109,10 +110,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     parser.add_argument(
         "files",
-        metavar="FILE",
-        nargs="+",
-        help="`.mars` files, each a robot of its own, and files of others, which are one robot;"
-        " `-` is standard input",
+        metavar="PATH",
+        nargs="*",
+        default=["."],
+        help="a folder, whose robots are judged each by itself; `.mars` files, each a robot of its "
+        "own; other files, which are one robot; `-` is standard input (default: this folder)",
     )
     parser.add_argument(
         "--fix",
@@ -127,6 +129,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="the least severity of a reported finding that makes the exit status 1",
     )
     add_launch(parser)
+    add_exclusion(parser)
     add_selection(parser)
 
 
@@ -139,7 +142,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"mars-asp check: {told}", file=sys.stderr)
         return 2
     checked, remarks = check(arguments)
-    status = max(one.status for one in checked)
+    status = max((one.status for one in checked), default=0)
     if is_published(arguments):
         results = [*(each for one in checked for each in one.results), *remarks]
         publish(results, arguments, status)
@@ -173,11 +176,13 @@ def check(
         one = Checked(name, tuple(further))
         checked.append(one)
         try:
+            if robot.problems:
+                raise MarsError(robot.problems)
             _check(one, rules, selection, arguments, edited, seen)
         except MarsError as error:
             one.report(map(Result, error.diagnostics), arguments)
             # Others of the folder are judged all the same.
-            one.status = 1 if robot.is_found else 2
+            one.status = 2
             is_complete = False
         one.report(map(Result, robot.notes), arguments)
     for one in checked:

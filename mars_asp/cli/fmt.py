@@ -1,12 +1,14 @@
 """Lay out `.mars` files in one canonical way, comments kept."""
 
 import argparse
+import difflib
 import sys
 from pathlib import Path
 
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.reason import STANDARD_INPUT
+from mars_asp.cli.excluded import add_exclusion
+from mars_asp.cli.reason import STANDARD_INPUT, is_excluded, robots_in_folder
 from mars_asp.cli.report import report_error
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
@@ -15,14 +17,25 @@ from mars_asp.language.format import format_text
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.output import visible
 
+_NO_END = "\\ No newline at end of file"
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     parser.add_argument(
-        "files", metavar="FILE", nargs="+", help="a `.mars` file; `-` is standard input, to output"
+        "files",
+        metavar="PATH",
+        nargs="*",
+        default=["."],
+        help="a `.mars` file, or a folder, of which each is taken (default: this folder); "
+        "`-` is standard input, to output",
     )
+    add_exclusion(parser)
     parser.add_argument(
         "--check", action="store_true", help="write nothing; list the files that would change"
+    )
+    parser.add_argument(
+        "--diff", action="store_true", help="write nothing; print the changes as a unified diff"
     )
     parser.epilog = (
         "A file with syntax errors is left alone, and the others are laid out all the same. "
@@ -31,7 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Lay out each file; 1 where `--check` finds one to change, 2 where one has errors."""
+    """Lay out each file; 1 where it only shows one to change, 2 where one has errors."""
     if STANDARD_INPUT in arguments.files and len(arguments.files) > 1:
         print(
             "mars-asp fmt: `-` must be the only file, because its text goes to standard output",
@@ -40,9 +53,18 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     status = 0
     listed: list[dict[str, object]] = []
-    for name in arguments.files:
+    names: list[str] = []
+    for path in arguments.files:
         try:
-            changed, text = _format(name, arguments.check)
+            names += _files_of(path, arguments)
+        except MarsError as error:
+            report_error(error, arguments)
+            status = 2
+    for name in names:
+        try:
+            changed, before, text = _format(
+                name, is_written=not (arguments.check or arguments.diff)
+            )
         except MarsError as error:
             report_error(error, arguments)
             status = 2
@@ -51,11 +73,13 @@ def run(arguments: argparse.Namespace) -> int:
             print(visible(f"mars-asp: `{name}`: {error.strerror or error}"), file=sys.stderr)
             status = 2
             continue
-        if changed and arguments.check:
+        if changed and (arguments.check or arguments.diff):
             status = max(status, 1)
         if arguments.format == "json":
             piped = {"text": text} if name == STANDARD_INPUT else {}
             listed.append({"path": name, "changed": changed, **piped})
+        elif arguments.diff:
+            print(_difference(name, before, text), end="")
         elif name == STANDARD_INPUT and not arguments.check:
             sys.stdout.buffer.write(text.encode())
         elif changed:
@@ -65,8 +89,34 @@ def run(arguments: argparse.Namespace) -> int:
     return status
 
 
-def _format(name: str, check: bool) -> tuple[bool, str]:
-    """Return whether a file's bytes change, and its text; write it where that is wanted."""
+def _files_of(path: str, arguments: argparse.Namespace) -> list[str]:
+    """Return the `.mars` files of a folder, or a file that is named.
+
+    Raises:
+        MarsError: the folder has none, or its settings are wrong.
+    """
+    if not Path(path).is_dir():
+        return [] if arguments.force_exclude and is_excluded(arguments, path) else [path]
+    found = [
+        str(each) for each in robots_in_folder(arguments, path).paths if each.suffix == ".mars"
+    ]
+    if not found:
+        place = point(path, 1, 1)
+        raise MarsError([Diagnostic("usage", "error", "the folder has no `.mars` file", place)])
+    return found
+
+
+def _difference(name: str, before: str, after: str) -> str:
+    """Return a unified diff of two texts of a file."""
+    lines = difflib.unified_diff(
+        before.splitlines(keepends=True), after.splitlines(keepends=True), name, name
+    )
+    ended = (each if each.endswith("\n") else f"{each}\n{_NO_END}\n" for each in lines)
+    return "".join(ended)
+
+
+def _format(name: str, is_written: bool) -> tuple[bool, str, str]:
+    """Return whether a file's bytes change, its text and the new one, which may be written."""
     piped = name == STANDARD_INPUT
     raw = read_standard_input() if piped else read_bytes(Path(name))
     shown = "<stdin>" if piped else name
@@ -80,6 +130,6 @@ def _format(name: str, check: bool) -> tuple[bool, str]:
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
     text = format_text(before, shown)
     changed = text.encode() != raw
-    if changed and not piped and not check:
+    if changed and not piped and is_written:
         write_file(name, text, raw)
-    return changed, text
+    return changed, before, text

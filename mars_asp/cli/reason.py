@@ -3,8 +3,6 @@
 import argparse
 import sys
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,6 +13,7 @@ from mars_asp.cli.report import report
 from mars_asp.cli.settings import settings_for
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.folders import IsExcluded, nothing_excluded
 from mars_asp.exchange.foreign import File, read_foreign
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, parse_text
@@ -35,13 +34,15 @@ from mars_asp.reasoning.project import (
 from mars_asp.reasoning.rules import brought_by, load_rulebook
 
 if TYPE_CHECKING:
-    from mars_asp.exchange.dataflows import Dataflows
+    from mars_asp.exchange.folders import FolderRobots
 
 STANDARD_INPUT = "-"
 #: The stages of rules that judge a robot.
 JUDGING = ("resolve", "launch")
 #: Where verbs keep what they read first.
 _FILES = ("files", "file", "old", "specification")
+#: Of several robots in a folder a message names so many.
+_MOST_NAMED = 10
 #: What standard input is called in places.
 SHOWN_INPUT = "<stdin>"
 
@@ -81,7 +82,7 @@ def read_specification(arguments: argparse.Namespace, path: str) -> Project:
         if path == STANDARD_INPUT:
             path = SHOWN_INPUT
             text = read_input(path)
-        parsed, text, foreign = _parse(arguments, path, text)
+        parsed, text, foreign = _parse(arguments, only_robot(arguments, path), text)
         parsed = _with_kinds(parsed, arguments)
         if foreign is None:
             return described(parsed, text, optional=True)
@@ -110,26 +111,11 @@ def read_project(
     if path == STANDARD_INPUT:
         path = SHOWN_INPUT
         text = read_input(path)
+    path, *further = (only_robot(arguments, each) for each in (path, *further))
     project = load(arguments, path, text, further)
-    if project.trees:
-        apart = chain.from_iterable(map(_unread_dataflows, (path, *further)))
-        project = replace(project, diagnostics=(*project.diagnostics, *apart))
     if not quietly:
         report((*project.diagnostics, *one_of_several(project)), arguments)
     return project
-
-
-def _unread_dataflows(path: str) -> Iterator[Diagnostic]:
-    """Yield the note that a folder was taken for a workspace of ROS alone, if it has dataflows."""
-    dataflows = _dataflows(path)
-    if dataflows is not None and dataflows.files:
-        first, *others = map(str, dataflows.files)
-        number = "1 dataflow" if not others else f"{1 + len(others)} dataflows"
-        message = f"{number} beside the packages of ROS not read"
-        help_text = f"name one, such as `{first}`; `mars-asp check {path}` judges all"
-        yield Diagnostic(
-            "dora", "note", message, point(first, 1, 1), (), help_text, kind="not_read"
-        )
 
 
 def one_of_several(project: Project) -> Iterator[Diagnostic]:
@@ -179,7 +165,12 @@ def _parse(
     first = files[0]
     ours = [file for file in files if file.format == "mars"]
     if not ours:
-        found = read_foreign(files, getattr(arguments, "launch", ()))
+        excluded: IsExcluded = nothing_excluded
+        if Path(path).is_dir():
+            from mars_asp.cli.excluded import excluded_in
+
+            excluded = excluded_in(arguments, Path(path))
+        found = read_foreign(files, getattr(arguments, "launch", ()), excluded)
         return found, first.text, found.configuration.origin
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
@@ -199,10 +190,7 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
         path = SHOWN_INPUT
         text = read_input(path)
     if text is None and Path(path).is_dir():
-        dataflow = _only_dataflow(path)
-        if dataflow is None:
-            return File(path, "", "ros2")
-        path = dataflow
+        return File(path, "", "ros2")
     if text is None:
         # What comes through a pipe comes once.
         streamed: dict[str, str] = vars(arguments).setdefault("streamed", {})
@@ -216,51 +204,84 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
     return File(path, text, arguments.from_format or recognised(text))
 
 
-def _only_dataflow(path: str) -> str | None:
-    """Return the dataflow of dora in a folder; None where there is none, or a workspace of ROS.
+def only_robot(arguments: argparse.Namespace, path: str) -> str:
+    """Return the path of the robot in a folder; any other path as it is.
 
     Raises:
-        MarsError: there are several.
+        MarsError: there is none, or there are several.
     """
-    dataflows = _dataflows(path)
-    if dataflows is None or not dataflows.files or dataflows.is_ros:
-        return None
-    first, *others = map(str, dataflows.files)
+    if not Path(path).is_dir():
+        return path
+    found = robots_in_folder(arguments, path)
+    first, *others = found.paths or (None,)
+    if first is None:
+        raise MarsError([_nothing_in(path)])
     if others:
-        number = len(dataflows.files)
-        message = f"the folder has {number} dataflows, and each is a robot of its own"
-        named = ", ".join(f"`{each}`" for each in (first, *others[:2]))
-        help_text = f"name one of them: {named}{', ...' if number > 3 else ''}"
-        raise MarsError((Diagnostic("dora", "error", message, point(path, 1, 1), (), help_text),))
-    return first
+        number = len(found.paths)
+        message = f"the folder has {number} robots"
+        named = ", ".join(f"`{each}`" for each in found.paths[:_MOST_NAMED])
+        rest = f" and {number - _MOST_NAMED} more" if number > _MOST_NAMED else ""
+        help_text = f"name one of them: {named}{rest}; `mars-asp check {path}` judges all"
+        if Path(path) in found.paths:
+            help_text += f"; `--from ros2` takes `{path}` for a workspace alone"
+        raise MarsError([Diagnostic("usage", "error", message, point(path, 1, 1), help=help_text)])
+    return str(first)
+
+
+def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots":
+    """Return the robots in a folder; with `--launch` or `--from ros2` it is one of ROS.
+
+    Raises:
+        MarsError: what is wrong with the settings of the folder.
+    """
+    from mars_asp.cli.excluded import excluded_in
+    from mars_asp.exchange.folders import FolderRobots, robots_in
+
+    if getattr(arguments, "launch", ()) or arguments.from_format == "ros2":
+        return FolderRobots((Path(path),))
+    return robots_in(Path(path), excluded_in(arguments, Path(path)))
+
+
+def _nothing_in(path: str) -> Diagnostic:
+    message = "the folder has nothing to read"
+    help_text = (
+        "robots are `.mars` files, packages and launch files of ROS, twist_mux files, "
+        "dataflows of dora, dumps of ROS graphs and URDF documents"
+    )
+    return Diagnostic("usage", "error", message, point(path, 1, 1), help=help_text)
 
 
 class RobotFiles(NamedTuple):
-    """The files of a robot; `is_found` is whether they were found in a folder.
-
-    `notes` are about that folder.
-    """
+    """The files of a robot, with notes on the folder that they are in, or its problems."""
 
     paths: list[str]
-    is_found: bool = False
     notes: tuple[Diagnostic, ...] = ()
+    problems: tuple[Diagnostic, ...] = ()
 
 
 def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFiles]:
-    """Return the files of each robot: those of others are one, at the place of the first.
+    """Return the files of each robot: those of others that are named are one, where the first is.
 
-    Each dataflow of dora in a folder is a robot of its own, and so is a workspace of ROS beside it.
+    In a folder each robot is one by itself.
     """
     found: list[RobotFiles] = []
     foreign: list[str] = []
     for path in paths:
-        dataflows = _dataflows(path)
-        if dataflows is not None and dataflows.files and not getattr(arguments, "launch", ()):
-            found += (RobotFiles([str(each)], is_found=True) for each in dataflows.files)
-            found[-1] = found[-1]._replace(notes=dataflows.notes)
-            if dataflows.is_ros:
-                found.append(RobotFiles([path]))
+        if arguments.force_exclude and path != STANDARD_INPUT and is_excluded(arguments, path):
             continue
+        if Path(path).is_dir():
+            try:
+                within = robots_in_folder(arguments, path)
+            except MarsError as error:
+                found.append(RobotFiles([path], problems=error.diagnostics))
+                continue
+            if not within.paths:
+                found.append(RobotFiles([path], problems=(_nothing_in(path),)))
+                continue
+            if within.paths != (Path(path),):
+                found += (RobotFiles([str(each)]) for each in within.paths)
+                found[-1] = found[-1]._replace(notes=within.notes)
+                continue
         if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
             found.append(RobotFiles([path]))
         else:
@@ -270,13 +291,16 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
     return found
 
 
-def _dataflows(path: str) -> "Dataflows | None":
-    """Return the dataflows of dora in a folder; None if the path is not a folder."""
-    if not Path(path).is_dir():
-        return None
-    from mars_asp.exchange.dataflows import dataflows_in
+def is_excluded(arguments: argparse.Namespace, path: str) -> bool:
+    """Whether a path that is named is one of those that a command passes over.
 
-    return dataflows_in(Path(path))
+    Raises:
+        MarsError: what is wrong with the settings of its folder.
+    """
+    from mars_asp.cli.excluded import excluded_in
+
+    file = Path(path)
+    return excluded_in(arguments, file.parent)(file, file.is_dir())
 
 
 def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:

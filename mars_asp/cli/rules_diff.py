@@ -9,7 +9,7 @@ from typing import NamedTuple
 from mars_asp.cli.diff import difference_json
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import lines_of
-from mars_asp.cli.reason import load
+from mars_asp.cli.reason import load, only_robot
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.output import visible
@@ -47,7 +47,7 @@ def print_changes(pack: str, files: Sequence[str], arguments: argparse.Namespace
     status = 0
     for path in files or _examples():
         try:
-            project = load(reading, path)
+            project = load(reading, only_robot(reading, path))
             budget = Budget(arguments.time_limit)
             found = diff(
                 Reasoner(project, before, budget), Reasoner(project, after, budget), lines_of

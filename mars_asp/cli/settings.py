@@ -23,12 +23,13 @@ _OWN, _SHARED = "mars.toml", "pyproject.toml"
 _TABLE = ("tool", "mars-asp")
 #: A key or a header with our name in it.
 _NAMED = r"(?m)^[^=#\n]*mars-asp"
-_KEYS = ("select", "ignore", "baseline", "rules")
+_KEYS = ("select", "ignore", "baseline", "rules", "exclude")
 #: What the keys list whose values are lists.
 _LISTED = {
     "select": "kinds of findings",
     "ignore": "kinds of findings",
     "rules": "folders of rule packs",
+    "exclude": "patterns of paths",
 }
 _MOST_BYTES = 1024 * 1024
 
@@ -43,6 +44,7 @@ class Settings(NamedTuple):
     ignore: tuple[str, ...] | None = None
     baseline: str | None = None
     rules: tuple[str, ...] = ()
+    exclude: tuple[str, ...] = ()
     path: str = ""
     text: str = ""
     table: tuple[str, ...] = ()
@@ -114,12 +116,13 @@ def _read(path: str, text: str, table: tuple[str, ...]) -> Settings:
     problems = list(_problems(where, values))
     if problems:
         raise MarsError(problems)
-    select, ignore, baseline, rules = (values.get(key) for key in _KEYS)
+    select, ignore, baseline, rules, exclude = (values.get(key) for key in _KEYS)
     return Settings(
         None if select is None else tuple(select),
         None if ignore is None else tuple(ignore),
         None if baseline is None else str(Path(path).parent / baseline),
         tuple(str(Path(path).parent / each) for each in rules or ()),
+        tuple(exclude or ()),
         where.path,
         text,
         table,

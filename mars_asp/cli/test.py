@@ -23,10 +23,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     parser.add_argument(
         "paths",
-        nargs="+",
+        nargs="*",
+        default=["."],
         metavar="PATH",
-        help="files of cases, `.lp` or `.mars`, or folders of them; those of a pack, in its folder"
-        " `cases` or `tests`, have its rules without --rules",
+        help="files of cases, `.lp` or `.mars`, or folders of them (default: this folder); those"
+        " of a pack, in its folder `cases` or `tests`, have its rules without --rules",
     )
     parser.add_argument(
         "--update",

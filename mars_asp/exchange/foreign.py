@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.exchange.folders import IsExcluded, nothing_excluded
 from mars_asp.exchange.unite import united
 from mars_asp.language import Parsed
 
@@ -31,12 +32,17 @@ class File(NamedTuple):
     format: str
 
 
-def read_foreign(files: Sequence[File], launch: Sequence[str] = ()) -> Parsed:
+def read_foreign(
+    files: Sequence[File],
+    launch: Sequence[str] = (),
+    is_excluded: IsExcluded = nothing_excluded,
+) -> Parsed:
     """Return the configuration of files that together are one robot; of a mux what it is for.
 
     Args:
         files: The files, at least one.
         launch: The launch files that are read of a folder; all if there are none.
+        is_excluded: Whether a path in a folder is passed over.
 
     Raises:
         MarsError: all that is wrong with them.
@@ -51,7 +57,9 @@ def read_foreign(files: Sequence[File], launch: Sequence[str] = ()) -> Parsed:
         own = [(file.text, file.path) for file in files if file.format in read]
         reader = _reader(format)
         try:
-            found.append(partial(reader, launch=launch)(own) if format == "ros2" else reader(own))
+            if format == "ros2":
+                reader = partial(reader, launch=launch, is_excluded=is_excluded)
+            found.append(reader(own))
         except MarsError as error:
             problems += error.diagnostics
     if problems:

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
-from mars_asp.exchange import dataflows
-from mars_asp.exchange.dataflows import dataflows_in
+from mars_asp.exchange import folders
+from mars_asp.exchange.folders import robots_in
 
 GOOD = "nodes:\n- id: camera\n  outputs: [image]\n- id: view\n  inputs: {image: camera/image}\n"
 WRONG = "nodes:\n- id: view\n  inputs: {tick: dora/timer/days/1}\n"
@@ -22,13 +22,13 @@ def write(folder: Path, **files: str) -> None:
 
 
 def found_in(folder: Path) -> list[str]:
-    """Return the paths of the dataflows in a folder."""
-    return [path.relative_to(folder).as_posix() for path in dataflows_in(folder).files]
+    """Return the paths of the robots in a folder."""
+    return [path.relative_to(folder).as_posix() for path in robots_in(folder).paths]
 
 
-def test_dataflows_are_found_at_any_depth_nearest_first(tmp_path: Path) -> None:
+def test_dataflows_are_found_at_any_depth_in_their_order(tmp_path: Path) -> None:
     write(tmp_path, a__b__c__d__deep=GOOD, near=GOOD, a__graph="nodes: [a]\nid: 1\n")
-    assert found_in(tmp_path) == ["near.yml", "a/b/c/d/deep.yml"]
+    assert found_in(tmp_path) == ["a/b/c/d/deep.yml", "near.yml"]
 
 
 def test_builds_environments_and_links_are_skipped(tmp_path: Path) -> None:
@@ -45,9 +45,9 @@ def test_builds_environments_and_links_are_skipped(tmp_path: Path) -> None:
 def test_a_workspace_of_ros_has_no_dataflow_deep_in_it(tmp_path: Path) -> None:
     write(tmp_path, a__b__c__d__deep=GOOD)
     (tmp_path / "a" / "b" / "c" / "package.xml").touch()
-    assert found_in(tmp_path) == []
+    assert found_in(tmp_path) == ["."]
     write(tmp_path, near=GOOD)
-    assert found_in(tmp_path) == ["near.yml", "a/b/c/d/deep.yml"]
+    assert found_in(tmp_path) == ["a/b/c/d/deep.yml", "near.yml"]
 
 
 LAUNCH = '<launch><node pkg="x" exec="y" name="n"/><node pkg="x" exec="y" name="n"/></launch>'
@@ -71,26 +71,25 @@ def test_a_workspace_of_ros_and_a_dataflow_are_robots_of_their_own(
     assert "1 error, 1 warning in 1 file and 1 folder" in output
     assert run_here(["check", str(tmp_path), "--launch", "drive.launch.xml"]) == 0
     capsys.readouterr()
-    assert run_here(["explain", str(tmp_path)]) == 0
+    assert run_here(["explain", str(tmp_path)]) == 2
     output = " ".join(capsys.readouterr().err.split())
-    assert "1 dataflow beside the packages of ROS not read" in output
-    assert f"name one, such as `{tmp_path}/near.yml`" in output
+    assert f"name one of them: `{tmp_path}`, `{tmp_path}/near.yml`" in output
 
 
 @pytest.mark.parametrize(
     ("bound", "note"),
     [
         ("MOST_DATAFLOWS", "dataflows not read: 2"),
-        ("MOST_YAML", "YAML files not read: 2"),
+        ("MOST_READ", "files not read: 2"),
         ("MOST_ENTRIES", "folders not read: 1"),
     ],
 )
 def test_the_rest_of_a_large_folder_is_a_note(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bound: str, note: str
 ) -> None:
-    monkeypatch.setattr(dataflows, bound, 1)
+    monkeypatch.setattr(folders, bound, 1)
     write(tmp_path, a=GOOD, b=GOOD, c__d=GOOD)
-    (message,) = dataflows_in(tmp_path).notes
+    (message,) = robots_in(tmp_path).notes
     assert message.message.startswith(note)
 
 
@@ -99,7 +98,7 @@ def test_a_wrong_dataflow_does_not_end_the_folder(
 ) -> None:
     missing = GOOD.replace("camera/image", "camera/picture")
     write(tmp_path, a=WRONG, b=missing)
-    assert run_here(["check", str(tmp_path)]) == 1
+    assert run_here(["check", str(tmp_path)]) == 2
     output = " ".join(capsys.readouterr().err.split())
     assert "a.yml:3:18: error: input `tick` of `view` must take an output" in output
     assert "b.yml:5:19: error: `camera` has no output" in output
@@ -114,7 +113,7 @@ def test_other_commands_take_the_only_dataflow_of_a_folder(
     assert run_here(["analyse", str(tmp_path)]) == 0
     write(tmp_path, d=GOOD)
     assert run_here(["analyse", str(tmp_path)]) == 2
-    assert "the folder has 2 dataflows" in " ".join(capsys.readouterr().err.split())
+    assert "the folder has 2 robots" in " ".join(capsys.readouterr().err.split())
 
 
 #: The settings of a node `a`, and the file that is reported as missing.

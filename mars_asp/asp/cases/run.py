@@ -1,5 +1,6 @@
 """Where cases are, and what the rules make of one."""
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -21,6 +22,8 @@ from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 #: What is asked to be said here, beside what cases ask of rules themselves.
 _STAGE = "case"
+#: What may be expected, as `expectations.py` reads it.
+_EXPECTED = re.compile(r"(?m)^[ \t]*%(?:[=>~]|(?:only|has|not):)")
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
 
@@ -28,17 +31,26 @@ _MOST_MESSAGES = 10_000
 def find_cases(paths: Iterable[Path], packs: Iterable[Path] = ()) -> tuple[Path, ...]:
     """Return the case files that paths name, those of folders in the order of their names.
 
-    Of what a folder holds, the files of rule packs are no cases.
+    Of a folder these are the files that state an expectation and are not of rule packs.
     """
     rules = {path.resolve() for path in packs}
     found: list[Path] = []
     for path in paths:
         if path.is_dir():
             held = sorted(path.rglob("*.lp"))
-            found += (p for p in held if not {p.resolve(), p.resolve().parent} & rules)
+            held = [p for p in held if not {p.resolve(), p.resolve().parent} & rules]
+            found += filter(_states_expectation, held)
         else:
             found.append(path)
     return tuple(found)
+
+
+def _states_expectation(path: Path) -> bool:
+    try:
+        return _EXPECTED.search(path.read_text(encoding="utf-8")) is not None
+    except (OSError, UnicodeDecodeError):
+        # It is told that the file cannot be read.
+        return True
 
 
 def stages_of(path: Path, stages: Collection[str]) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from itertools import chain, takewhile
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
 from mars_asp.exchange.graph import joined, united
 from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
@@ -37,7 +38,7 @@ from mars_asp.exchange.ros2.parameters import (
     values_for,
 )
 from mars_asp.exchange.ros2.programs import Program, Programs
-from mars_asp.exchange.ros2.workspace import IGNORE_MARKERS, Workspace
+from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.twist_mux.document import (
     SORTS,
@@ -115,7 +116,11 @@ _TRUTH = ("false", "true")
 _NUMBERED = re.compile(r"\d+")
 
 
-def import_ros2(files: Sequence[tuple[str, str]], launch: Sequence[str] = ()) -> Parsed:
+def import_ros2(
+    files: Sequence[tuple[str, str]],
+    launch: Sequence[str] = (),
+    is_excluded: IsExcluded = nothing_excluded,
+) -> Parsed:
     """Return the configuration of launch files and folders, which make up one robot.
 
     Args:
@@ -123,6 +128,7 @@ def import_ros2(files: Sequence[tuple[str, str]], launch: Sequence[str] = ()) ->
             files with the parameters of muxes are for those that are launched without.
         launch: The launch files to read of folders, each the top of a launch tree; all that no
             other includes if there are none.
+        is_excluded: Whether a path in a folder is passed over.
 
     Raises:
         MarsError: a launch file has errors, there is none, or `launch` names none.
@@ -136,7 +142,7 @@ def import_ros2(files: Sequence[tuple[str, str]], launch: Sequence[str] = ()) ->
         (path, read_document(text, path)) for text, path in files if (text, path) not in launched
     ]
     for (root, deep), members in _by_root(launched).items():
-        workspace = Workspace(root, members[0][1], deep=deep)
+        workspace = Workspace(root, members[0][1], deep=deep, is_excluded=is_excluded)
         robot = _Robot(workspace, muxes, launch)
         graphs.append(robot.graph([workspace.given(path, text) for text, path in members]))
         trees += robot.trees

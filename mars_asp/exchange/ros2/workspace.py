@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
 from mars_asp.exchange.ros2.cmake import (
     Installed,
     Targets,
@@ -35,7 +36,6 @@ _SKIPPED = frozenset(
     | {"test", "tests"}
 )
 #: Files that mark a folder as not to be built; its files say the same once more, or nothing.
-IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"})
 _SHARE = re.compile(
     r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/\1(?=/|$))?/?"
 )
@@ -131,11 +131,20 @@ class _Contents(NamedTuple):
 class Workspace:
     """The files below a folder."""
 
-    def __init__(self, root: Path, named: str, *, deep: bool = True) -> None:
+    def __init__(
+        self,
+        root: Path,
+        named: str,
+        *,
+        deep: bool = True,
+        is_excluded: IsExcluded = nothing_excluded,
+    ) -> None:
         """Take the folder that holds everything, and a path by which the user named it.
 
-        `deep` is whether packages are looked for in the folders below, too.
+        `deep` is whether packages are looked for in the folders below, too; `is_excluded` whether
+        a path in it is passed over.
         """
+        self._is_excluded = is_excluded
         self.root = root.resolve()
         self.named = named
         self.unread: list[Unread] = []
@@ -191,7 +200,11 @@ class Workspace:
             if not self._deep:
                 folders.clear()
             folders[:] = sorted(
-                name for name in folders if not name.startswith(".") and name not in _SKIPPED
+                name
+                for name in folders
+                if not name.startswith(".")
+                and name not in _SKIPPED
+                and not self._is_excluded(at / name, True)
             )
             for name in folders:
                 self._note_link(at / name)
@@ -202,7 +215,7 @@ class Workspace:
                         continue
                 is_kept = path.suffix.lower() in _KEPT or os.access(path, os.X_OK)
                 # A pipe would be waited for.
-                if is_kept and path.is_file():
+                if is_kept and path.is_file() and not self._is_excluded(path, False):
                     found.append(path)
             if len(found) > _MOST_FILES:
                 sort = f"files of a folder with more than {_MOST_FILES}, beyond those,"

@@ -1,0 +1,92 @@
+"""Paths in a folder that are passed over: by git, by the settings and by options."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from pathspec import GitIgnoreSpec
+
+from mars_asp.cli.settings import settings_for
+from mars_asp.diagnostic import MarsError
+from mars_asp.language.parse import plain_lines, read_text
+
+#: Patterns, as in `.gitignore`, and the folder that they are relative to.
+_Patterns = tuple[Path, GitIgnoreSpec]
+
+
+class Excluded:
+    """Decides which paths below a folder are passed over; each file of patterns is read once."""
+
+    def __init__(self, root: Path, stated: Sequence[tuple[Path, Sequence[str]]] = ()) -> None:
+        """Take the folder, and patterns besides those of git with the folders they are relative to.
+
+        A pattern that names the folder itself counts for nothing in it.
+        """
+        self._given, self._root = root, root.resolve()
+        self._read: dict[Path, tuple[_Patterns, ...]] = {}
+        around = (self._root, *self._root.parents)
+        self._is_in_git = any((each / ".git").exists() for each in around)
+        patterns = [(at.resolve(), GitIgnoreSpec.from_lines(of)) for at, of in stated]
+        self._stated = tuple(each for each in patterns if not self._names_root(each))
+
+    def __call__(self, path: Path, is_folder: bool) -> bool:
+        """Whether a path, of a folder or not, is passed over."""
+        is_given = path.is_relative_to(self._given)
+        whole = self._root / path.relative_to(self._given) if is_given else path
+        for at, spec in reversed((*self._of_git(whole.parent), *self._stated)):
+            if at in whole.parents:
+                found = spec.check_file(f"{whole.relative_to(at).as_posix()}{'/' * is_folder}")
+                if found.include is not None:
+                    return found.include
+        return False
+
+    def _of_git(self, folder: Path) -> tuple[_Patterns, ...]:
+        """Return the patterns of git for the paths in a folder, the innermost last."""
+        if folder not in self._read:
+            is_top = (folder / ".git").exists() or folder == folder.parent
+            is_read = self._is_in_git or folder.is_relative_to(self._root)
+            above = () if is_top or not is_read else self._of_git(folder.parent)
+            files = (folder / ".git" / "info" / "exclude", folder / ".gitignore")
+            own = [(folder, _spec_of(file)) for file in files if is_read and file.is_file()]
+            self._read[folder] = (*above, *(each for each in own if not self._names_root(each)))
+        return self._read[folder]
+
+    def _names_root(self, patterns: _Patterns) -> bool:
+        at, spec = patterns
+        inner = self._root.relative_to(at).as_posix() if at in self._root.parents else ""
+        return bool(inner) and spec.check_file(f"{inner}/").include is True
+
+
+def _spec_of(file: Path) -> GitIgnoreSpec:
+    try:
+        return GitIgnoreSpec.from_lines(plain_lines(read_text(file)).split("\n"))
+    except MarsError:
+        return GitIgnoreSpec.from_lines([])
+
+
+def excluded_in(arguments: argparse.Namespace, root: Path) -> Excluded:
+    """Return what a command passes over in a folder.
+
+    Raises:
+        MarsError: what is wrong with the settings of the folder.
+    """
+    settings = settings_for(root)
+    stated = [(Path(settings.path).parent, settings.exclude)] if settings.exclude else []
+    return Excluded(root, [*stated, (Path(), getattr(arguments, "exclude", ()))])
+
+
+def add_exclusion(parser: argparse.ArgumentParser) -> None:
+    """Add the options of commands that go through folders."""
+    parser.add_argument(
+        "--exclude",
+        metavar="PATTERN",
+        action="append",
+        default=[],
+        help="pass over these paths in folders; as in `.gitignore`, which counts too, as do "
+        "`exclude` of mars.toml; repeatable",
+    )
+    parser.add_argument(
+        "--force-exclude",
+        action="store_true",
+        help="pass over them where they are named as well",
+    )

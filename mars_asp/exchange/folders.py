@@ -1,0 +1,205 @@
+"""The robots in a folder: `.mars` files, workspaces of ROS, dataflows, other files by content."""
+
+import os
+import re
+from collections import deque
+from collections.abc import Callable, Collection, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
+
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.recognise import key_pattern, recognised
+from mars_asp.exchange.unread import Unread, notes
+from mars_asp.language.parse import read_text
+
+#: Files that keep a folder from being built.
+IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"})
+#: Folders of builds and packages; hidden ones and virtual environments are skipped as well.
+_BUILT = frozenset("build target node_modules __pycache__ venv".split())
+#: Folders whose dataflows are no robots.
+_OF_TESTS = frozenset("template templates test tests fixtures".split())
+#: A folder with packages of ROS up to this depth is a workspace of ROS.
+_NEAR = 2
+#: How many entries of folders are listed, files are read, and dataflows are taken.
+MOST_ENTRIES = 100_000
+MOST_READ = 5_000
+MOST_DATAFLOWS = 300
+#: A node of a dataflow has one of these keys; other files have lists of nodes as well.
+_OF_NODES = key_pattern("inputs|outputs|path|custom|operators?|ros2|module|hub|git")
+#: Beside packages of ROS, which have lists of nodes with paths.
+_OF_DORA = key_pattern("inputs|outputs|custom|operators?")
+#: Other YAML files have lists of topics, too.
+_OF_MUX = key_pattern("priority")
+_LAUNCH = (
+    ".launch",
+    *(f"{mark}launch.{end}" for mark in "._" for end in ("py", "xml", "yaml", "yml")),
+)
+_YAML = frozenset({".yml", ".yaml"})
+#: Endings of files that may be robots by their content.
+_BY_CONTENT = frozenset({*_YAML, ".xml", ".urdf", ".dot", ".gv", ".json", ".txt", ".launch", ".py"})
+
+#: Whether a path in a folder, of a folder or not, is passed over.
+IsExcluded: TypeAlias = Callable[[Path, bool], bool]
+
+
+class FolderRobots(NamedTuple):
+    """The robots in a folder, in the order of their paths, and notes on the rest of it.
+
+    A robot is a file, or a folder with packages and launch files of ROS. `passed_over` is the
+    number of YAML, XML and Python files outside of these that are none.
+    """
+
+    paths: tuple[Path, ...]
+    notes: tuple[Diagnostic, ...] = ()
+    passed_over: int = 0
+
+
+def nothing_excluded(path: Path, is_folder: bool) -> bool:
+    """Pass over no path."""
+    return False
+
+
+def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> FolderRobots:
+    """Return the robots in a folder.
+
+    Each `.mars` file is one. A workspace is the outermost folder whose `src` holds packages.
+    Outside of ROS each dataflow, mux, dump of a graph and URDF document is one.
+
+    Args:
+        folder: The folder; links in it are not followed.
+        is_excluded: Whether a path in it, of a folder or not, is passed over.
+    """
+    unread: list[Unread] = []
+    entries = list(_entries(folder, is_excluded, unread))
+    launches = [path for _, path in entries if path.name.endswith(_LAUNCH)]
+    packages = [path.parent for _, path in entries if path.name == "package.xml"]
+    ros = _ros_in(folder, packages, launches)
+    found = [path for _, path in entries if path.suffix == ".mars"]
+    if ros == [folder]:
+        dataflows = _beside_ros(folder, entries, unread)
+        has_packages = any(depth <= _NEAR for depth, path in entries if path.name == "package.xml")
+        if dataflows and not (launches and has_packages):
+            unread += (_unread("packages of ROS", path / "package.xml") for path in packages)
+            ros = []
+        found += dataflows
+        passed_over = 0
+    else:
+        outside = [path for _, path in entries if ros == [] or not _lies_in(path, ros)]
+        apart = list(_by_content(folder, outside, unread))
+        found += apart
+        passed_over = sum(path.suffix in _BY_CONTENT for path in outside) - len(apart)
+    return FolderRobots(tuple(sorted((*found, *ros))), tuple(notes(unread)), passed_over)
+
+
+def _ros_in(folder: Path, packages: Sequence[Path], launches: Sequence[Path]) -> list[Path]:
+    """Return the folders that are robots of ROS: workspaces, and packages in none.
+
+    Packages without a workspace are one robot, and so is a workspace with launch files beside it.
+    """
+    workspaces: set[Path] = set()
+    loose: set[Path] = set()
+    for package in packages:
+        parts = package.relative_to(folder).parts
+        if "src" in parts:
+            workspaces.add(folder.joinpath(*parts[: parts.index("src")]))
+        else:
+            loose.add(package)
+    workspaces = {each for each in workspaces if not _lies_in(each, workspaces)}
+    found = {*workspaces, *(each for each in loose if not _lies_in(each, workspaces | loose))}
+    is_one = not workspaces or len(found) == 1
+    if is_one and not (workspaces and all(_lies_in(each, workspaces) for each in launches)):
+        return [folder] if packages or launches else []
+    return sorted(found)
+
+
+def _lies_in(path: Path, folders: Collection[Path]) -> bool:
+    return any(each in folders for each in path.parents)
+
+
+def _beside_ros(
+    folder: Path, entries: Sequence[tuple[int, Path]], unread: list[Unread]
+) -> list[Path]:
+    """Return the dataflows in a folder of ROS, none unless one is near."""
+    yaml = sorted(
+        each for each in entries if each[1].suffix in _YAML and not _is_test(folder, each[1])
+    )
+    has_packages = any(path.name == "package.xml" for _, path in entries)
+    sign = _OF_DORA if has_packages else _OF_NODES
+    near = (path for depth, path in yaml[:MOST_READ] if depth <= _NEAR)
+    if not any(_is_dataflow(path, sign) for path in near):
+        return []
+    unread += (_unread("YAML files", path) for _, path in yaml[MOST_READ:])
+    return _at_most([path for _, path in yaml[:MOST_READ] if _is_dataflow(path, sign)], unread)
+
+
+def _by_content(folder: Path, paths: Sequence[Path], unread: list[Unread]) -> Iterator[Path]:
+    """Yield the files outside of ROS that are robots by their content."""
+    possible = [path for path in paths if path.suffix in _BY_CONTENT]
+    unread += (_unread("files", path) for path in possible[MOST_READ:])
+    dataflows = []
+    for path in possible[:MOST_READ]:
+        try:
+            text = read_text(path)
+        except MarsError:
+            continue
+        match recognised(text):
+            case "dora" if not _is_test(folder, path) and re.search(_OF_NODES, text):
+                dataflows.append(path)
+            case "twist_mux" if re.search(_OF_MUX, text):
+                yield path
+            case "urdf" | "rosgraph" | "ros2":
+                yield path
+    yield from _at_most(dataflows, unread)
+
+
+def _at_most(dataflows: Sequence[Path], unread: list[Unread]) -> list[Path]:
+    unread += (_unread("dataflows", path) for path in dataflows[MOST_DATAFLOWS:])
+    return list(dataflows[:MOST_DATAFLOWS])
+
+
+def _entries(
+    folder: Path, is_excluded: IsExcluded, unread: list[Unread]
+) -> Iterator[tuple[int, Path]]:
+    """Yield the files in a folder with their depth; note folders that are not searched."""
+    folders = deque([(0, folder)])
+    listed = 0
+    while folders:
+        depth, path = folders.popleft()
+        if listed > MOST_ENTRIES:
+            unread.append(_unread("folders", path))
+            continue
+        try:
+            entries = sorted(os.scandir(path), key=lambda entry: entry.name)
+        except OSError:
+            unread.append(_unread("folders", path))
+            continue
+        listed += len(entries)
+        names = {entry.name for entry in entries}
+        # A virtual environment, or a folder that is not to be built.
+        if depth and ("pyvenv.cfg" in names or not IGNORE_MARKERS.isdisjoint(names)):
+            continue
+        for entry in entries:
+            inner = path / entry.name
+            is_folder = entry.is_dir(follow_symlinks=False)
+            if entry.name.startswith(".") or is_excluded(inner, is_folder):
+                continue
+            if is_folder and entry.name not in _BUILT:
+                folders.append((depth + 1, inner))
+            elif entry.is_file(follow_symlinks=False):
+                yield depth, inner
+
+
+def _unread(sort: str, path: Path) -> Unread:
+    return Unread(sort, str(path), point(str(path), 1, 1))
+
+
+def _is_test(folder: Path, path: Path) -> bool:
+    return not _OF_TESTS.isdisjoint(path.relative_to(folder).parts)
+
+
+def _is_dataflow(path: Path, sign: str) -> bool:
+    try:
+        text = read_text(path)
+    except MarsError:
+        return False
+    return recognised(text) == "dora" and re.search(sign, text) is not None

@@ -1,0 +1,192 @@
+"""Folders on the command line: which robots are in them, and which paths are passed over."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+
+MARS = "@configuration\n@modules A, B\nA uses_data_from B\n"
+WRONG = "@configuration\n@modules A\nA uses_data_from Missing\n"
+MUX = (
+    "topics:\n- {name: a, topic: a, timeout: 0.5, priority: 1}\n"
+    "- {name: b, topic: b, timeout: 0.5, priority: 1}\n"
+)
+DATAFLOW = "nodes:\n- id: camera\n  outputs: [image]\n- id: view\n  inputs: {image: camera/image}\n"
+URDF = '<robot name="r"><link name="base"/></robot>'
+LAUNCH = '<launch><node pkg="joy" exec="joy_node"/></launch>'
+PACKAGE = "<package><name>{}</name><export><build_type>ament_cmake</build_type></export></package>"
+
+
+def write(folder: Path, files: dict[str, str]) -> None:
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
+def package(name: str) -> dict[str, str]:
+    last = name.rpartition("/")[2]
+    return {f"{name}/package.xml": PACKAGE.format(last), f"{name}/launch/r.launch.xml": LAUNCH}
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def judged(capsys: pytest.CaptureFixture[str], *words: str) -> list[str]:
+    """Return the robots that `check` judges."""
+    run_here(["check", "--format", "json", *words])
+    document = json.loads(capsys.readouterr().out)
+    return [each["path"] for each in document["files"]]
+
+
+#: The files of a folder, and its robots.
+FOLDERS = {
+    "each configuration": ({"b/x.mars": MARS, "a.mars": MARS}, ["a.mars", "b/x.mars"]),
+    "by content": (
+        {"m.yaml": MUX, "d.yml": DATAFLOW, "r.urdf": URDF, "other.yaml": "a: 1", "p.py": "x = 1"},
+        ["d.yml", "m.yaml", "r.urdf"],
+    ),
+    "a workspace": (package("ws/src/a") | package("ws/src/b"), ["ws"]),
+    "packages in no workspace": (package("a") | package("b"), ["."]),
+    "launch files alone": ({"r.launch.xml": LAUNCH}, ["."]),
+    "two workspaces and a package": (
+        package("v/src/a") | package("w/src/deep/b") | package("c"),
+        ["c", "v", "w"],
+    ),
+    "a workspace within another": (package("w/src/a") | package("w/src/x/src/b"), ["w"]),
+    "all of a workspace belongs to it": (
+        package("ws/src/a") | {"ws/src/a/mux.yaml": MUX, "ws/src/a/r.mars": MARS, "mux.yaml": MUX},
+        ["mux.yaml", "ws", "ws/src/a/r.mars"],
+    ),
+    "not to be built": ({"a/x.mars": MARS, "a/COLCON_IGNORE": "", "b.mars": MARS}, ["b.mars"]),
+    "hidden": ({".a/x.mars": MARS, ".b.mars": MARS, "c.mars": MARS}, ["c.mars"]),
+    "ignored by git": (
+        {"a.mars": MARS, "b.mars": MARS, "w/c.mars": MARS, ".gitignore": "w/\n/b.mars\n"},
+        ["a.mars"],
+    ),
+    "ignored in an inner folder": (
+        {"w/a.mars": MARS, "w/.gitignore": "a.mars\n", "a.mars": MARS},
+        ["a.mars"],
+    ),
+    "ignored in a workspace": (
+        package("ws/src/a") | package("ws/src/b") | {"ws/.gitignore": "src/b\n"},
+        ["ws"],
+    ),
+    "excluded by the settings": (
+        {"a.mars": MARS, "b.old.mars": MARS, "mars.toml": 'exclude = ["*.old.mars"]\n'},
+        ["a.mars"],
+    ),
+}
+
+
+@pytest.mark.parametrize(("files", "robots"), FOLDERS.values(), ids=FOLDERS)
+def test_the_robots_of_a_folder(
+    files: dict[str, str], robots: list[str], here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, files)
+    assert judged(capsys) == robots
+    assert judged(capsys, str(here)) == [os.path.normpath(here / each) for each in robots]
+
+
+def test_a_package_that_git_ignores_is_not_read(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, package("src/a") | package("src/b") | {".gitignore": "src/b\n"})
+    run_here(["check", "--format", "json"])
+    [robot] = json.loads(capsys.readouterr().out)["files"]
+    assert robot["launch_files"] == ["src/a/launch/r.launch.xml"]
+
+
+def test_options_exclude_paths_that_are_not_named(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"a.mars": MARS, "w/b.mars": MARS})
+    assert judged(capsys, "--exclude", "w") == ["a.mars"]
+    assert judged(capsys, "--exclude", "w", ".", "w/b.mars") == ["a.mars", "w/b.mars"]
+    assert judged(capsys, "--exclude", "w", "w") == ["w/b.mars"]
+    assert judged(capsys, "--exclude", "w", "--force-exclude", "w", "a.mars") == ["a.mars"]
+
+
+def test_git_ignores_paths_below_the_folder_with_its_repository(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"r/s/a.mars": MARS, "r/s/b.mars": MARS, "r/.gitignore": "b.mars", "r/.git/x": ""})
+    write(here, {"r/.git/info/exclude": "c.mars", "r/s/c.mars": MARS})
+    assert judged(capsys, "r/s") == ["r/s/a.mars"]
+    # The folder itself is named.
+    write(here, {"r/.gitignore": "s/\n"})
+    assert judged(capsys, "r/s") == ["r/s/a.mars", "r/s/b.mars"]
+
+
+def test_a_folder_without_a_robot_is_refused(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"empty/x.yaml": "a: 1", "a.mars": WRONG})
+    assert run_here(["check", "empty", "a.mars"]) == 2
+    output = " ".join("".join(capsys.readouterr()).split())
+    assert "the folder has nothing to read" in output and "Missing" in output
+
+
+@pytest.mark.parametrize("command", ["explain", "analyse", "synthesise", "facts"])
+def test_other_commands_take_one_robot(
+    command: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"a/b.mars": MARS})
+    assert run_here([command, "a"]) == 0
+    write(here, {"a/c.mars": MARS})
+    capsys.readouterr()
+    assert run_here([command, "a"]) == 2
+    output = " ".join(capsys.readouterr().err.split())
+    assert "the folder has 2 robots" in output
+    assert "name one of them: `a/b.mars`, `a/c.mars`; `mars-asp check a` judges all" in output
+
+
+def test_a_workspace_beside_a_configuration_can_be_named(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, package("w/src/a") | {"w/r.mars": MARS})
+    assert run_here(["facts", "w"]) == 2
+    assert "`--from ros2` takes `w`" in " ".join(capsys.readouterr().err.split())
+    assert run_here(["facts", "w", "--from", "ros2"]) == 0
+
+
+LOOSE = "@configuration\n@modules B,A\nA   uses_data_from B\n"
+
+
+def test_each_configuration_of_a_folder_is_laid_out(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"a/x.mars": LOOSE, "y.mars": MARS, "mux.yaml": MUX})
+    assert run_here(["fmt", "--check"]) == 1
+    assert capsys.readouterr().out == "a/x.mars\n"
+    assert run_here(["fmt", "--diff", "a", "y.mars"]) == 1
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[:2] == ["--- a/x.mars", "+++ a/x.mars"]
+    assert "-A   uses_data_from B" in printed and "+A uses_data_from B" in printed
+    assert (here / "a" / "x.mars").read_text() == LOOSE
+    assert run_here(["fmt"]) == 0
+    assert run_here(["fmt", "--diff"]) == 0
+    assert run_here(["fmt", "--check", "--exclude", "a", "."]) == 0
+
+
+def test_a_folder_without_a_configuration_is_not_laid_out(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"a/mux.yaml": MUX})
+    assert run_here(["fmt", "a"]) == 2
+    assert "the folder has no `.mars` file" in capsys.readouterr().err
+
+
+def test_in_a_folder_files_with_an_expectation_are_cases(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"notes.lp": "a.\n", "case.lp": 'module("A").\n%not: consequence(_, error, _, _)\n'})
+    assert run_here(["test"]) == 0
+    assert "1 passed" in capsys.readouterr().out
+    assert run_here(["test", "notes.lp"]) == 1
