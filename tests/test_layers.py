@@ -80,7 +80,7 @@ FILES = {
         "launch_trees diff failed_value near_miss repair fix why_not absences without"
     ),
     "exchange": (
-        "recognise lift yaml_document elements unread dataflows ports graph relays cascades topics "
+        "recognise lift yaml_document elements unread folders ports graph relays cascades topics "
         "unite urdf twist_mux rosgraph dora ros2 foreign"
     ),
     "exchange/dora": "document read",
@@ -113,7 +113,7 @@ FILES = {
     ),
     "cli": (
         "deliver encode layout arguments again lines account live watch pace progress outputs "
-        "report extract limits settings trace_document schemas worker reason perform ignores "
+        "report extract limits settings excluded trace_document schemas worker reason perform ignores "
         "baseline selection results folding github sarif_fixes sarif publish alternatives "
         "analyse can "
         "completion draw export facts fmt import winners run_report run_json run_text run "

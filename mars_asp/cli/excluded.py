@@ -17,7 +17,7 @@ _Patterns = tuple[Path, GitIgnoreSpec]
 class Excluded:
     """Decides which paths below a folder are passed over; each file of patterns is read once."""
 
-    def __init__(self, root: Path, stated: Sequence[tuple[Path, Sequence[str]]] = ()) -> None:
+    def __init__(self, root: Path, more: Sequence[tuple[Path, Sequence[str]]] = ()) -> None:
         """Take the folder, and patterns besides those of git with the folders they are relative to.
 
         A pattern that names the folder itself counts for nothing in it.
@@ -26,14 +26,14 @@ class Excluded:
         self._read: dict[Path, tuple[_Patterns, ...]] = {}
         around = (self._root, *self._root.parents)
         self._is_in_git = any((each / ".git").exists() for each in around)
-        patterns = [(at.resolve(), GitIgnoreSpec.from_lines(of)) for at, of in stated]
-        self._stated = tuple(each for each in patterns if not self._names_root(each))
+        patterns = [(at.resolve(), GitIgnoreSpec.from_lines(of)) for at, of in more]
+        self._besides = tuple(each for each in patterns if not self._names_root(each))
 
     def __call__(self, path: Path, is_folder: bool) -> bool:
         """Whether a path, of a folder or not, is passed over."""
         is_given = path.is_relative_to(self._given)
         whole = self._root / path.relative_to(self._given) if is_given else path
-        for at, spec in reversed((*self._of_git(whole.parent), *self._stated)):
+        for at, spec in reversed((*self._of_git(whole.parent), *self._besides)):
             if at in whole.parents:
                 found = spec.check_file(f"{whole.relative_to(at).as_posix()}{'/' * is_folder}")
                 if found.include is not None:
@@ -65,14 +65,14 @@ def _spec_of(file: Path) -> GitIgnoreSpec:
 
 
 def excluded_in(arguments: argparse.Namespace, root: Path) -> Excluded:
-    """Return what a command passes over in a folder.
+    """Return the paths that a command passes over in a folder.
 
     Raises:
-        MarsError: what is wrong with the settings of the folder.
+        MarsError: the settings of the folder are wrong.
     """
     settings = settings_for(root)
-    stated = [(Path(settings.path).parent, settings.exclude)] if settings.exclude else []
-    return Excluded(root, [*stated, (Path(), getattr(arguments, "exclude", ()))])
+    own = [(Path(settings.path).parent, settings.exclude)] if settings.exclude else []
+    return Excluded(root, [*own, (Path(), getattr(arguments, "exclude", ()))])
 
 
 def add_exclusion(parser: argparse.ArgumentParser) -> None:
@@ -82,8 +82,8 @@ def add_exclusion(parser: argparse.ArgumentParser) -> None:
         metavar="PATTERN",
         action="append",
         default=[],
-        help="pass over these paths in folders; as in `.gitignore`, which counts too, as do "
-        "`exclude` of mars.toml; repeatable",
+        help="pass over these paths in folders, besides those of `.gitignore` files and of `exclude` "
+        "of mars.toml; repeatable",
     )
     parser.add_argument(
         "--force-exclude",

@@ -232,7 +232,7 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
     """Return the robots in a folder; with `--launch` or `--from ros2` it is one of ROS.
 
     Raises:
-        MarsError: what is wrong with the settings of the folder.
+        MarsError: the settings of the folder are wrong.
     """
     from mars_asp.cli.excluded import excluded_in
     from mars_asp.exchange.folders import FolderRobots, robots_in
@@ -288,14 +288,18 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
             if not foreign:
                 found.append(RobotFiles(foreign))
             foreign.append(path)
-    return found
+    # A file may be named, and be in a folder that is.
+    first: dict[tuple[Path, ...], RobotFiles] = {}
+    for robot in found:
+        first.setdefault(tuple(Path(each).resolve() for each in robot.paths), robot)
+    return list(first.values())
 
 
 def is_excluded(arguments: argparse.Namespace, path: str) -> bool:
     """Whether a path that is named is one of those that a command passes over.
 
     Raises:
-        MarsError: what is wrong with the settings of its folder.
+        MarsError: the settings of its folder are wrong.
     """
     from mars_asp.cli.excluded import excluded_in
 

@@ -16,7 +16,7 @@ from mars_asp.language.parse import read_text
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"})
 #: Folders of builds and packages; hidden ones and virtual environments are skipped as well.
 _BUILT = frozenset("build target node_modules __pycache__ venv".split())
-#: Folders whose dataflows are no robots.
+#: Folders with dataflows for tests alone.
 _OF_TESTS = frozenset("template templates test tests fixtures".split())
 #: A folder with packages of ROS up to this depth is a workspace of ROS.
 _NEAR = 2
@@ -28,7 +28,7 @@ MOST_DATAFLOWS = 300
 _OF_NODES = key_pattern("inputs|outputs|path|custom|operators?|ros2|module|hub|git")
 #: Beside packages of ROS, which have lists of nodes with paths.
 _OF_DORA = key_pattern("inputs|outputs|custom|operators?")
-#: Other YAML files have lists of topics, too.
+#: Other YAML files have lists of topics as well.
 _OF_MUX = key_pattern("priority")
 _LAUNCH = (
     ".launch",

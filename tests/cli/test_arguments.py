@@ -125,7 +125,7 @@ def completion() -> str:
         (["ch"], ["check"]),
         (["s"], ["synthesise"]),
         (["--v"], ["--version"]),
-        (["check", "--f"], ["--fail-on", "--fix", "--format", "--from"]),
+        (["check", "--f"], ["--fail-on", "--fix", "--force-exclude", "--format", "--from"]),
         (["explain", "x.mars", "--why"], ["--why-not"]),
         (["check", "x", "--format", ""], ["text", "json", "sarif", "github"]),
         (["check", "x", "--format", "j"], ["json"]),

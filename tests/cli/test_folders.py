@@ -109,6 +109,7 @@ def test_options_exclude_paths_that_are_not_named(
     write(here, {"a.mars": MARS, "w/b.mars": MARS})
     assert judged(capsys, "--exclude", "w") == ["a.mars"]
     assert judged(capsys, "--exclude", "w", ".", "w/b.mars") == ["a.mars", "w/b.mars"]
+    assert judged(capsys, ".", "a.mars") == judged(capsys, "a.mars", ".") == ["a.mars", "w/b.mars"]
     assert judged(capsys, "--exclude", "w", "w") == ["w/b.mars"]
     assert judged(capsys, "--exclude", "w", "--force-exclude", "w", "a.mars") == ["a.mars"]
 
@@ -186,7 +187,9 @@ def test_a_folder_without_a_configuration_is_not_laid_out(
 def test_in_a_folder_files_with_an_expectation_are_cases(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    write(here, {"notes.lp": "a.\n", "case.lp": 'module("A").\n%not: consequence(_, error, _, _)\n'})
+    write(
+        here, {"notes.lp": "a.\n", "case.lp": 'module("A").\n%not: consequence(_, error, _, _)\n'}
+    )
     assert run_here(["test"]) == 0
     assert "1 passed" in capsys.readouterr().out
     assert run_here(["test", "notes.lp"]) == 1

@@ -291,7 +291,7 @@ def test_a_path_that_a_terminal_would_obey_is_shown_escaped(
 
 
 def test_a_message_is_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    write_package({"launch/robot.launch.py": "\n"}, folder)
-    _, run = sarif(capsys, "check", ".")
+    write_package({"launch/robot.launch.py": "\n"}, folder / "package")
+    _, run = sarif(capsys, "check", "package")
     [text] = [each["message"]["text"] for each in run["results"] if each["level"] == "warning"]
     assert text.startswith("The launch file is empty. ")

@@ -22,7 +22,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 #: What is asked to be said here, beside what cases ask of rules themselves.
 _STAGE = "case"
-#: What may be expected, as `expectations.py` reads it.
+#: The beginning of an expectation, as `expectations.py` reads it.
 _EXPECTED = re.compile(r"(?m)^[ \t]*%(?:[=>~]|(?:only|has|not):)")
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
@@ -49,7 +49,7 @@ def _states_expectation(path: Path) -> bool:
     try:
         return _EXPECTED.search(path.read_text(encoding="utf-8")) is not None
     except (OSError, UnicodeDecodeError):
-        # It is told that the file cannot be read.
+        # Who runs it reports the error.
         return True
 
 
