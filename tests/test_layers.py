@@ -113,8 +113,8 @@ FILES = {
     ),
     "cli": (
         "deliver encode layout arguments again lines account live watch pace progress outputs "
-        "report extract limits settings excluded trace_document schemas worker reason perform ignores "
-        "baseline selection results folding github sarif_fixes sarif publish alternatives "
+        "report extract limits settings excluded trace_document schemas worker reason perform "
+        "ignores baseline selection results folding github sarif_fixes sarif publish alternatives "
         "analyse can "
         "completion draw export facts fmt import winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "

@@ -82,8 +82,8 @@ def add_exclusion(parser: argparse.ArgumentParser) -> None:
         metavar="PATTERN",
         action="append",
         default=[],
-        help="pass over these paths in folders, besides those of `.gitignore` files and of `exclude` "
-        "of mars.toml; repeatable",
+        help="pass over these paths in folders, besides those of `.gitignore` files and of "
+        "`exclude` of mars.toml; repeatable",
     )
     parser.add_argument(
         "--force-exclude",
