@@ -63,7 +63,7 @@ def test_a_rule_of_any_stage_is_shown(
     rules = [r for r in rulebook.rules if r.stage == stage and (r.because is not None) == speaks]
     assert bool(rules) == ((stage, speaks) != ("cost", True))
     for rule in rules[:1]:
-        assert run_here(["rules", "show", rule.id]) == 0
+        assert run_here(["rules", "show", rule.id, "--source"]) == 0
         told = capsys.readouterr().out
         assert f"## {rule.id}\n" in told
         assert f"{rule.span.path}:{rule.span.line}\n" in told
@@ -226,7 +226,7 @@ def test_few_stages_read_what_another_one_derives(rulebook: Rulebook) -> None:
     assert read == {("specify", "resolve"), ("cost", "verify")} | judging | telling
 
 
-@pytest.mark.parametrize("words", [["list"], ["show", "e/x"], ["show", "e"], ["doc"]])
+@pytest.mark.parametrize("words", [["list"], ["show", "e/x", "--source"], ["show", "e"], ["doc"]])
 def test_what_a_pack_says_reaches_no_terminal_as_it_is(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -239,7 +239,7 @@ def test_what_a_pack_says_reaches_no_terminal_as_it_is(
     assert "\x1b" not in told
     # As Markdown has it, where the words are part of a document.
     assert "\\x1b[31m" in told.replace("\\[", "[")
-    assert ("q(\t1)." in told) == (words in (["show", "e/x"], ["doc"]))
+    assert ("q(\t1)." in told) == (words in (["show", "e/x", "--source"], ["doc"]))
 
 
 LINTED = sorted((ROOT / "tests/lint").glob("*.lp"))

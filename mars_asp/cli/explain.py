@@ -122,6 +122,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the traces; 3 where no time was left."""
+    rule = _rule_or_kind(arguments)
+    if rule is not None:
+        print(rule)
+        return 0
     _tell_subject(arguments)
     contradiction = _contradiction(arguments)
     if contradiction is not None:
@@ -288,6 +292,17 @@ def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Seque
         about = {answer.subject, *(title.partition("(")[2].removesuffix(")") for title in told)}
         names = [name for name in names if name in about]
     return tuple(absences(reasoner, names, only))
+
+
+def _rule_or_kind(arguments: argparse.Namespace) -> str | None:
+    """Return the text about a rule or a kind that stands alone where there is no such file."""
+    name, *further = arguments.files
+    is_alone = arguments.subject is None and not further and name != STANDARD_INPUT
+    if not is_alone or Path(name).exists():
+        return None
+    from mars_asp.cli.rules import rule_or_kind_text
+
+    return rule_or_kind_text(name, arguments)
 
 
 def _tell_subject(arguments: argparse.Namespace) -> None:

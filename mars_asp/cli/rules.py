@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from mars_asp.asp.lint.found import fixed, titled
@@ -10,6 +10,7 @@ from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.trace.tree import Derived
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns
 from mars_asp.cli.lines import line_at
@@ -26,8 +27,10 @@ from mars_asp.cli.rules_document import (
     predicates_of,
     rule_document,
     rule_json,
+    rule_summary,
     safe,
     speaking,
+    with_names,
     write_pages,
 )
 from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
@@ -73,6 +76,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="of `list`: the predicates that rules of packs may read or derive, instead of rules",
     )
     parser.add_argument(
+        "--source", action="store_true", help="of `show`: the rule itself and all that is above it"
+    )
+    parser.add_argument(
         "--stage",
         metavar="STAGE",
         choices=tuple(PURPOSES),
@@ -106,7 +112,8 @@ def run(arguments: argparse.Namespace) -> int:
     as_json = arguments.format == "json"
     stages = (arguments.stage,) if arguments.stage else tuple(PURPOSES)
     if action == "show":
-        print(encoded(shown_json(rulebook, what)) if as_json else safe(shown(rulebook, what)))
+        text = encoded(shown_json(rulebook, what)) if as_json else None
+        print(text or safe(shown(rulebook, what, with_source=arguments.source)))
     elif action == "doc" and arguments.output:
         write_pages(rulebook, stages, what, arguments.output)
     elif action == "doc":
@@ -185,7 +192,7 @@ def _mended(found: Linted) -> int:
     return count
 
 
-def shown(rulebook: Rulebook, name: str) -> str:
+def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
     """Return what there is to say of the rule of an id, a predicate, or a file of rules.
 
     Raises:
@@ -193,9 +200,14 @@ def shown(rulebook: Rulebook, name: str) -> str:
     """
     found = _named(rulebook, name)
     if isinstance(found, Rule):
-        return "\n\n".join([rule_document(found, "##"), *_example(found, rulebook)])
+        step, lines = _example(found, rulebook)
+        summary = rule_summary(found, "##", with_names if step is None else step.with_values)
+        # Without a message there is nothing else to show.
+        is_whole = with_source or found.because is None
+        return "\n\n".join([rule_document(found, "##") if is_whole else summary, *lines])
     if isinstance(found, Kind):
-        named = (rule_document(rule, "###") for rule in found.rules)
+        document = rule_document if with_source else rule_summary
+        named = (document(rule, "###") for rule in found.rules)
         return "\n\n".join([*kind_document(found), *named])
     if isinstance(found, tuple):
         return "\n\n".join(map(predicate_document, found))
@@ -203,6 +215,15 @@ def shown(rulebook: Rulebook, name: str) -> str:
     rules = [rule for rule in speaking(rulebook, stage) if rule.span.path == found]
     listed = "\n".join(f"- `{rule.id}`: {rule.because}" for rule in rules)
     return "\n\n".join(filter(None, (file_document(found, stage, outline), listed)))
+
+
+def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
+    """Return what `rules show` prints of a kind or of the id of a rule, None if it is neither."""
+    rulebook = rulebook_for(arguments, STAGES)
+    if name not in rulebook.by_id and name not in kinds(rulebook):
+        return None
+    as_json = arguments.format == "json"
+    return encoded(shown_json(rulebook, name)) if as_json else safe(shown(rulebook, name))
 
 
 def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
@@ -293,12 +314,14 @@ def _listed(rulebook: Rulebook, stage: str) -> str:
     return "\n".join([f"{stage}: {PURPOSES[stage]}", *lines])
 
 
-def _example(rule: Rule, rulebook: Rulebook) -> Iterator[str]:
-    """Yield what explains a rule in the case that it names as its example."""
+def _example(rule: Rule, rulebook: Rulebook) -> tuple[Derived | None, list[str]]:
+    """Return a firing of a rule in the case that it names as its example, and a trace of it."""
     from mars_asp.asp.trace.text import traces_text
     from mars_asp.reasoning.cases.examples import example_trace
 
     found = example_trace(rule, rulebook)
-    if found is not None:
-        told = traces_text([found], line_at, width=columns(sys.stdout))
-        yield "\n".join(["In its example:", "", "```text", *map(visible, told), "```"])
+    if found is None:
+        return None, []
+    lines = map(visible, traces_text([found], line_at, width=columns(sys.stdout)))
+    step = found[1] if isinstance(found[1], Derived) else None
+    return step, ["\n".join(["In its example:", "", "```text", *lines, "```"])]

@@ -1,6 +1,7 @@
 """Rules, predicates and files of rules as pages: what `rules show` and `rules doc` print."""
 
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from urllib.parse import quote
@@ -19,6 +20,9 @@ from mars_asp.reasoning.rules import BASE, STAGES, seal
 
 #: What the rules of each stage are for.
 PURPOSES: Mapping[str, str] = {"base": BASE, **STAGES}
+
+#: A hole of a message, with its sort.
+_HOLE = re.compile(r"\{([^{}:@]*)[^{}]*\}")
 
 
 def speaking(rulebook: Rulebook, stage: str) -> Iterator[Rule]:
@@ -102,6 +106,25 @@ def rule_document(rule: Rule, heading: str) -> str:
         parts.append(f"Example: {markdown(rule.example)}")
     parts.append(markdown(f"{rule.span.path}:{rule.span.line}"))
     return "\n\n".join([*parts, fenced(plain(rule.text), "clingo")])
+
+
+def with_names(text: str | None) -> str | None:
+    """Return a text of a rule with the names of its holes in place of these."""
+    return text and _HOLE.sub(r"\1", text)
+
+
+def rule_summary(
+    rule: Rule, heading: str, filled: Callable[[str | None], str | None] = with_names
+) -> str:
+    """Return the message, effect, help and reason of a rule, below a heading such as `##`.
+
+    `filled` fills the holes of their texts, such as with the values of an example.
+    """
+    named = {"Effect": filled(rule.effect), "Help": filled(rule.help), "Why": rule.why}
+    parts = [f"{label}: {markdown(text)}" for label, text in named.items() if text]
+    place = markdown(f"{rule.span.path}:{rule.span.line}")
+    because = markdown(filled(rule.because) or "no message")
+    return "\n\n".join([f"{heading} {markdown(rule.id)}", because, *parts, place])
 
 
 def predicate_document(declaration: Declaration) -> str:

@@ -147,7 +147,11 @@ class Derived:
     @property
     def message(self) -> str | None:
         """Return the rule's message, its holes filled; `None` where the rule has none."""
-        return fill(self.rule.because, _terms_of(self.values), _shown)
+        return self.with_values(self.rule.because)
+
+    def with_values(self, text: str | None) -> str | None:
+        """Return a text of the rule, such as its help, with its holes filled."""
+        return fill(text, _terms_of(self.values), _shown)
 
 
 @dataclass(frozen=True, slots=True)
