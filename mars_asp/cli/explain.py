@@ -295,7 +295,7 @@ def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Seque
 
 
 def _rule_or_kind(arguments: argparse.Namespace) -> str | None:
-    """Return the text about a rule or a kind that stands alone where there is no such file."""
+    """Return the text about a rule or a kind that is named alone, if there is no such file."""
     name, *further = arguments.files
     is_alone = arguments.subject is None and not further and name != STANDARD_INPUT
     if not is_alone or Path(name).exists():
