@@ -289,6 +289,8 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         help="of text; auto obeys NO_COLOR, FORCE_COLOR and TERM=dumb, and else colours what goes "
         "to a terminal",
     )
+    add("--config", metavar="SETTINGS", help="the settings, instead of the nearest mars.toml")
+    add("--isolated", action="store_true", help="take no settings")
     add("-q", "--quiet", action="store_true", help="no progress, no notes, no summary")
     add(
         "-v",

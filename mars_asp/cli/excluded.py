@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pathspec import GitIgnoreSpec
 
-from mars_asp.cli.settings import settings_for
+from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.parse import plain_lines, read_text
 
@@ -70,7 +70,7 @@ def excluded_in(arguments: argparse.Namespace, root: Path) -> Excluded:
     Raises:
         MarsError: the settings of the folder are wrong.
     """
-    settings = settings_for(root)
+    settings = settings_of(arguments, root)
     own = [(Path(settings.path).parent, settings.exclude)] if settings.exclude else []
     return Excluded(root, [*own, (Path(), getattr(arguments, "exclude", ()))])
 

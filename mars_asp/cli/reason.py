@@ -10,7 +10,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.lines import remember
 from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
-from mars_asp.cli.settings import settings_for
+from mars_asp.cli.settings import settings_of
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.folders import IsExcluded, nothing_excluded
@@ -355,7 +355,7 @@ def packs_of(arguments: argparse.Namespace) -> list[Path]:
     first = next((each for each in named if each), ".")
     path = Path(first if isinstance(first, str) else first[0])
     folder = path if path.is_dir() else path.parent
-    settings = settings_for(folder)
+    settings = settings_of(arguments, folder)
     for number, each in enumerate(settings.rules):
         settings.check_named(each, "rules", number)
     return [Path(each) for each in (*settings.rules, *arguments.rules)]

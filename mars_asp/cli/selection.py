@@ -16,7 +16,7 @@ from mars_asp.cli.deliver import write_file
 from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
 from mars_asp.cli.layout import counted
 from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
-from mars_asp.cli.settings import settings_for
+from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import READING_KINDS, Diagnostic, MarsError, Span, point
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
@@ -277,7 +277,7 @@ class Selection:
         Raises:
             MarsError: what is wrong with the settings, or with their baseline.
         """
-        settings = settings_for(folder)
+        settings = settings_of(self._arguments, folder)
         for key, kinds in (("select", settings.select), ("ignore", settings.ignore)):
             self._check(kinds, partial(settings.place, key))
         select = self._arguments.select or settings.select

@@ -3,6 +3,7 @@
 The nearest of these files counts, from a folder upwards; in one folder `mars.toml` does.
 """
 
+import argparse
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -74,6 +75,21 @@ def _positions_in_toml(text: str, path: str) -> "Places":
     from mars_asp.toml_text import Places
 
     return Places(text, path)
+
+
+def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
+    """Return the settings of a command for a folder: those of `--config`, else the nearest.
+
+    Raises:
+        MarsError: the file of the settings is wrong.
+    """
+    if arguments.isolated:
+        return NO_SETTINGS
+    if arguments.config is None:
+        return settings_for(folder)
+    file = Path(arguments.config)
+    table = _TABLE if file.name == _SHARED else ()
+    return _read(os.path.relpath(file), _text(file), table)
 
 
 def settings_for(folder: Path) -> Settings:

@@ -10,7 +10,7 @@ from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.cases_report import Ran, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
-from mars_asp.cli.settings import settings_for
+from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.output import visible
 from mars_asp.reasoning.cases import Found, cases_of, run_case
@@ -92,7 +92,7 @@ def run_once(arguments: argparse.Namespace) -> int:
     found = cases_of(map(Path, arguments.paths), rules)
     robots = [each for each in found if each.pack is None and each.path.suffix == SUFFIX]
     if robots and not rules:
-        rules = [Path(path) for path in settings_for(robots[0].path.parent).rules]
+        rules = [Path(path) for path in settings_of(arguments, robots[0].path.parent).rules]
     if arguments.snapshot:
         return _snapshot(found, rules, arguments)
     if not found:

@@ -193,3 +193,16 @@ def test_in_a_folder_files_with_an_expectation_are_cases(
     assert run_here(["test"]) == 0
     assert "1 passed" in capsys.readouterr().out
     assert run_here(["test", "notes.lp"]) == 1
+
+
+def test_settings_are_those_of_a_file_that_is_named_or_none(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"a.mars": MARS, "b.mars": MARS, "mars.toml": 'exclude = ["a.mars"]\n'})
+    write(here, {"ci/mars.toml": 'exclude = ["../b.mars", "b.mars"]\n'})
+    write(here, {"pyproject.toml": '[tool.mars-asp]\nexclude = ["*.mars"]\n'})
+    assert judged(capsys) == ["b.mars"]
+    assert judged(capsys, "--isolated") == ["a.mars", "b.mars"]
+    assert judged(capsys, "--config", "ci/mars.toml") == ["a.mars", "b.mars"]
+    assert run_here(["check", "--config", "pyproject.toml"]) == 2
+    assert run_here(["check", "--config", "nowhere.toml"]) == 2

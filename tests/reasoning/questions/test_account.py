@@ -137,7 +137,7 @@ def test_every_rule_speaks_in_a_case() -> None:
     spoken = {rule for account in _accounts() for rule in account.rules}
     for path in FOREIGN:
         reading = argparse.Namespace(
-            from_format=None, sources=[], quiet=True, rules=[], trust=False
+            from_format=None, sources=[], quiet=True, rules=[], isolated=True
         )
         project = load(reading, str(ROOT / "tests" / path))
         for topic in explain(Reasoner(project, rulebook), traced=False).topics:
