@@ -296,7 +296,8 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         "-v",
         "--verbose",
         action="store_true",
-        help="list on standard error the launch files that were judged",
+        help="list on standard error the settings, robots and launch files that count, and how "
+        "long each step takes",
     )
     add(
         "-V",

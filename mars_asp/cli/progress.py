@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from mars_asp.output import visible
+
 #: Nobody needs a bar for what is over before it could be read.
 _PATIENCE = 1.0
 #: Seconds between two bars: more often is not read, and a terminal takes time.
@@ -15,7 +17,15 @@ _SPACING = 0.1
 
 @contextmanager
 def stage(arguments: argparse.Namespace, what: str) -> Iterator[None]:
-    """Show what is being done where that takes long and a person is watching."""
+    """Show what is being done where that takes long and a person is watching.
+
+    With `--verbose` the duration is printed instead.
+    """
+    if getattr(arguments, "verbose", False):
+        started = time.monotonic()
+        yield
+        detail(arguments, f"{what}: {time.monotonic() - started:.2f} s")
+        return
     if arguments.quiet or not sys.stderr.isatty():
         yield
         return
@@ -36,6 +46,12 @@ def stage(arguments: argparse.Namespace, what: str) -> Iterator[None]:
         timer.join()
         if shown.is_set():
             clear_line()
+
+
+def detail(arguments: argparse.Namespace, text: str) -> None:
+    """Print a line on standard error that only `--verbose` asks for."""
+    if getattr(arguments, "verbose", False):
+        print(visible(f"mars-asp: {text}"), file=sys.stderr)
 
 
 @contextmanager

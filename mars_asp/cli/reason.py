@@ -1,14 +1,13 @@
 """What the verbs that reason have in common: read, load the rules, analyse."""
 
 import argparse
-import sys
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.lines import remember
-from mars_asp.cli.progress import stage
+from mars_asp.cli.progress import detail, stage
 from mars_asp.cli.report import report
 from mars_asp.cli.settings import settings_of
 from mars_asp.cli.worker import read_standard_input
@@ -239,7 +238,13 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
 
     if getattr(arguments, "launch", ()) or arguments.from_format == "ros2":
         return FolderRobots((Path(path),))
-    return robots_in(Path(path), excluded_in(arguments, Path(path)))
+    found = robots_in(Path(path), excluded_in(arguments, Path(path)))
+    settings = settings_of(arguments, Path(path)).path
+    detail(arguments, f"settings {settings}" if settings else "no settings")
+    for each in found.paths:
+        detail(arguments, f"robot {each}")
+    detail(arguments, f"{found.passed_over} other files in {path} passed over")
+    return found
 
 
 def _nothing_in(path: str) -> Diagnostic:
@@ -330,9 +335,8 @@ def load(
         project = described(parsed, text, arguments.sources, foreign)
         is_asked = has_attributes(project) or bool(project.configuration.pack_nodes)
         project = with_brought(project, _brought(arguments, is_asked))
-    if getattr(arguments, "verbose", False):
-        for tree in project.trees:
-            print(visible(f"mars-asp: launch file {tree.path}"), file=sys.stderr)
+    for tree in project.trees:
+        detail(arguments, f"launch file {tree.path}")
     return project
 
 

@@ -206,3 +206,23 @@ def test_settings_are_those_of_a_file_that_is_named_or_none(
     assert judged(capsys, "--config", "ci/mars.toml") == ["a.mars", "b.mars"]
     assert run_here(["check", "--config", "pyproject.toml"]) == 2
     assert run_here(["check", "--config", "nowhere.toml"]) == 2
+
+
+def test_verbose_lists_settings_robots_and_steps(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, package("w/src/a") | {"b.mars": MARS, "x.yaml": "a: 1", "mars.toml": "ignore = []"})
+    assert run_here(["check", "-v"]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("mars-asp: ")]
+    found = [line.removeprefix("mars-asp: ").partition(": ")[0] for line in lines]
+    assert found == [
+        "settings mars.toml",
+        "robot b.mars",
+        "robot w",
+        "1 other files in . passed over",
+        "reading b.mars",
+        "analysing",
+        "reading w",
+        "launch file w/src/a/launch/r.launch.xml",
+        "analysing",
+    ]
