@@ -49,7 +49,7 @@ def stage(arguments: argparse.Namespace, what: str) -> Iterator[None]:
 
 
 def detail(arguments: argparse.Namespace, text: str) -> None:
-    """Print a line on standard error that only `--verbose` asks for."""
+    """Print a line on standard error, with `--verbose` alone."""
     if getattr(arguments, "verbose", False):
         print(visible(f"mars-asp: {text}"), file=sys.stderr)
 
