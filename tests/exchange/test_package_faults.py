@@ -215,6 +215,9 @@ def test_a_package_of_cmake_needs_no_setup_py(tmp_path: Path) -> None:
         # Python 3.12.
         ("type A = int\n", "ament_python", False),
         ("a = f'{b['c']}'\n", "ament_python", False),
+        ("a = f'{b('08')}'\n", "ament_python", False),
+        ("a = f'{{}} {b('x)')}'\n", "ament_python", False),
+        ("a = f'{b}' '08' 08\n", "ament_python", True),
         ("a = f'{\nb}'\n", "ament_python", False),
     ],
 )
