@@ -530,6 +530,13 @@ def test_nodes_of_mavros_may_be_named_alike(
         ("use_sim_time", "self.declare_parameter('rate', 1)", []),
         ("filter.rat", "self.declare_parameter('rate', 1)", []),
         ("rat", "allow_undeclared_parameters = True", []),
+        # Its source puts a name together.
+        ("rate_min", "self.declare_parameter(name + '_min', 1)", []),
+        ("left_rate", "self.declare_parameter(f'left_{name}', 1)", []),
+        ("rate_min", "self.declare_parameter('{}_max'.format(name), 1)", ["rate_min"]),
+        ("rate2", "self.declare_parameter('rate%d' % 2, 1)", []),
+        ("rates", "self.declare_parameter('rate%d' % 2, 1)", ["rates"]),
+        ("rate_min", "print(f'{name}_{each}')", ["rate_min"]),
         # A node that is not wholly read may declare any.
         ("rat", "self.create_publisher(String, sys.argv[1], 1)", []),
     ],
