@@ -151,6 +151,10 @@ def test_a_missing_file_is_reported_once(
         {"arm/CMakeLists.txt": "xacro_add_files(x OUTPUT arm.urdf)"},
         {".gitignore": "*.urdf\n"},
         {"arm/.gitignore": "# made by a program\narm.urdf\n"},
+        {"arm/.gitignore": "urdf/\n"},
+        {"arm/urdf/.gitignore": "*\n!.gitignore\n"},
+        {".gitignore": "arm/urdf\n"},
+        {".gitignore": "**/urdf/*.urdf\n"},
     ],
 )
 def test_a_file_that_may_be_made_is_not_missing(tmp_path: Path, files: dict[str, str]) -> None:
@@ -162,8 +166,11 @@ def test_a_template_of_a_model_makes_no_other_file(tmp_path: Path) -> None:
     assert missing(tmp_path, files) == [("rviz/arm.rviz", "arm", False)]
 
 
-def test_a_pattern_of_folders_ignores_no_file(tmp_path: Path) -> None:
-    files = {**launch(DEFAULT), ".gitignore": "build/*\n"}
+@pytest.mark.parametrize(
+    "pattern", ["build/*", "/urdf/", "arm.urdf/", "base/urdf", "config/*.urdf"]
+)
+def test_a_pattern_of_another_folder_ignores_no_file(tmp_path: Path, pattern: str) -> None:
+    files = {**launch(DEFAULT), ".gitignore": f"{pattern}\n"}
     assert missing(tmp_path, files) == [("urdf/arm.urdf", "arm", False)]
 
 

@@ -155,10 +155,10 @@ class Programs:
         found: set[str] = set()
         for text in self._sources_for(package):
             for before, _, inner, after in _COMPOSED.findall(text):
-                written = re.sub(_HOLE, "", inner)
-                part = r"\w+" if "_" in written else r"\d+"
-                form = f"{before and part}{re.sub(_HOLE, lambda _: part, inner)}{after and part}"
-                if form != inner and written.strip("_"):
+                literals = re.split(_HOLE, inner)
+                part = r"\w+" if any("_" in each for each in literals) else r"\d+"
+                form = f"{before and part}{part.join(literals)}{after and part}"
+                if form != inner and any(each.strip("_") for each in literals):
                     found.add(form)
         return frozenset(found)
 
