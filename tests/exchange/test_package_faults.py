@@ -557,6 +557,19 @@ def test_parameters_that_are_given_are_named_by_the_source(
     assert [each.name for each in tree.missing if each.sort == "parameter"] == found
 
 
+def test_a_parameter_for_all_nodes_need_not_be_for_each(tmp_path: Path) -> None:
+    node = '<node pkg="mine" exec="n.py">{}</node>'
+    written = {
+        "scripts/n.py": "import rclpy\nclass N(Node):\n  def f(self): super().__init__('n')\n",
+        "x.launch.xml": f"<launch><set_parameter name='rate' value='1'/>{node.format('')}"
+        + node.format('<param name="size" value="1"/>')
+        + "</launch>",
+        "CMakeLists.txt": "install(PROGRAMS scripts/n.py DESTINATION lib/mine)",
+    }
+    [tree] = read(written, tmp_path).trees
+    assert [each.name for each in tree.missing if each.sort == "parameter"] == ["size"]
+
+
 def test_very_many_names_are_one_finding(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

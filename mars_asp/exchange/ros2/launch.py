@@ -243,7 +243,8 @@ class Launch:
                     self._declare(action, scope, files)
                 case SetParameters(paths, parameters):
                     scope.files += tuple(self._files(paths, scope, files, None))
-                    scope.parameters.update(self._parameters(parameters, scope, files))
+                    given = self._parameters(parameters, scope, files, is_for_all=True)
+                    scope.parameters.update(given)
                 case Include():
                     self._include(action, scope, files)
                 case Reads(words, span):
@@ -661,7 +662,12 @@ class Launch:
                 self.unread.append(Unread("remappings made at run time", called, remap.span))
 
     def _parameters(
-        self, given: Sequence[Parameter], scope: _Scope, files: tuple[Path, ...]
+        self,
+        given: Sequence[Parameter],
+        scope: _Scope,
+        files: tuple[Path, ...],
+        *,
+        is_for_all: bool = False,
     ) -> dict[str, Given]:
         found: dict[str, Given] = {}
         for each in given:
@@ -678,7 +684,7 @@ class Launch:
             )
             is_known = each.written is not None or len(known) == len(texts)
             value = known[0] if known and each.items is None else Items(tuple(known), each.span)
-            found[".".join(names)] = Given(keys, each.written or value, is_known)
+            found[".".join(names)] = Given(keys, each.written or value, is_known, is_for_all)
         return found
 
     def _files(

@@ -388,7 +388,8 @@ class _Robot:
         """Yield the parameters that a program of ROS 2 is given and that its sources do not name.
 
         Of a file that is written anew these are values that replace others in it. A component has
-        those of its process, and libraries read those that have parts.
+        those of its process, and libraries read those that have parts. One for all nodes need not
+        be for each.
         """
         program = Program(started.package, started.executable, started.plugin)
         interface = self.programs.interface(program)
@@ -396,7 +397,7 @@ class _Robot:
         if started.is_rewritten or started.plugin or not is_read:
             return
         for key, given in started.parameters.items():
-            is_own = key not in _OF_MIDDLEWARE and "." not in key
+            is_own = key not in _OF_MIDDLEWARE and "." not in key and not given.is_for_all
             if is_own and not self.programs.names_parameter(started.package, key):
                 yield AbsentFile(key, started.executable, given.keys[0].span, "parameter")
 
