@@ -79,6 +79,18 @@ def test_a_file_beside_a_launch_file_may_be_missing(tmp_path: Path) -> None:
     assert missing(tmp_path, files) == []
 
 
+@pytest.mark.parametrize(("size", "name"), [(2, "launch/x.launch.py"), (3, "x.launch.py")])
+def test_the_folder_above_the_folder_above_is_another(size: int, name: str, tmp_path: Path) -> None:
+    above = "p.dirname(" * (size - 1) + "p.abspath(p.dirname(__file__))" + ")" * (size - 1)
+    text = (
+        "import os.path as p\ndef generate_launch_description():\n"
+        f"    return LaunchDescription([IncludeLaunchDescription(p.join({above}, 'x.launch.py')),\n"
+        "        Node(package='joy', executable='x')])\n"
+    )
+    files = {"base/launch/robot/base.launch.py": text}
+    assert missing(tmp_path, files) == [(name, "base", False)]
+
+
 def test_a_path_of_very_many_folders_is_not_looked_for(tmp_path: Path) -> None:
     text = "<launch><include file='" + "/a" * 200_000 + ".launch.xml'/></launch>"
     assert missing(tmp_path, {"base/launch/base.launch.xml": text}) == []
