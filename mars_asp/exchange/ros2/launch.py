@@ -263,7 +263,9 @@ class Launch:
         if scope.arguments.get(name) is None:
             self._note_missing(value, action.span, files)
         variable = None if action.forced else scope.variable(name)
-        if action.forced or scope.arguments.get(name) is None:
+        # An including file may have set it to a value that only a run knows.
+        is_open = scope.arguments.get(name) is None and name not in scope.fixed
+        if action.forced or is_open:
             scope.arguments[name] = value
             if value is not None and variable is not None:
                 self.defaults.setdefault(variable, value)
