@@ -95,7 +95,7 @@ class Started:
     of its parameters, in the workspace; `conditions` decide if it starts;
     `arguments` are the words behind its program, the unknown ones empty. `has_further_files` is
     whether it has files of parameters that are not known, `is_rewritten` whether a launch file
-    reads its files as YAML.
+    reads its files as YAML, `is_anonymous` whether launching makes its name unique.
     """
 
     package: str
@@ -112,6 +112,7 @@ class Started:
     arguments: tuple[str, ...] = ()
     has_further_files: bool = False
     is_rewritten: bool = False
+    is_anonymous: bool = False
 
 
 class _Entered(NamedTuple):
@@ -634,6 +635,7 @@ class Launch:
                 # A file of another package is taken to say what its programs assume anyway.
                 any(self._plain(path, scope, files) is None for path in paths),
                 action.is_rewritten,
+                _ANONYMOUS.search(name or "") is not None,
             )
         )
 

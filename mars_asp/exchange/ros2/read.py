@@ -679,7 +679,8 @@ class _Robot:
             started.conditions,
             renamed=self._renamed(started, name),
             # Without its source, a name is mostly a habit of its program.
-            is_named=is_named or bool(started.name) or interface.is_name_sure,
+            is_named=(is_named or bool(started.name) or interface.is_name_sure)
+            and not started.is_anonymous,
             is_whole=is_whole and all(each.sort == SERVICES for each in interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),
@@ -708,7 +709,7 @@ class _Robot:
             unread=True,
             conditions=started.conditions,
             # A program whose source is not known may name its node apart.
-            is_named=bool(started.name),
+            is_named=bool(started.name) and not started.is_anonymous,
             renamed=self._renamed(started, name),
             package=started.package,
             manages=tuple(self._managed(started)),
