@@ -247,6 +247,7 @@ class _Robot:
         self.catalogued: dict[str, Span] = {}
         self.conditional: dict[str, Span] = {}
         self.trees: list[LaunchTree] = []
+        self.empty: list[Path] = []
         #: The launch files that others include, each as if it were launched by itself.
         self.parts: list[Launch] = []
         self.document = cache(self._document)
@@ -455,6 +456,16 @@ class _Robot:
         # Files that include each other have no top.
         tops = tops or [*launches.values()][:1]
         self.parts = [launch for launch in launches.values() if launch not in tops]
+        for file in self.empty:
+            # One that no launch file includes or names is a placeholder.
+            is_named = any(file.name in self.workspace.text(each) for each in files)
+            path = self.workspace.shown(file)
+            place = point(path, 1, 1)
+            if file in included or is_named or not files:
+                wrong = f"{path}: the launch file is empty"
+                self.trees.append(LaunchTree(path, broken=((wrong, place),)))
+            else:
+                self.unread.append(Unread("empty launch files", path, place))
         yield from tops
 
     def _chosen(self, files: Sequence[Path]) -> Sequence[Path]:
@@ -513,8 +524,7 @@ class _Robot:
             path = self.workspace.shown(file)
             place = point(path, 1, 1)
             if not self.workspace.text(file).strip():
-                wrong = f"{path}: the launch file is empty"
-                self.trees.append(LaunchTree(path, broken=((wrong, place),)))
+                self.empty.append(file)
                 return False
             sort = "files that are named as launch files but are none"
             self.unread.append(Unread(sort, file.name, place))
