@@ -223,6 +223,34 @@ def test_a_program_that_a_package_lacks_is_found(
     assert found == ([("wrist", "arm", True)] if is_missing else [])
 
 
+@pytest.mark.parametrize(
+    ("build", "setup", "is_missing"),
+    [
+        ("ament_python", SETUP, True),
+        ("ament_python", SETUP.replace("gripper =", "wrist.py ="), False),
+        ("ament_python", "setup(scripts=glob('arm/*'))", False),
+        ("ament_python", "setup(data_files=[('lib/arm', ['arm/wrist.py'])])", False),
+        ("ament_python", "setup(data_files=[('lib/arm', glob('arm/*'))])", False),
+        ("ament_python", "setup(data_files=found())", False),
+        ("ament_cmake", SETUP, False),
+    ],
+)
+def test_a_module_of_a_package_in_python_is_no_program(
+    build: str, setup: str, is_missing: bool, tmp_path: Path
+) -> None:
+    export = f"<export><build_type>{build}</build_type></export></package>"
+    files = {
+        "arm/package.xml": PACKAGE.format("arm").replace("</package>", export),
+        "base/package.xml": PACKAGE.format("base").replace("</package>", export),
+        "arm/setup.py": setup,
+        "arm/setup.cfg": "[install]\ninstall-scripts=$base/lib/arm\n",
+        "arm/arm/wrist.py": "",
+        "arm/arm/gripper.py": "def main(): ...\n",
+    }
+    found = missing(tmp_path, {**launch('<node pkg="arm" exec="wrist.py"/>'), **files})
+    assert found == ([("wrist.py", "arm", True)] if is_missing else [])
+
+
 def test_a_file_that_a_program_writes_is_not_missing(tmp_path: Path) -> None:
     record = '<node pkg="rosbag" exec="record" args="-O $(find arm)/data/run.bag"/>'
     output = '<node pkg="x" exec="y" args="--output $(find arm)/data/run.csv"/>'

@@ -80,6 +80,8 @@ _COMPOSED = re.compile(
 _COMPOSED_ENTRY = r"[fF][\"']\s*\{|[\"']\s*=\s*\w|%s|\.format\("
 #: The setting of where the scripts of a package in Python are installed.
 _SCRIPT_FOLDER = re.compile(r"\b(?:install[_-]scripts|script[_-]dir)\b|[\"']lib/")
+#: Files that a package in Python installs where programs are.
+_INSTALLS_SCRIPTS = re.compile(r"(?<![\w-])scripts\s*=|[\"']/?lib\b")
 _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
 _PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
@@ -527,9 +529,12 @@ class Workspace:
     def _may_have_program(self, package: Package, name: str) -> bool:
         """Whether a package has a script of a name, or its build files name such a program."""
         contents, build, python = self._contents_of(package)
-        if "." in name:
-            return self._may_have(package, name)
         is_of_cmake = "CMakeLists.txt" in contents
+        if "." in name:
+            installs_files = is_of_cmake or _INSTALLS_SCRIPTS.search(python) is not None
+            # A module of a package in Python is no program.
+            is_listed = package.is_of_python and not installs_files and self._lists_all(package)
+            return _mentions(python, name) if is_listed else self._may_have(package, name)
         if "console_scripts" in python and not is_of_cmake:
             # A package of Python has the programs that its build file lists, whatever its files.
             if name == package.name:
