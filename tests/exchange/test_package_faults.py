@@ -536,7 +536,9 @@ def test_nodes_of_mavros_may_be_named_alike(
         ("rate_min", "self.declare_parameter('{}_max'.format(name), 1)", ["rate_min"]),
         ("rate2", "self.declare_parameter('rate%d' % 2, 1)", []),
         ("rates", "self.declare_parameter('rate%d' % 2, 1)", ["rates"]),
-        ("rate_min", "print(f'{name}_{each}')", ["rate_min"]),
+        ("rate_min", "self.declare_parameter(f'{name}_{each}', 1)", ["rate_min"]),
+        ("rate_min", "key = f'{name}_min'; self.declare_parameter(key, 1)", []),
+        ("rate_min", "self.get_parameter('a'); print(f'{name}_min')", ["rate_min"]),
         # A node that is not wholly read may declare any.
         ("rat", "self.create_publisher(String, sys.argv[1], 1)", []),
     ],

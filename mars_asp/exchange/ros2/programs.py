@@ -31,11 +31,16 @@ _REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLA
 _STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
 _MOST_FILES = 100
 _WORD = re.compile(r"\w+")
+#: The first two arguments of a function for parameters, and variables with values.
+_ARGUMENT = r"(?:[^,;()]|\([^()]*\))*"
+_NAMING = re.compile(
+    r"[Pp]aram\w{0,60}(?:<[^;()]{0,200}>)?"
+    rf"\s*\(\s*({_ARGUMENT})(?:,\s*({_ARGUMENT}))?"
+)
+_ASSIGNED = re.compile(r"\b(\w+)\s*=(?!=)([^;\n]*)")
 _HOLE = r"\{[^{}\"']*\}|%[sdi]"
 #: A text that is added to another, or has places for others.
-_COMPOSED = re.compile(
-    rf"(\+\s*(?:(?:std::)?string\s*\(\s*)?)?([\"'])((?:\w|{_HOLE})+)\2(\s*\)?\s*\+)?"
-)
+_COMPOSED = re.compile(rf"(\+\s*)?([\"'])((?:\w|{_HOLE})+)\2(\s*\+)?")
 _PACKAGE_NAME = re.compile(r"[\w-]+")
 _LAUNCHES = re.compile(r"[._]launch\.py$|/launch/[^/]*\.py$")
 #: Options with which a node takes parameters that it does not declare.
@@ -154,7 +159,9 @@ class Programs:
         """Return the patterns of names such as `name + "_min"`, without `_` those of numbers."""
         found: set[str] = set()
         for text in self._sources_for(package):
-            for before, _, inner, after in _COMPOSED.findall(text):
+            names = set(chain.from_iterable(_NAMING.findall(text)))
+            names.update(value for name, value in _ASSIGNED.findall(text) if name in names)
+            for before, _, inner, after in chain.from_iterable(map(_COMPOSED.findall, names)):
                 literals = re.split(_HOLE, inner)
                 part = r"\w+" if any("_" in each for each in literals) else r"\d+"
                 form = f"{before and part}{part.join(literals)}{after and part}"
