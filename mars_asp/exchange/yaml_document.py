@@ -317,8 +317,7 @@ class _Reader:
                     self.repeated.append(Repeat(key, first.span, is_merged=True))
                 maps.setdefault(key.text, list(old.pairs)).extend(value.pairs)
                 continue
-            texts = [each.text for each in (value, old) if isinstance(each, Scalar)]
-            if not (self.allows_copies and len(texts) == 2 and texts[0] == texts[1]):
+            if not (self.allows_copies and _is_copy(value, old)):
                 self.repeated.append(Repeat(key, first.span, within=within))
                 pairs[key.text] = key, value
                 # Keys that repeat in the lost maps are noted as well.
@@ -327,6 +326,22 @@ class _Reader:
             first, old = pairs[text]
             pairs[text] = first, Pairs(tuple(self.by_key(inner, within=True).values()), old.span)
         return pairs
+
+
+def _is_copy(node: Node, of: Node) -> bool:
+    """Whether two nodes have the same content; truths may differ in their letters' case."""
+    match node, of:
+        case Scalar(text), Scalar(other):
+            same = text.lower() if not (node.quoted or of.quoted) else ""
+            return text == other or (same in ("true", "false") and same == other.lower())
+        case Items(nodes), Items(others):
+            return len(nodes) == len(others) and all(map(_is_copy, nodes, others))
+        case Pairs(pairs), Pairs(others):
+            return len(pairs) == len(others) and all(
+                _is_copy(key, other) and _is_copy(value, theirs)
+                for (key, value), (other, theirs) in zip(pairs, others, strict=True)
+            )
+    return False
 
 
 def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:

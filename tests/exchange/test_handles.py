@@ -333,6 +333,20 @@ def test_an_empty_launch_file_is_broken(tmp_path: Path, capsys: pytest.CaptureFi
     )
 
 
+@pytest.mark.parametrize(
+    ("line", "is_broken"),
+    [("<include file='b.launch.py'/>", True), ("<!-- b.launch.py -->", True), ("", False)],
+)
+def test_an_empty_launch_file_that_no_other_names_is_a_placeholder(
+    line: str, is_broken: bool, tmp_path: Path
+) -> None:
+    launch = f'<launch>{line}<node pkg="joy" exec="joy_node"/></launch>'
+    write_package({"launch/a.launch.xml": launch, "launch/b.launch.py": ""}, tmp_path)
+    parsed = import_ros2([("", str(tmp_path))])
+    assert any(tree.broken for tree in parsed.trees) == is_broken
+    assert any("empty launch files" in each.message for each in parsed.warnings) != is_broken
+
+
 def test_a_parameter_counts_before_a_constant_in_a_header() -> None:
     source = (
         'void f() { n.declare_parameter("t", "/imu"); n.get_parameter("t", topic);\n'

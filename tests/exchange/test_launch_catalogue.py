@@ -54,6 +54,21 @@ def test_an_included_navigation_is_at_the_line_that_includes_it(tmp_path: Path) 
     assert dict(found.defaults)["slam"] == "False"
 
 
+@pytest.mark.parametrize(("value", "is_known"), [("nav.yaml", True), ("$(eval a)", False)])
+def test_an_unknown_file_of_parameters_is_not_the_default(
+    value: str, is_known: bool, tmp_path: Path
+) -> None:
+    (tmp_path / "nav.yaml").write_text("a: {ros__parameters: {odom_topic: base}}\n")
+    (tmp_path / "inner.launch.xml").write_text(
+        '<launch><arg name="file" default="nav.yaml"/><node pkg="nav2_controller" name="a" '
+        'exec="controller_server"><param from="$(var file)"/></node></launch>'
+    )
+    passed = f'<arg name="file" value="{value}"/>'
+    [node] = tree(tmp_path, f'<include file="inner.launch.xml">{passed}</include>').nodes
+    assert ("/base" in [end.topic for end in node.subscribed]) == is_known
+    assert node.unread != is_known
+
+
 def test_a_file_of_the_workspace_wins(tmp_path: Path) -> None:
     own = tmp_path / "mars-launch" / "nav2_bringup" / "launch"
     own.mkdir(parents=True)

@@ -206,3 +206,16 @@ def test_a_launch_file_of_ros_1_keeps_its_arguments(tmp_path: Path) -> None:
     )
     [tree] = import_ros2([("", str(tmp_path))]).trees
     assert not tree.nodes
+
+
+@pytest.mark.parametrize(
+    ("name", "is_named"), [("$(anon a)", False), ("$(arg a)", False), ("a", True)]
+)
+def test_an_anonymous_node_has_a_name_of_its_own(name: str, is_named: bool, tmp_path: Path) -> None:
+    text = (
+        '<launch><arg name="a" default="$(anon a)"/><node pkg="joy" type="joy_node" name="{}"/>'
+        '<node pkg="other" type="x" name="b"/></launch>'
+    )
+    (tmp_path / "a.launch").write_text(text.format(name))
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert [(node.name, node.is_named) for node in tree.nodes] == [("/a", is_named), ("/b", True)]

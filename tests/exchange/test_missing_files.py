@@ -79,6 +79,18 @@ def test_a_file_beside_a_launch_file_may_be_missing(tmp_path: Path) -> None:
     assert missing(tmp_path, files) == []
 
 
+@pytest.mark.parametrize(("size", "name"), [(2, "launch/x.launch.py"), (3, "x.launch.py")])
+def test_the_folder_above_the_folder_above_is_another(size: int, name: str, tmp_path: Path) -> None:
+    above = "p.dirname(" * (size - 1) + "p.abspath(p.dirname(__file__))" + ")" * (size - 1)
+    text = (
+        "import os.path as p\ndef generate_launch_description():\n"
+        f"    return LaunchDescription([IncludeLaunchDescription(p.join({above}, 'x.launch.py')),\n"
+        "        Node(package='joy', executable='x')])\n"
+    )
+    files = {"base/launch/robot/base.launch.py": text}
+    assert missing(tmp_path, files) == [(name, "base", False)]
+
+
 def test_a_path_of_very_many_folders_is_not_looked_for(tmp_path: Path) -> None:
     text = "<launch><include file='" + "/a" * 200_000 + ".launch.xml'/></launch>"
     assert missing(tmp_path, {"base/launch/base.launch.xml": text}) == []
@@ -151,6 +163,10 @@ def test_a_missing_file_is_reported_once(
         {"arm/CMakeLists.txt": "xacro_add_files(x OUTPUT arm.urdf)"},
         {".gitignore": "*.urdf\n"},
         {"arm/.gitignore": "# made by a program\narm.urdf\n"},
+        {"arm/.gitignore": "urdf/\n"},
+        {"arm/urdf/.gitignore": "*\n!.gitignore\n"},
+        {".gitignore": "arm/urdf\n"},
+        {".gitignore": "**/urdf/*.urdf\n"},
     ],
 )
 def test_a_file_that_may_be_made_is_not_missing(tmp_path: Path, files: dict[str, str]) -> None:
@@ -162,8 +178,11 @@ def test_a_template_of_a_model_makes_no_other_file(tmp_path: Path) -> None:
     assert missing(tmp_path, files) == [("rviz/arm.rviz", "arm", False)]
 
 
-def test_a_pattern_of_folders_ignores_no_file(tmp_path: Path) -> None:
-    files = {**launch(DEFAULT), ".gitignore": "build/*\n"}
+@pytest.mark.parametrize(
+    "pattern", ["build/*", "/urdf/", "arm.urdf/", "base/urdf", "config/*.urdf"]
+)
+def test_a_pattern_of_another_folder_ignores_no_file(tmp_path: Path, pattern: str) -> None:
+    files = {**launch(DEFAULT), ".gitignore": f"{pattern}\n"}
     assert missing(tmp_path, files) == [("urdf/arm.urdf", "arm", False)]
 
 
@@ -202,6 +221,34 @@ def test_a_program_that_a_package_lacks_is_found(
 ) -> None:
     found = missing(tmp_path, {**launch('<node pkg="arm" exec="wrist"/>'), **files})
     assert found == ([("wrist", "arm", True)] if is_missing else [])
+
+
+@pytest.mark.parametrize(
+    ("build", "setup", "is_missing"),
+    [
+        ("ament_python", SETUP, True),
+        ("ament_python", SETUP.replace("gripper =", "wrist.py ="), False),
+        ("ament_python", "setup(scripts=glob('arm/*'))", False),
+        ("ament_python", "setup(data_files=[('lib/arm', ['arm/wrist.py'])])", False),
+        ("ament_python", "setup(data_files=[('lib/arm', glob('arm/*'))])", False),
+        ("ament_python", "setup(data_files=found())", False),
+        ("ament_cmake", SETUP, False),
+    ],
+)
+def test_a_module_of_a_package_in_python_is_no_program(
+    build: str, setup: str, is_missing: bool, tmp_path: Path
+) -> None:
+    export = f"<export><build_type>{build}</build_type></export></package>"
+    files = {
+        "arm/package.xml": PACKAGE.format("arm").replace("</package>", export),
+        "base/package.xml": PACKAGE.format("base").replace("</package>", export),
+        "arm/setup.py": setup,
+        "arm/setup.cfg": "[install]\ninstall-scripts=$base/lib/arm\n",
+        "arm/arm/wrist.py": "",
+        "arm/arm/gripper.py": "def main(): ...\n",
+    }
+    found = missing(tmp_path, {**launch('<node pkg="arm" exec="wrist.py"/>'), **files})
+    assert found == ([("wrist.py", "arm", True)] if is_missing else [])
 
 
 def test_a_file_that_a_program_writes_is_not_missing(tmp_path: Path) -> None:

@@ -215,6 +215,9 @@ def test_a_package_of_cmake_needs_no_setup_py(tmp_path: Path) -> None:
         # Python 3.12.
         ("type A = int\n", "ament_python", False),
         ("a = f'{b['c']}'\n", "ament_python", False),
+        ("a = f'{b('08')}'\n", "ament_python", False),
+        ("a = f'{{}} {b('x)')}'\n", "ament_python", False),
+        ("a = f'{b}' '08' 08\n", "ament_python", True),
         ("a = f'{\nb}'\n", "ament_python", False),
     ],
 )
@@ -527,6 +530,15 @@ def test_nodes_of_mavros_may_be_named_alike(
         ("use_sim_time", "self.declare_parameter('rate', 1)", []),
         ("filter.rat", "self.declare_parameter('rate', 1)", []),
         ("rat", "allow_undeclared_parameters = True", []),
+        # Its source puts a name together.
+        ("rate_min", "self.declare_parameter(name + '_min', 1)", []),
+        ("left_rate", "self.declare_parameter(f'left_{name}', 1)", []),
+        ("rate_min", "self.declare_parameter('{}_max'.format(name), 1)", ["rate_min"]),
+        ("rate2", "self.declare_parameter('rate%d' % 2, 1)", []),
+        ("rates", "self.declare_parameter('rate%d' % 2, 1)", ["rates"]),
+        ("rate_min", "self.declare_parameter(f'{name}_{each}', 1)", ["rate_min"]),
+        ("rate_min", "key = f'{name}_min'; self.declare_parameter(key, 1)", []),
+        ("rate_min", "self.get_parameter('a'); print(f'{name}_min')", ["rate_min"]),
         # A node that is not wholly read may declare any.
         ("rat", "self.create_publisher(String, sys.argv[1], 1)", []),
     ],
@@ -545,6 +557,19 @@ def test_parameters_that_are_given_are_named_by_the_source(
     }
     [tree] = read(written, tmp_path).trees
     assert [each.name for each in tree.missing if each.sort == "parameter"] == found
+
+
+def test_a_parameter_for_all_nodes_need_not_be_for_each(tmp_path: Path) -> None:
+    node = '<node pkg="mine" exec="n.py">{}</node>'
+    written = {
+        "scripts/n.py": "import rclpy\nclass N(Node):\n  def f(self): super().__init__('n')\n",
+        "x.launch.xml": f"<launch><set_parameter name='rate' value='1'/>{node.format('')}"
+        + node.format('<param name="size" value="1"/>')
+        + "</launch>",
+        "CMakeLists.txt": "install(PROGRAMS scripts/n.py DESTINATION lib/mine)",
+    }
+    [tree] = read(written, tmp_path).trees
+    assert [each.name for each in tree.missing if each.sort == "parameter"] == ["size"]
 
 
 def test_very_many_names_are_one_finding(

@@ -87,3 +87,21 @@ def test_thousands_of_maps_of_one_node_are_joined_once() -> None:
     assert isinstance(arm, Pairs)
     assert len(arm.pairs) == count + 1
     assert sum(each.within for each in repeated) == count - 1
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "count"),
+    [
+        ("False", "false", 0),
+        ("False", "'false'", 1),
+        ("false", "true", 1),
+        ("1", "1.0", 1),
+        ("[a, {b: True}]", "[a, {b: true}]", 0),
+        ("[a, b]", "[a]", 1),
+        ("{a: 1}", "{a: 2}", 1),
+    ],
+)
+def test_a_key_with_the_same_value_again_loses_nothing(first: str, second: str, count: int) -> None:
+    repeated: list[Repeat] = []
+    read_yaml(f"a: {first}\na: {second}\n", "arm.yaml", repeated=repeated)
+    assert len(repeated) == count

@@ -95,7 +95,7 @@ class Started:
     of its parameters, in the workspace; `conditions` decide if it starts;
     `arguments` are the words behind its program, the unknown ones empty. `has_further_files` is
     whether it has files of parameters that are not known, `is_rewritten` whether a launch file
-    reads its files as YAML.
+    reads its files as YAML, `is_anonymous` whether launching makes its name unique.
     """
 
     package: str
@@ -112,6 +112,7 @@ class Started:
     arguments: tuple[str, ...] = ()
     has_further_files: bool = False
     is_rewritten: bool = False
+    is_anonymous: bool = False
 
 
 class _Entered(NamedTuple):
@@ -243,7 +244,8 @@ class Launch:
                     self._declare(action, scope, files)
                 case SetParameters(paths, parameters):
                     scope.files += tuple(self._files(paths, scope, files, None))
-                    scope.parameters.update(self._parameters(parameters, scope, files))
+                    given = self._parameters(parameters, scope, files, is_for_all=True)
+                    scope.parameters.update(given)
                 case Include():
                     self._include(action, scope, files)
                 case Reads(words, span):
@@ -262,7 +264,9 @@ class Launch:
         if scope.arguments.get(name) is None:
             self._note_missing(value, action.span, files)
         variable = None if action.forced else scope.variable(name)
-        if action.forced or scope.arguments.get(name) is None:
+        # An including file may have set it to a value that only a run knows.
+        is_open = scope.arguments.get(name) is None and name not in scope.fixed
+        if action.forced or is_open:
             scope.arguments[name] = value
             if value is not None and variable is not None:
                 self.defaults.setdefault(variable, value)
@@ -631,6 +635,7 @@ class Launch:
                 # A file of another package is taken to say what its programs assume anyway.
                 any(self._plain(path, scope, files) is None for path in paths),
                 action.is_rewritten,
+                _ANONYMOUS.search(name or "") is not None,
             )
         )
 
@@ -661,7 +666,12 @@ class Launch:
                 self.unread.append(Unread("remappings made at run time", called, remap.span))
 
     def _parameters(
-        self, given: Sequence[Parameter], scope: _Scope, files: tuple[Path, ...]
+        self,
+        given: Sequence[Parameter],
+        scope: _Scope,
+        files: tuple[Path, ...],
+        *,
+        is_for_all: bool = False,
     ) -> dict[str, Given]:
         found: dict[str, Given] = {}
         for each in given:
@@ -678,7 +688,7 @@ class Launch:
             )
             is_known = each.written is not None or len(known) == len(texts)
             value = known[0] if known and each.items is None else Items(tuple(known), each.span)
-            found[".".join(names)] = Given(keys, each.written or value, is_known)
+            found[".".join(names)] = Given(keys, each.written or value, is_known, is_for_all)
         return found
 
     def _files(

@@ -394,6 +394,6 @@ def _substitution(inside: str) -> Part | Text:
             name, blank, default = rest.partition(" ")
             return Argument(f"env {name}", (default.strip("'\" "),) if blank else None)
         case "anon":
-            return rest
+            return f"$(anon {rest})"
         case _:
             return UNKNOWN

@@ -11,11 +11,15 @@ PARAMETERS = "ros__parameters"
 
 
 class Given(NamedTuple):
-    """The value of a parameter, the keys that lead to it, and whether it is known before a run."""
+    """The value of a parameter, the keys that lead to it, and whether it is known before a run.
+
+    `is_for_all` is whether it is set for all nodes.
+    """
 
     keys: tuple[Scalar, ...]
     value: Scalar | Items
     is_known: bool = True
+    is_for_all: bool = False
 
     @property
     def text(self) -> str:

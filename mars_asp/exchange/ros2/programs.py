@@ -31,6 +31,16 @@ _REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLA
 _STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
 _MOST_FILES = 100
 _WORD = re.compile(r"\w+")
+#: The first two arguments of a function for parameters, and variables with values.
+_ARGUMENT = r"(?:[^,;()]|\([^()]*\))*"
+_NAMING = re.compile(
+    r"[Pp]aram\w{0,60}(?:<[^;()]{0,200}>)?"
+    rf"\s*\(\s*({_ARGUMENT})(?:,\s*({_ARGUMENT}))?"
+)
+_ASSIGNED = re.compile(r"\b(\w+)\s*=(?!=)([^;\n]*)")
+_HOLE = r"\{[^{}\"']*\}|%[sdi]"
+#: A text that is added to another, or has places for others.
+_COMPOSED = re.compile(rf"(\+\s*)?([\"'])((?:\w|{_HOLE})+)\2(\s*\+)?")
 _PACKAGE_NAME = re.compile(r"[\w-]+")
 _LAUNCHES = re.compile(r"[._]launch\.py$|/launch/[^/]*\.py$")
 #: Options with which a node takes parameters that it does not declare.
@@ -61,6 +71,7 @@ class Programs:
         # Many programs share headers.
         self._included = cache(self._headers_of)
         self._words = cache(self._words_of)
+        self._composed = cache(self._composed_names)
         self._is_of_ros = cache(lambda file: _OF_ROS.search(self._text(file) or "") is not None)
 
     def interface(self, program: Program) -> Interface | None:
@@ -130,24 +141,43 @@ class Programs:
     def names_parameter(self, package: str, name: str) -> bool:
         """Whether a source of a package here, or of one that it depends on, has the word of a name.
 
-        Of a name with slashes it is the last word. A package whose nodes take any parameter has
-        all.
+        Of a name with slashes it is the last word, and a source may put it together. A package
+        whose nodes take any parameter has all.
         """
         found = self.workspace.package(package)
         if found is None:
             return True
         words = self._words(found)
-        return name.rpartition("/")[2] in words or not words.isdisjoint(_TAKES_ANY)
+        last = name.rpartition("/")[2]
+        is_known = last in words or not words.isdisjoint(_TAKES_ANY)
+        return is_known or any(re.fullmatch(form, last) for form in self._composed(found))
 
     def _words_of(self, package: Package) -> frozenset[str]:
+        return frozenset(chain.from_iterable(map(_WORD.findall, self._sources_for(package))))
+
+    def _composed_names(self, package: Package) -> frozenset[str]:
+        """Return the patterns of names such as `name + "_min"`, without `_` those of numbers."""
+        found: set[str] = set()
+        for text in self._sources_for(package):
+            names = set(chain.from_iterable(_NAMING.findall(text)))
+            names.update(value for name, value in _ASSIGNED.findall(text) if name in names)
+            for before, _, inner, after in chain.from_iterable(map(_COMPOSED.findall, names)):
+                literals = re.split(_HOLE, inner)
+                part = r"\w+" if any("_" in each for each in literals) else r"\d+"
+                form = f"{before and part}{part.join(literals)}{after and part}"
+                if form != inner and any(each.strip("_") for each in literals):
+                    found.add(form)
+        return frozenset(found)
+
+    def _sources_for(self, package: Package) -> Iterator[str]:
+        """Return the texts of the sources of a package and of those that it depends on."""
         manifest = self._text(package.folder / "package.xml") or ""
         named = set(_PACKAGE_NAME.findall(manifest))
         used = (each for each in self.workspace.packages if each.name in named)
         files = chain.from_iterable(self.workspace.by_package[each.folder] for each in used)
         # A launch file gives parameters, and reads none.
         sources = (f for f in files if f.suffix in _CODE and not _LAUNCHES.search(f.as_posix()))
-        texts = (self._text(file) or "" for file in sources)
-        return frozenset(chain.from_iterable(map(_WORD.findall, texts)))
+        return (self._text(file) or "" for file in sources)
 
     def _span_of(self, file: Path, text: str, word: str) -> Span:
         """Return the first place of a word in a file."""

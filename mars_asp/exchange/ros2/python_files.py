@@ -13,6 +13,8 @@ T = TypeVar("T")
 _MOST_FILES = 1000
 #: A text with values, which from 3.12 on may have lines and quotes within its braces.
 _TEXT_WITH_VALUES = re.compile(r"""\b(?:[rR]?[fF]|[fF][rR])["'].*\{""")
+#: One that has its own quote within its braces.
+_NESTED_QUOTE = re.compile(r"""\b(?:[rR]?[fF]|[fF][rR])(["'])(?:(?!\1).)*(?<!\{)\{[^{}]*\1""")
 _NEWER = re.compile(r"\s*(?:type\s+\w+.*=|(?:async\s+)?def\s+\w+\s*\[|class\s+\w+\s*\[)")
 
 
@@ -87,7 +89,8 @@ def is_newer(error: SyntaxError) -> bool:
     """
     line = error.text or ""
     is_text = "string" in error.msg and _TEXT_WITH_VALUES.search(line) is not None
-    return is_text or "f-string" in error.msg or _NEWER.match(line) is not None
+    is_nested = "f-string" in error.msg or _NESTED_QUOTE.search(line) is not None
+    return is_text or is_nested or _NEWER.match(line) is not None
 
 
 def _mentioned(part: ast.AST) -> Iterable[str]:

@@ -230,8 +230,11 @@ def picked(owner: Value, key: Value) -> Value:
 
 def folder_of(text: Text) -> Text:
     """Return the folder of a path."""
-    if text and isinstance(text[-1], str) and "/" in text[-1]:
-        return text_of(*text[:-1], text[-1].rpartition("/")[0])
+    if text and isinstance(text[-1], str):
+        above, slash, last = text[-1].rpartition("/")
+        # The folder above another is not that one.
+        if slash and last != "..":
+            return text_of(*text[:-1], above)
     return text_of(*text, "/..")
 
 

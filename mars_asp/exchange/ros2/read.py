@@ -253,6 +253,7 @@ class _Robot:
         self.catalogued: dict[str, Span] = {}
         self.conditional: dict[str, Span] = {}
         self.trees: list[LaunchTree] = []
+        self.empty: list[Path] = []
         #: The launch files that others include, each as if it were launched by itself.
         self.parts: list[Launch] = []
         self.document = cache(self._document)
@@ -394,7 +395,8 @@ class _Robot:
         """Yield the parameters that a program of ROS 2 is given and that its sources do not name.
 
         Of a file that is written anew these are values that replace others in it. A component has
-        those of its process, and libraries read those that have parts.
+        those of its process, and libraries read those that have parts. One for all nodes need not
+        be for each.
         """
         program = Program(started.package, started.executable, started.plugin)
         interface = self.programs.interface(program)
@@ -402,7 +404,7 @@ class _Robot:
         if started.is_rewritten or started.plugin or not is_read:
             return
         for key, given in started.parameters.items():
-            is_own = key not in _OF_MIDDLEWARE and "." not in key
+            is_own = key not in _OF_MIDDLEWARE and "." not in key and not given.is_for_all
             if is_own and not self.programs.names_parameter(started.package, key):
                 yield AbsentFile(key, started.executable, given.keys[0].span, "parameter")
 
@@ -460,6 +462,16 @@ class _Robot:
         # Files that include each other have no top.
         tops = tops or [*launches.values()][:1]
         self.parts = [launch for launch in launches.values() if launch not in tops]
+        for file in self.empty:
+            # One that no launch file includes or names is a placeholder.
+            is_named = any(file.name in self.workspace.text(each) for each in files)
+            path = self.workspace.shown(file)
+            place = point(path, 1, 1)
+            if file in included or is_named or not files:
+                wrong = f"{path}: the launch file is empty"
+                self.trees.append(LaunchTree(path, broken=((wrong, place),)))
+            else:
+                self.unread.append(Unread("empty launch files", path, place))
         yield from tops
 
     def _chosen(self, files: Sequence[Path]) -> Sequence[Path]:
@@ -518,8 +530,7 @@ class _Robot:
             path = self.workspace.shown(file)
             place = point(path, 1, 1)
             if not self.workspace.text(file).strip():
-                wrong = f"{path}: the launch file is empty"
-                self.trees.append(LaunchTree(path, broken=((wrong, place),)))
+                self.empty.append(file)
                 return False
             sort = "files that are named as launch files but are none"
             self.unread.append(Unread(sort, file.name, place))
@@ -684,7 +695,8 @@ class _Robot:
             started.conditions,
             renamed=self._renamed(started, name),
             # Without its source, a name is mostly a habit of its program.
-            is_named=is_named or bool(started.name) or interface.is_name_sure,
+            is_named=(is_named or bool(started.name) or interface.is_name_sure)
+            and not started.is_anonymous,
             is_whole=is_whole and all(each.sort == SERVICES for each in interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),
@@ -713,7 +725,7 @@ class _Robot:
             unread=True,
             conditions=started.conditions,
             # A program whose source is not known may name its node apart.
-            is_named=bool(started.name),
+            is_named=bool(started.name) and not started.is_anonymous,
             renamed=self._renamed(started, name),
             package=started.package,
             manages=tuple(self._managed(started)),

@@ -80,6 +80,8 @@ _COMPOSED = re.compile(
 _COMPOSED_ENTRY = r"[fF][\"']\s*\{|[\"']\s*=\s*\w|%s|\.format\("
 #: The setting of where the scripts of a package in Python are installed.
 _SCRIPT_FOLDER = re.compile(r"\b(?:install[_-]scripts|script[_-]dir)\b|[\"']lib/")
+#: Files that a package in Python installs where programs are.
+_INSTALLS_SCRIPTS = re.compile(r"(?<![\w-])scripts\s*=|[\"']/?lib\b")
 _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
 _PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
@@ -151,9 +153,9 @@ class Workspace:
         self._deep = deep
         self._is_absolute = Path(named).is_absolute()
         self._marked: set[Path] = set()
+        self._ignoring: list[Path] = []
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
-        self._ignored: list[tuple[Path, tuple[str, ...]]] | None = None
         self._contents: dict[Path, _Contents] = {}
         self._shared: dict[Path, list[Installed]] = {}
         self._targets: dict[Path, Targets] = {}
@@ -197,6 +199,7 @@ class Workspace:
                 if not any((each / "package.xml").exists() for each in self._above(at)):
                     names.clear()
                     folders.clear()
+            self._ignoring += [at / ".gitignore"] * (".gitignore" in names)
             if not self._deep:
                 folders.clear()
             folders[:] = sorted(
@@ -399,7 +402,7 @@ class Workspace:
         name = inside.rpartition("/")[2]
         is_file = _FILE_NAME.fullmatch(name) is not None and "$(" not in inside
         # Maps and recordings are made by users, and files that git ignores by programs.
-        if not is_file or _OF_USERS.search(inside) or self._is_ignored(package, name):
+        if not is_file or _OF_USERS.search(inside) or self._is_ignored(package, inside):
             return None
         # A program makes the folder of its results.
         if name.endswith(_OF_RESULTS) and not (package.folder / inside).parent.is_dir():
@@ -431,7 +434,7 @@ class Workspace:
         is_file = ".." not in inside and "/" in inside and file.is_file()
         if not is_file or file in self._installed_sources(package, inside):
             return None
-        is_sure = self._lists_all(package) and not self._is_ignored(package, file.name)
+        is_sure = self._lists_all(package) and not self._is_ignored(package, inside)
         return (package.name, inside) if is_sure else None
 
     def left_out(self, file: Path) -> tuple[str, str] | None:
@@ -441,9 +444,11 @@ class Workspace:
         that installs nothing is taken to be launched by paths.
         """
         package = self.package_of(file)
-        if package is None or not package.is_of_ros2 or self._is_ignored(package, file.name):
+        if package is None or not package.is_of_ros2:
             return None
         inside = file.relative_to(package.folder).as_posix()
+        if self._is_ignored(package, inside):
+            return None
         installed = self._installed(package)
         patterns = (f"{at.rstrip('/')}/*" if folder else at for at, _, folder in installed)
         is_left_out = installed and not any(fnmatchcase(inside, pattern) for pattern in patterns)
@@ -484,34 +489,25 @@ class Workspace:
         files = (package.folder / name for name in ("setup.cfg", "setup.py", "pyproject.toml"))
         return any(_SCRIPT_FOLDER.search(self._readable(each)) for each in files if each.is_file())
 
-    def _is_ignored(self, package: Package, name: str) -> bool:
-        """Whether git ignores files of a name in a package."""
-        if self._ignored is None:
-            self._ignored = [
-                (folder, tuple(self._patterns(folder)))
-                for folder in {self.root, *(each.folder for each in self.packages)}
-            ]
+    def _is_ignored(self, package: Package, inside: str) -> bool:
+        """Whether git ignores a path in a package, or a folder of that path."""
+        file = Path(os.path.normpath(package.folder / inside[:_MOST_PATH]))
         return any(
-            fnmatchcase(name, pattern)
-            for folder, patterns in self._ignored
-            if folder in (package.folder, *package.folder.parents)
+            _ignores(pattern, file.relative_to(folder).parts)
+            for folder, patterns in self._ignored.items()
+            if folder in file.parents
             for pattern in patterns
         )
 
-    def _patterns(self, folder: Path) -> Iterator[str]:
-        """Yield the names of files that git ignores in a folder."""
-        with suppress(MarsError, OSError):
-            if (folder / ".gitignore").is_file():
-                for line in self.text(folder / ".gitignore").split("\n"):
-                    pattern = line.strip().lstrip("/")
-                    name = pattern.rpartition("/")[2]
-                    # `build/*` is about a folder, `config/own.yaml` about a file.
-                    if (
-                        name
-                        and not pattern.startswith(("#", "!"))
-                        and (name == pattern or "*" not in name)
-                    ):
-                        yield name
+    @cached_property
+    def _ignored(self) -> Mapping[Path, Sequence[str]]:
+        """The patterns of paths that git ignores, by the folders for which they are."""
+        found = {}
+        for file in self._ignoring:
+            text = "" if self._inside(file) is None else self._readable(file)
+            patterns = (line.strip() for line in text.split("\n"))
+            found[file.parent] = [each for each in patterns if each and each[0] not in "#!"]
+        return found
 
     def _contents_of(self, package: Package) -> _Contents:
         """Return the names of the files of a package, and the texts of its build files."""
@@ -546,9 +542,12 @@ class Workspace:
     def _may_have_program(self, package: Package, name: str) -> bool:
         """Whether a package has a script of a name, or its build files name such a program."""
         contents, build, python = self._contents_of(package)
-        if "." in name:
-            return self._may_have(package, name)
         is_of_cmake = "CMakeLists.txt" in contents
+        if "." in name:
+            installs_files = is_of_cmake or _INSTALLS_SCRIPTS.search(python) is not None
+            # A module of a package in Python is no program.
+            is_listed = package.is_of_python and not installs_files and self._lists_all(package)
+            return _mentions(python, name) if is_listed else self._may_have(package, name)
         if "console_scripts" in python and not is_of_cmake:
             # A package of Python has the programs that its build file lists, whatever its files.
             if name == package.name:
@@ -629,6 +628,18 @@ class Workspace:
                 raise MarsError((Diagnostic("encoding", "error", message, place, help=help_text),))
             self._texts[file] = text
         return self._texts[file]
+
+
+def _ignores(pattern: str, parts: Sequence[str]) -> bool:
+    """Whether a pattern of git ignores a path from its folder, or a folder of that path.
+
+    One with a slash before its end is for whole paths, one that ends with a slash for folders.
+    """
+    inner = pattern.rstrip("/")
+    is_whole = "/" in inner and not inner.startswith("**/")
+    form = f"/{inner.lstrip('/')}" if is_whole else f"*/{inner.removeprefix('**/')}"
+    sizes = range(1, len(parts) + (not pattern.endswith("/")))
+    return any(fnmatchcase(f"/{'/'.join(parts[:size])}", form) for size in sizes)
 
 
 def _mentions(text: str, name: str) -> bool:
