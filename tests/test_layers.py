@@ -2,6 +2,7 @@
 
 import ast
 import re
+from keyword import iskeyword
 
 import pytest
 
@@ -116,7 +117,7 @@ FILES = {
         "report extract limits settings excluded trace_document schemas worker reason perform "
         "ignores baseline selection results folding github sarif_fixes sarif publish alternatives "
         "analyse can "
-        "completion draw export facts fmt import winners run_report run_json run_text run "
+        "completion draw export facts fmt import_robot winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
         "rules_document rules_new rules_diff rules repair check lsp_files lsp_rules "
@@ -167,6 +168,12 @@ def test_imports_inside_a_package_point_one_way(package: str) -> None:
             if other in files and files.index(other) > files.index(room):
                 wrong.append(f"{path.relative_to(ROOT)} imports {name}")
     assert wrong == []
+
+
+def test_each_module_has_a_name_that_can_be_imported() -> None:
+    names = {name for path in HOUSE.rglob("*.py") for name in path.relative_to(HOUSE.parent).parts}
+    plain = {name.removesuffix(".py") for name in names}
+    assert [name for name in sorted(plain) if not name.isidentifier() or iskeyword(name)] == []
 
 
 def test_the_drawing_shows_the_real_imports(update_golden: bool) -> None:

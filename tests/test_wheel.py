@@ -27,13 +27,24 @@ statements.statements_of(texts)
 """
 
 
+#: Bytes that the wheel has at most.
+MOST_BYTES = 3 * 1024 * 1024
+
+
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with what the wheel installs, and a robot beside it."""
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the wheel, built anew."""
     folder = tmp_path_factory.mktemp("wheel")
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
     subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
-    (wheel,) = folder.glob("*.whl")
+    (built,) = folder.glob("*.whl")
+    return built
+
+
+@pytest.fixture(scope="module")
+def site(wheel: Path) -> Path:
+    """Return the folder in which the wheel is unpacked, with a robot beside it."""
+    folder = wheel.parent
     zipfile.ZipFile(wheel).extractall(folder / "site")
     shutil.copy(ROOT / "examples" / "level0" / "config.mars", folder)
     return folder / "site"
@@ -50,6 +61,10 @@ def python(site: Path, *words: str) -> str:
         text=True,
     )
     return done.stdout
+
+
+def test_the_wheel_is_small(wheel: Path) -> None:
+    assert wheel.stat().st_size <= MOST_BYTES
 
 
 def test_the_wheel_works_outside_the_checkout(site: Path) -> None:

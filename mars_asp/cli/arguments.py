@@ -99,6 +99,8 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
 }
 VERBS: Mapping[str, Verb] = {name: verb for of in GROUPS.values() for name, verb in of.items()}
 ALIASES = {"analyze": "analyse", "synthesize": "synthesise"}
+#: The modules of commands whose names are keywords of Python.
+_MODULES = {"import": "import_robot"}
 
 
 def help_text() -> str:
@@ -193,7 +195,7 @@ class _Formatter(argparse.HelpFormatter):
 def parser_of(word: str) -> tuple[ModuleType, Parser]:
     """Return the module of a verb, which may be an alias, and what reads its words."""
     verb = ALIASES.get(word, word)
-    module = importlib.import_module(f"mars_asp.cli.{verb}")
+    module = importlib.import_module(f"mars_asp.cli.{_MODULES.get(verb, verb)}")
     description = (module.__doc__ or "").partition("\n")[0]
     parser = Parser(prog=f"mars-asp {word}", description=description, formatter_class=_Formatter)
     module.configure(parser)

@@ -231,7 +231,8 @@ def seal() -> Seal:
     folders = (folder for folder in sorted(rules_directory().iterdir()) if folder.is_dir())
     files = _files(folder.name for folder in folders)
     read = _made(files)
-    named = made_of("named", _makers(), dict.fromkeys(each.text for each in read), _named)
+    texts = {digest(each.text.encode()): each.text for each in read}
+    named = made_of("named", _makers(), texts, lambda key: _named(texts[key]))
     derived: dict[Signature, set[str]] = {}
     given: dict[Signature, set[str]] = {}
     ids: dict[str, Span] = {}
@@ -242,7 +243,7 @@ def seal() -> Seal:
             for head in rule.heads:
                 derived.setdefault(head, set()).add(file.stage)
             ids[rule.id] = rule.span
-        own, names = named[each.text]
+        own, names = named[digest(each.text.encode())]
         for signature in own:
             given.setdefault(signature, set()).add(file.stage)
         constants |= names
