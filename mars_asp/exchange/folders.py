@@ -73,7 +73,7 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
     entries = list(_entries(folder, is_excluded, unread))
     launches = [path for _, path in entries if path.name.endswith(_LAUNCH)]
     packages = [path.parent for _, path in entries if path.name == "package.xml"]
-    ros = _ros_in(folder, packages, launches)
+    ros = _ros_in(folder, packages, launches, unread)
     found = [path for _, path in entries if path.suffix == ".mars"]
     if ros == [folder]:
         dataflows = _beside_ros(folder, entries, unread)
@@ -91,25 +91,27 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
     return FolderRobots(tuple(sorted((*found, *ros))), tuple(notes(unread)), passed_over)
 
 
-def _ros_in(folder: Path, packages: Sequence[Path], launches: Sequence[Path]) -> list[Path]:
-    """Return the folders that are robots of ROS: workspaces, and packages in none.
+def _ros_in(
+    folder: Path, packages: Sequence[Path], launches: Sequence[Path], unread: list[Unread]
+) -> list[Path]:
+    """Return the folders that are robots of ROS: several workspaces, or the folder itself.
 
-    Packages without a workspace are one robot, and so is a workspace with launch files beside it.
+    Packages in no workspace and launch files beside one belong to the robot of the folder.
     """
     workspaces: set[Path] = set()
-    loose: set[Path] = set()
     for package in packages:
         parts = package.relative_to(folder).parts
-        if "src" in parts:
-            workspaces.add(folder.joinpath(*parts[: parts.index("src")]))
-        else:
-            loose.add(package)
+        inner = parts.index("src") if "src" in parts else 0
+        workspaces.add(folder.joinpath(*parts[:inner]))
     workspaces = {each for each in workspaces if not _lies_in(each, workspaces)}
-    found = {*workspaces, *(each for each in loose if not _lies_in(each, workspaces | loose))}
-    is_one = not workspaces or len(found) == 1
-    if is_one and not (workspaces and all(_lies_in(each, workspaces) for each in launches)):
+    if not workspaces or not all(_lies_in(each, workspaces) for each in launches):
         return [folder] if packages or launches else []
-    return sorted(found)
+    started = [each for each in workspaces if any(each in at.parents for at in launches)]
+    unread += (
+        _unread("workspaces without a launch file", each)
+        for each in sorted(workspaces.difference(started or workspaces))
+    )
+    return sorted(started or workspaces)
 
 
 def _lies_in(path: Path, folders: Collection[Path]) -> bool:

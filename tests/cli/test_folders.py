@@ -55,9 +55,15 @@ FOLDERS = {
     "a workspace": (package("ws/src/a") | package("ws/src/b"), ["ws"]),
     "packages in no workspace": (package("a") | package("b"), ["."]),
     "launch files alone": ({"r.launch.xml": LAUNCH}, ["."]),
+    "two workspaces": (package("v/src/a") | package("w/src/deep/b"), ["v", "w"]),
+    # What starts the programs of a package may be in a package anywhere beside it.
     "two workspaces and a package": (
         package("v/src/a") | package("w/src/deep/b") | package("c"),
-        ["c", "v", "w"],
+        ["."],
+    ),
+    "a workspace without a launch file": (
+        package("v/src/a") | {"w/src/b/package.xml": PACKAGE.format("b")},
+        ["v"],
     ),
     "a workspace within another": (package("w/src/a") | package("w/src/x/src/b"), ["w"]),
     "all of a workspace belongs to it": (

@@ -468,8 +468,8 @@ class _Robot:
             path = self.workspace.shown(file)
             place = point(path, 1, 1)
             if file in included or is_named or not files:
-                wrong = f"{path}: the launch file is empty"
-                self.trees.append(LaunchTree(path, broken=((wrong, place),)))
+                name = f"{path}: the launch file is empty"
+                self.trees.append(LaunchTree(path, broken=((name, place),)))
             else:
                 self.unread.append(Unread("empty launch files", path, place))
         yield from tops
