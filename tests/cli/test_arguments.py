@@ -7,6 +7,7 @@ import pytest
 
 from mars_asp.cli import run_command, run_here
 from mars_asp.cli.arguments import VERBS, parser_of
+from mars_asp.cli.check_output import FORMATS
 from tests.support.processes import mars
 
 
@@ -83,7 +84,8 @@ def completion() -> str:
         (["--v"], ["--version"]),
         (["check", "--f"], ["--fail-on", "--fix", "--format", "--from"]),
         (["explain", "x.mars", "--why"], ["--why-not"]),
-        (["check", "x", "--format", ""], ["text", "json", "sarif", "github"]),
+        (["check", "x", "--format", ""], list(FORMATS)),
+        (["analyse", "x", "--format", ""], ["text", "json", "sarif", "github"]),
         (["check", "x", "--format", "j"], ["json"]),
         (["check", "--format", "=", "js"], ["json"]),
         (["diff", "--format", "="], ["text", "json"]),
