@@ -2,13 +2,13 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.cli.check_output import FORMATS, Checked, write_report
+from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, write_report
 from mars_asp.cli.deliver import file_key, replace_files
 from mars_asp.cli.folding import instances_of
 from mars_asp.cli.lines import forget, remember
@@ -46,6 +46,12 @@ if TYPE_CHECKING:
 #: The formats of the result.
 RESULT_FORMATS = FORMATS
 _Rules: TypeAlias = Callable[[tuple[str, ...]], Rulebook]
+#: The severities that make the exit status 1, by the values of `--fail-on`.
+_FAILING: Mapping[str, tuple[Severity, ...]] = {
+    "error": ("error",),
+    "warning": ("error", "warning"),
+    "never": (),
+}
 #: Of a larger robot a repair takes longer to find than people wait for a check.
 _MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
 
@@ -67,9 +73,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--fail-on",
-        choices=("error", "warning"),
+        choices=tuple(_FAILING),
         default="error",
         help="the least severity of a reported finding that makes the exit status 1",
+    )
+    parser.add_argument(
+        "--exit-zero",
+        dest="fail_on",
+        action="store_const",
+        const="never",
+        help="status 0 whatever is found, as --fail-on never; bad input still ends with 2",
+    )
+    parser.add_argument(
+        "--statistics",
+        action="store_true",
+        help="print how many findings of each kind there are, instead of the findings",
     )
     parser.add_argument(
         "-o", "--output", metavar="OUT", help="write the findings to a file, in any format"
@@ -80,8 +98,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Report the findings; 1 where one is bad enough to fail, 2 where a file cannot be read."""
-    if arguments.fix and is_published(arguments):
-        problem = f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
+    if problem := _conflict_of_options(arguments):
         print(f"mars-asp check: {problem}", file=sys.stderr)
         return 2
     try:
@@ -91,6 +108,15 @@ def run(arguments: argparse.Namespace) -> int:
         checked, remarks, status = [], [Result(each) for each in error.diagnostics], error.status
     write_report(checked, remarks, arguments, status)
     return status
+
+
+def _conflict_of_options(arguments: argparse.Namespace) -> str | None:
+    """Return why options do not go together, or None if they do."""
+    if arguments.fix and is_published(arguments):
+        return f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
+    if arguments.statistics and arguments.format not in TEXT_FORMATS:
+        return f"--statistics prints lines: leave out `--format {arguments.format}`"
+    return None
 
 
 def check(
@@ -186,8 +212,7 @@ def _check(
     if project.format is not None and arguments.fix:
         one.append_results([Result(_unfixed(project.configuration.path, _FOREIGN, _BY_HAND))])
         one.status = 2
-    failing: tuple[Severity, ...] = ("error", "warning")
-    failing = failing[: failing.index(arguments.fail_on) + 1]
+    failing = _FAILING[arguments.fail_on]
     one.status = max(one.status, int(any(one.counted[severity] for severity in failing)))
 
 

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.questions.repair import Repair
 
 #: The format `text` is `full` on a terminal and `concise` elsewhere.
-_TEXTS = ("text", "full", "concise")
-FORMATS = (*_TEXTS, "json", "sarif", "github")
+TEXT_FORMATS = ("text", "full", "concise")
+FORMATS = (*TEXT_FORMATS, "json", "sarif", "github")
 #: The formats that contain notes about reading.
 _WITH_NOTES = ("json", "sarif", "github")
 
@@ -92,8 +92,10 @@ def write_report(
     )
     is_taken = repairs_input or arguments.write_baseline == STANDARD_INPUT
     stream = None if output is not None else sys.stderr if is_taken else sys.stdout
-    if arguments.format not in _TEXTS:
+    if arguments.format not in TEXT_FORMATS:
         findings = _document_text(checked, remarks, arguments, status)
+    elif arguments.statistics:
+        findings = "".join(_statistics(_unhidden(checked, remarks)))
     else:
         results = [*_folded(checked), *remarks]
         findings = "".join(
@@ -148,6 +150,15 @@ def _diagnostic_text(
         yield f"{diagnostic_text(found, coloured, width, whole_head=not on_terminal)}\n"
         for line in suggestion_lines(result.suggestion, width):
             yield f"{line}\n"
+
+
+def _statistics(results: Iterable[Result]) -> Iterator[str]:
+    """Yield a line for each kind of findings, or code of errors: their number, and the name."""
+    found = (each.diagnostic for each in results if not _is_note(each))
+    numbers = Counter(each.kind or each.code for each in found)
+    width = len(str(max(numbers.values(), default=0)))
+    for name, number in sorted(numbers.items(), key=lambda item: (-item[1], item[0])):
+        yield f"{number:>{width}} {visible(name)}\n"
 
 
 def _is_full(arguments: argparse.Namespace) -> bool:

@@ -399,3 +399,38 @@ def test_errors_of_the_selection_are_in_the_document(
     document = json.loads(output.out)
     assert (output.err, document["errors"]) == ("", 1)
     assert document["findings"][0]["kind"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        (["choice.mars", "--exit-zero"], 0),
+        (["choice.mars", "--fail-on", "never"], 0),
+        (["twice.mars", "--fail-on", "warning"], 1),
+        (["twice.mars", "--fail-on", "warning", "--exit-zero"], 0),
+        (["bad.mars", "choice.mars", "--exit-zero"], 2),
+        (["choice.mars", "bad.mars"], 2),
+        (["choice.mars", "--exit-zero", "--select", "no"], 2),
+    ],
+)
+def test_findings_need_not_count_but_bad_input_does(
+    words: list[str], status: int, robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", *words]) == status
+    assert capsys.readouterr().out
+
+
+def test_statistics_are_a_line_a_kind(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (robots / "many.mars").write_text(TWICE + "A uses_data_from C\n" * 8)
+    words = ["check", "bad.mars", "choice.mars", "many.mars", "--statistics"]
+    assert run_here(words) == 2
+    output = capsys.readouterr()
+    lines = [line.split() for line in output.out.splitlines()]
+    numbers = [int(number) for number, _ in lines]
+    assert [name for _, name in lines] == ["duplicate_relationship", "syntax", "undeclared_module"]
+    assert numbers == sorted(numbers, reverse=True) and numbers[1:] == [1, 1]
+    assert f"2 errors, {numbers[0]} warnings in 3 files\n" in output.err
+    run_here([*words, "--ignore", "undeclared_module,duplicate_relationship"])
+    assert capsys.readouterr().out == "1 syntax\n"
+    assert run_here([*words, "--format", "json"]) == 2
+    assert "leave out `--format json`" in capsys.readouterr().err
