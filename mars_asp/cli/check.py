@@ -13,7 +13,6 @@ from mars_asp.cli.deliver import file_key, replace_files
 from mars_asp.cli.folding import instances_of
 from mars_asp.cli.lines import forget, remember
 from mars_asp.cli.progress import progress_bar
-from mars_asp.cli.publish import is_published
 from mars_asp.cli.reason import (
     JUDGING,
     SHOWN_INPUT,
@@ -112,7 +111,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _conflict_of_options(arguments: argparse.Namespace) -> str | None:
     """Return why options do not go together, or None if they do."""
-    if arguments.fix and is_published(arguments):
+    if arguments.fix and arguments.format not in (*TEXT_FORMATS, "json"):
         return f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
     if arguments.statistics and arguments.format not in TEXT_FORMATS:
         return f"--statistics prints lines: leave out `--format {arguments.format}`"

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 #: The format `text` is `full` on a terminal and `concise` elsewhere.
 TEXT_FORMATS = ("text", "full", "concise")
-FORMATS = (*TEXT_FORMATS, "json", "sarif", "github")
+FORMATS = (*TEXT_FORMATS, "json", "junit", "gitlab", "sarif", "github")
 #: The formats that contain notes about reading.
 _WITH_NOTES = ("json", "sarif", "github")
 
@@ -95,12 +95,11 @@ def write_report(
     if arguments.format not in TEXT_FORMATS:
         findings = _document_text(checked, remarks, arguments, status)
     elif arguments.statistics:
-        findings = "".join(_statistics(_unhidden(checked, remarks)))
+        findings = "".join(_statistics(_findings(_unhidden(checked, remarks))))
     else:
-        results = [*_folded(checked), *remarks]
-        findings = "".join(
-            _diagnostic_text([r for r in results if not _is_note(r)], arguments, stream)
-        )
+        folded = [each for one in checked for each in fold(_findings(one.results), one.instances)]
+        results = [*folded, *_findings(remarks)]
+        findings = "".join(_diagnostic_text(results, arguments, stream))
     closing = "".join(_closing(checked, remarks, arguments))
     if output is not None:
         write_file(output, findings)
@@ -119,16 +118,15 @@ def _is_note(result: Result) -> bool:
     return result.diagnostic.severity == "note" and result.consequence is None
 
 
+def _findings(results: Iterable[Result]) -> list[Result]:
+    """Return the results that are reported findings."""
+    return [each for each in results if each.hidden is None and not _is_note(each)]
+
+
 def _unhidden(checked: Sequence[Checked], remarks: Iterable[Result]) -> list[Result]:
     """Return all results that are not hidden."""
     every = [*(each for one in checked for each in one.results), *remarks]
     return [each for each in every if each.hidden is None]
-
-
-def _folded(checked: Iterable[Checked]) -> Iterator[Result]:
-    """Yield the results that are not hidden, equal ones of instances once."""
-    for one in checked:
-        yield from fold([each for each in one.results if each.hidden is None], one.instances)
 
 
 # ---- Text ----------------------------------------------------------------------------------------
@@ -154,8 +152,8 @@ def _diagnostic_text(
 
 def _statistics(results: Iterable[Result]) -> Iterator[str]:
     """Yield a line for each kind of findings, or code of errors: their number, and the name."""
-    found = (each.diagnostic for each in results if not _is_note(each))
-    numbers = Counter(each.kind or each.code for each in found)
+    names = (each.diagnostic.kind or each.diagnostic.code for each in results)
+    numbers = Counter(names)
     width = len(str(max(numbers.values(), default=0)))
     for name, number in sorted(numbers.items(), key=lambda item: (-item[1], item[0])):
         yield f"{number:>{width}} {visible(name)}\n"
@@ -229,6 +227,17 @@ def _document_text(
     """Return the results in a format for programs."""
     if arguments.format == "json":
         return f"{encoded(_check_document(checked, remarks, arguments))}\n"
+    if arguments.format == "junit":
+        from mars_asp.cli.junit import junit_suites
+
+        robots = [(", ".join((one.path, *one.further)), one.results) for one in checked]
+        if remarks:
+            robots.append(("mars-asp check", list(remarks)))
+        return junit_suites([(name, _findings(results)) for name, results in robots])
+    if arguments.format == "gitlab":
+        from mars_asp.cli.gitlab import code_quality_report
+
+        return f"{encoded(code_quality_report(_findings(_unhidden(checked, remarks))))}\n"
     from mars_asp.cli.publish import published_text
 
     every = [*(each for one in checked for each in one.results), *remarks]
@@ -241,8 +250,7 @@ def _check_document(
     from mars_asp.cli.repair import repair_json
 
     shown = _unhidden(checked, remarks)
-    findings = [each for each in shown if not _is_note(each)]
-    notes = [each for each in shown if _is_note(each)]
+    findings, notes = _findings(shown), list(filter(_is_note, shown))
     if arguments.quiet:
         notes = [each for each in notes if not is_remark(each)]
     severities = Counter(each.diagnostic.severity for each in findings)

@@ -86,7 +86,7 @@ def completion() -> str:
         (["explain", "x.mars", "--why"], ["--why-not"]),
         (["check", "x", "--format", ""], list(FORMATS)),
         (["analyse", "x", "--format", ""], ["text", "json", "sarif", "github"]),
-        (["check", "x", "--format", "j"], ["json"]),
+        (["check", "x", "--format", "j"], ["json", "junit"]),
         (["check", "--format", "=", "js"], ["json"]),
         (["diff", "--format", "="], ["text", "json"]),
         (["analyze", "--color", "al"], ["always"]),

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.cli.check_output import FORMATS
 from mars_asp.cli.deliver import replace_files
 from tests.support.documents import ROOT
 from tests.support.processes import mars
@@ -300,7 +301,7 @@ def test_findings_go_to_standard_output_and_notes_to_standard_error(
     assert notes[-1] == "3 warnings in 1 folder"
 
 
-@pytest.mark.parametrize("form", ["text", "full", "concise", "json", "sarif", "github"])
+@pytest.mark.parametrize("form", FORMATS)
 def test_a_clean_run_prints_nothing_but_documents(form: str, robots: Path) -> None:
     done = mars("check", "clean.mars", "--format", form, folder=robots)
     assert (done.returncode, done.stderr) == (0, "")
@@ -309,7 +310,7 @@ def test_a_clean_run_prints_nothing_but_documents(form: str, robots: Path) -> No
         assert (document["findings"], document["notes"]) == ([], [])
         assert [each["path"] for each in document["files"]] == ["clean.mars"]
     else:
-        assert bool(done.stdout) is (form == "sarif")
+        assert bool(done.stdout) is (form in ("sarif", "junit", "gitlab"))
 
 
 def test_concise_lines_and_heads_of_full_text_are_never_wrapped(
@@ -345,7 +346,7 @@ def test_text_is_full_and_wrapped_on_a_terminal(capsys: pytest.CaptureFixture[st
     assert output.endswith("priorities that differ\n1 warning in 1 file\n")
 
 
-@pytest.mark.parametrize("form", ["text", "json", "sarif", "github"])
+@pytest.mark.parametrize("form", ["text", *FORMATS[3:]])
 def test_any_format_is_written_to_a_file(
     form: str, robots: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
