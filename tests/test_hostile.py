@@ -50,7 +50,7 @@ def test_an_odd_number_or_depth_is_refused_where_it_is(
     Path("a.mars").write_text(hostile.FLAT)
     Path(name).write_text(text)
     assert run_here(words) == 2
-    assert expected in capsys.readouterr().err
+    assert expected in "".join(capsys.readouterr())
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,14 @@ from mars_asp.cli.again import command
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
-from mars_asp.cli.reason import JUDGING, add_file, judge_project, read_project, rulebook_for
+from mars_asp.cli.reason import (
+    JUDGING,
+    add_file,
+    judge_project,
+    read_project,
+    rulebook_for,
+    unapplied_packs,
+)
 from mars_asp.cli.report import colours, finding_lines, paint, report
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.selection import Selected, Selection, add_selection, hidden_text
@@ -37,7 +44,9 @@ def run(arguments: argparse.Namespace) -> int:
     rulebook = rulebook_for(arguments, JUDGING if project.trees else ("resolve",))
     selection = Selection(arguments, rulebook)
     messages, _ = selection.messages(project)
-    report(messages, arguments)
+    messages = (*messages, *unapplied_packs(project, rulebook))
+    if not is_published(arguments):
+        report(messages, arguments)
     analysis = judge_project(project, rulebook, arguments)
     selected = selection.of(project, analysis)
     remarks = (*selected.remarks, *selection.end())

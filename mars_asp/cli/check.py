@@ -1,23 +1,19 @@
-"""Parse, extract and analyse; print what warns or stops, and nothing else."""
+"""Parse, extract and analyse; print errors and warnings, and nothing else."""
 
 import argparse
 import sys
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, write_report
 from mars_asp.cli.deliver import file_key, replace_files
-from mars_asp.cli.encode import encoded
 from mars_asp.cli.excluded import add_exclusion
-from mars_asp.cli.folding import fold, instances_of
-from mars_asp.cli.layout import columns, counted, wrapped
-from mars_asp.cli.lines import forget, line_text, remember
+from mars_asp.cli.folding import instances_of
+from mars_asp.cli.lines import forget, remember
 from mars_asp.cli.progress import progress_bar
-from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
 from mars_asp.cli.reason import (
     JUDGING,
     SHOWN_INPUT,
@@ -28,15 +24,15 @@ from mars_asp.cli.reason import (
     load,
     robots,
     rulebook_for,
+    unapplied_packs,
 )
-from mars_asp.cli.report import Suggestion, report
+from mars_asp.cli.report import Suggestion
 from mars_asp.cli.results import Result, results_of
-from mars_asp.cli.selection import Selection, add_selection, hidden_text
+from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, point
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
 from mars_asp.language.text_edits import ConflictError, edited_bytes
-from mars_asp.output import visible
 from mars_asp.reading import OUTSIDE, is_hidden
 
 if TYPE_CHECKING:
@@ -47,63 +43,17 @@ if TYPE_CHECKING:
 
     _Seen: TypeAlias = Callable[[Project, Analysis], None]
 
-#: What the verb prints its result in.
-RESULT_FORMATS = FINDING_FORMATS
+#: The formats of the result.
+RESULT_FORMATS = FORMATS
 _Rules: TypeAlias = Callable[[tuple[str, ...]], Rulebook]
+#: The severities that make the exit status 1, by the values of `--fail-on`.
+_FAILING: Mapping[str, tuple[Severity, ...]] = {
+    "error": ("error",),
+    "warning": ("error", "warning"),
+    "never": (),
+}
 #: Of a larger robot a repair takes longer to find than people wait for a check.
 _MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
-
-
-@dataclass
-class Checked:
-    """What came of a file: how many diagnostics of each severity, and what was mended."""
-
-    path: str
-    #: Files of others that say more of the same robot.
-    further: tuple[str, ...] = ()
-    status: int = 0
-    counted: Counter[Severity] = field(default_factory=Counter)
-    mended: "tuple[Repair, ...]" = ()
-    #: How many findings have exactly one repair that was not applied.
-    mendable: int = 0
-    #: The files that are changed for it: path, new content, and old.
-    written: list[tuple[str, bytes, bytes]] = field(default_factory=list)
-    #: What standard input holds in the end.
-    text: str | None = None
-    #: How many findings a comment or a baseline hides.
-    hidden: Counter[str] = field(default_factory=Counter)
-    #: The launch files that were judged, each by itself.
-    launch_files: tuple[str, ...] = ()
-    #: What was found, where that is printed at the end.
-    results: list[Result] = field(default_factory=list)
-
-    def report(
-        self,
-        results: Iterable[Result],
-        arguments: argparse.Namespace,
-        sole: "Sequence[Repair]" = (),
-        instances: Mapping[str, str] | None = None,
-    ) -> None:
-        """Print what is not hidden, some with its one repair, and count it.
-
-        As text, equal findings of `instances` are one.
-        """
-        results = tuple(results)
-        found = [each.diagnostic for each in results if each.hidden is None]
-        suggestions = _suggestions(found, sole)
-        self.counted.update(each.severity for each in found)
-        self.hidden.update(each.hidden.by for each in results if each.hidden is not None)
-        if is_published(arguments):
-            self.results += (
-                each._replace(suggestion=suggestions.get(each.diagnostic)) for each in results
-            )
-        else:
-            if instances is not None and arguments.format == "text":
-                shown = [each for each in results if each.hidden is None]
-                folded = fold(shown, instances, suggestions)
-                found = [each for each, _ in folded]
-                suggestions = {each: of for each, of in folded if of is not None}
-            report(found, arguments, suggestions)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -124,53 +74,68 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--fail-on",
-        choices=("error", "warning"),
+        choices=tuple(_FAILING),
         default="error",
         help="the least severity of a reported finding that makes the exit status 1",
+    )
+    parser.add_argument(
+        "--exit-zero",
+        dest="fail_on",
+        action="store_const",
+        const="never",
+        help="status 0 whatever is found, as --fail-on never; bad input still ends with 2",
+    )
+    parser.add_argument(
+        "--statistics",
+        action="store_true",
+        help="print how many findings of each kind there are, instead of the findings",
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", help="write the findings to a file, in any format"
     )
     add_launch(parser)
     add_exclusion(parser)
     add_selection(parser)
 
 
-@published
 def run(arguments: argparse.Namespace) -> int:
     """Report the findings; 1 where one is bad enough to fail, 2 where a file cannot be read."""
-    check_inputs(*arguments.files)
-    if arguments.fix and is_published(arguments):
-        told = f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
-        print(f"mars-asp check: {told}", file=sys.stderr)
+    if problem := _conflict_of_options(arguments):
+        print(f"mars-asp check: {problem}", file=sys.stderr)
         return 2
-    checked, remarks = check(arguments)
-    status = max((one.status for one in checked), default=0)
-    if is_published(arguments):
-        results = [*(each for one in checked for each in one.results), *remarks]
-        publish(results, arguments, status)
-    else:
-        report((each.diagnostic for each in remarks), arguments)
-    if arguments.format == "json":
-        print(encoded(_json(checked)))
-    elif arguments.format != "sarif":
-        _print(checked, arguments)
+    try:
+        checked, remarks = check(arguments)
+        status = max((one.status for one in checked), default=0)
+    except MarsError as error:
+        checked, remarks, status = [], [Result(each) for each in error.diagnostics], error.status
+    write_report(checked, remarks, arguments, status)
     return status
+
+
+def _conflict_of_options(arguments: argparse.Namespace) -> str | None:
+    """Return why options do not go together, or None if they do."""
+    if arguments.fix and arguments.format not in (*TEXT_FORMATS, "json"):
+        return f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
+    if arguments.statistics and arguments.format not in TEXT_FORMATS:
+        return f"--statistics prints lines: leave out `--format {arguments.format}`"
+    return None
 
 
 def check(
     arguments: argparse.Namespace, seen: "_Seen" = lambda project, analysis: None
 ) -> tuple[list[Checked], list[Result]]:
-    """Check the files of a call; return what came of each, and what is odd about the selection.
+    """Check the files of a call; return the results of each robot, and remarks on the selection.
 
-    Findings are printed, or kept where all are published at the end. Each robot that could be read
-    is `seen` with what follows from it.
+    `seen` is called with each robot that could be read and its analysis.
 
     Raises:
-        MarsError: what is wrong with rule packs, settings or a baseline.
+        MarsError: rule packs, settings or a baseline are wrong.
     """
+    check_inputs(*arguments.files)
     rules = cache(lambda stages: rulebook_for(arguments, stages))
     selection = Selection(arguments, rules(JUDGING))
     checked = []
     edited: dict[object, tuple[str, bytes]] = {}
-    is_complete = True
     for robot in robots(arguments, _each_once(arguments.files)):
         name, *further = robot.paths
         one = Checked(name, tuple(further))
@@ -180,15 +145,13 @@ def check(
                 raise MarsError(robot.problems)
             _check(one, rules, selection, arguments, edited, seen)
         except MarsError as error:
-            one.report(map(Result, error.diagnostics), arguments)
-            # Others of the folder are judged all the same.
+            one.append_results(map(Result, error.diagnostics))
             one.status = 2
-            is_complete = False
-        one.report(map(Result, robot.notes), arguments)
+        one.append_results(map(Result, robot.notes))
     for one in checked:
         if one.written:
             replace_files(one.written)
-    remarks = map(Result, selection.end(is_complete and all(one.status < 2 for one in checked)))
+    remarks = map(Result, selection.end(all(one.status < 2 for one in checked)))
     return checked, list(remarks)
 
 
@@ -241,19 +204,19 @@ def _check(
     messages, hidden = selection.messages(project)
     one.hidden.update(hidden)
     unread = [d for d in messages if d.code == NOT_READ]
-    one.report((Result(d) for d in messages if d.code != NOT_READ), arguments)
-    # Of a launch tree the rules find what is equal.
-    instances = None if project.trees else instances_of(project.configuration)
-    one.report(results_of(selected), arguments, sole, instances)
-    one.report(map(Result, unread), arguments)
+    one.append_results(Result(d) for d in messages if d.code != NOT_READ)
+    if not project.trees:
+        # The rules themselves fold findings of launch trees.
+        one.instances = instances_of(project.configuration)
+    one.append_results(_with_suggestions(results_of(selected), sole))
+    one.append_results(map(Result, (*unread, *unapplied_packs(project, rules(JUDGING)))))
     # Another robot that includes the file is judged by what it holds until all are checked.
     for path, _, _ in one.written:
         forget(path)
     if project.format is not None and arguments.fix:
-        one.report([Result(_unfixed(project.configuration.path, _FOREIGN, _BY_HAND))], arguments)
+        one.append_results([Result(_unfixed(project.configuration.path, _FOREIGN, _BY_HAND))])
         one.status = 2
-    failing: tuple[Severity, ...] = ("error", "warning")
-    failing = failing[: failing.index(arguments.fail_on) + 1]
+    failing = _FAILING[arguments.fail_on]
     one.status = max(one.status, int(any(one.counted[severity] for severity in failing)))
 
 
@@ -268,20 +231,18 @@ def _sole_repairs(
         return sole_repairs(project, rules(STAGES), arguments.time_limit, progress, most)
 
 
-def _suggestions(
-    found: Iterable[Diagnostic], sole: "Iterable[Repair]"
-) -> Mapping[Diagnostic, Suggestion]:
-    """Return the one repair of each finding that has one."""
+def _with_suggestions(results: Iterable[Result], sole: "Iterable[Repair]") -> Iterator[Result]:
+    """Yield results, each finding that has exactly one repair with it."""
     mends = {(r.consequence.spans, r.consequence.message): r.mends[0] for r in sole}
-    return {
-        each: Suggestion(
-            "; ".join(edit.message for edit in mend.edits),
-            mend.lines,
-            (*(warning.message for warning in mend.warnings), *(r.message for r in mend.remarks)),
-        )
-        for each in found
-        if (mend := mends.get(((each.span, *(at for at, _ in each.labels)), each.message)))
-    }
+    for each in results:
+        found = each.consequence
+        mend = mends.get((found.spans, found.message)) if found and not each.hidden else None
+        if mend is None:
+            yield each
+            continue
+        warnings = (*(w.message for w in mend.warnings), *(r.message for r in mend.remarks))
+        edits = "; ".join(edit.message for edit in mend.edits)
+        yield each._replace(suggestion=Suggestion(edits, mend.lines, warnings))
 
 
 def _fix(
@@ -330,7 +291,7 @@ def _fix(
         one.status = 2
         one.written.clear()
         one.text = None if raw is None else decode(raw, SHOWN_INPUT)
-        one.report(map(Result, problems), arguments)
+        one.append_results(map(Result, problems))
         return None
     edited.update((file_key(path), (one.path, new)) for path, new, _ in one.written)
     one.mended = fixed.repairs
@@ -357,74 +318,3 @@ _AGAIN = "run the command again"
 def _unfixed(path: str, why: str, help_text: str | None = None) -> Diagnostic:
     message = f"`{path}` was not fixed: {why}"
     return Diagnostic("unfixed", "error", message, point(path, 1, 1), help=help_text)
-
-
-# ---- What is printed at the end ------------------------------------------------------------------
-
-
-def _print(checked: Sequence[Checked], arguments: argparse.Namespace) -> None:
-    """Print what was mended and how many findings there are; the text of standard input alone."""
-    # The output is for the text of standard input alone, where that is mended.
-    for one in checked:
-        if one.text is not None:
-            sys.stdout.buffer.write(one.text.encode())
-        for repair in one.mended:
-            consequence, mend = repair.consequence, repair.mends[0]
-            span = consequence.spans[0]
-            about = f"{consequence.kind}({consequence.subject})"
-            said = "; ".join(edit.message for edit in mend.edits)
-            place = f"{span.path}:{span.line}:{span.column}"
-            told = visible(f"fixed {place}: {about}: {said}")
-            for text in wrapped(told, columns(sys.stderr), further="  "):
-                print(text, file=sys.stderr)
-            for line in mend.lines:
-                for text in line_text(line):
-                    print(text.removeprefix("   "), file=sys.stderr)
-    if not arguments.quiet:
-        for told in _summary(checked):
-            for text in wrapped(told, columns(sys.stderr), further="  "):
-                print(text, file=sys.stderr)
-
-
-def _summary(checked: Sequence[Checked]) -> Iterable[str]:
-    """Yield how much was found and mended in how many files, where there is anything to say."""
-    total: Counter[Severity] = sum((one.counted for one in checked), Counter())
-    read = [path for one in checked for path in (one.path, *one.further)]
-    folders = sum(Path(path).is_dir() for path in read)
-    places = [(len(read) - folders, "file"), (folders, "folder")]
-    within = " and ".join(counted(number, noun) for number, noun in places if number)
-    mended = sum(len(one.mended) for one in checked)
-    mendable = sum(one.mendable for one in checked)
-    hidden: Counter[str] = sum((one.hidden for one in checked), Counter())
-    found = [counted(total[of], of) for of in ("error", "warning") if total[of]]
-    if found or mended:
-        parts = [", ".join(found) or "no errors or warnings", f"in {within}"]
-        yield f"{' '.join(parts)}{f'; {mended} fixed' if mended else ''}"
-    if hidden:
-        yield hidden_text(hidden)
-    if mendable:
-        has = "has" if mendable == 1 else "have"
-        yield f"{mendable} of them {has} exactly one repair, shown above; --fix applies it"
-
-
-def _json(checked: Sequence[Checked]) -> dict[str, object]:
-    from mars_asp.cli.repair import repair_json
-
-    return {
-        "files": [
-            {
-                "path": one.path,
-                "further": list(one.further),
-                "launch_files": list(one.launch_files),
-                "errors": one.counted["error"],
-                "warnings": one.counted["warning"],
-                "hidden": dict(one.hidden),
-                "fixed": [repair_json(repair) for repair in one.mended],
-                **({} if one.text is None else {"text": one.text}),
-            }
-            for one in checked
-        ],
-        "errors": sum(one.counted["error"] for one in checked),
-        "warnings": sum(one.counted["warning"] for one in checked),
-        "fixed": sum(len(one.mended) for one in checked),
-    }

@@ -19,7 +19,7 @@ from mars_asp.output import Begun, GrowingFile, replace_together, visible, write
 from mars_asp.reading import files_read
 
 _OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
-_GROW, _LINE, _PART, _WHOLE = b"l", b"n", b"p", b"w"
+_GROW, _LINE, _PART, _WHOLE, _CLOSING = b"l", b"n", b"p", b"w", b"e"
 _LENGTH = 8
 #: So much of a file that grows is sent at a time.
 _PORTION = 1 << 16
@@ -108,6 +108,15 @@ def add_line(line: bytes) -> None:
         _send(_LINE, line)
     elif _growing is not None:
         _growing.append(line)
+
+
+def write_closing(text: str) -> None:
+    """Write text to standard error, after everything that goes to standard output."""
+    if _pipe is not None:
+        _send(_CLOSING, text.encode(errors="backslashreplace"))
+        return
+    sys.stdout.flush()
+    sys.stderr.write(text)
 
 
 def end_growing() -> None:
@@ -290,6 +299,8 @@ class Told:
 
     def __init__(self) -> None:
         self.output: list[bytes] = []
+        #: Text for standard error after the output.
+        self.closing = ""
         #: Groups of files of which all or none are written.
         self.files: list[list[File]] = []
         #: Files that come in parts, by their paths, and those of them that are whole.
@@ -324,6 +335,8 @@ class Told:
     def _take(self, kind: bytes, payload: bytes) -> None:
         if kind == _OUTPUT:
             self.output.append(payload)
+        elif kind == _CLOSING:
+            self.closing += payload.decode()
         elif kind == _FILE:
             header, _, content = payload.partition(b"\n")
             path, _, read = header.partition(b" ")
@@ -416,6 +429,7 @@ class Told:
             except OSError as error:
                 _say_unwritten("standard output", error)
                 status = 2
+        sys.stderr.write(self.closing)
         return status
 
 

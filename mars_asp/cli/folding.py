@@ -3,9 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 
-from mars_asp.cli.report import Suggestion
 from mars_asp.cli.results import Result
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration, Name
@@ -17,26 +15,20 @@ _NAMED, _MOST_NAMED = 2, 4
 _ANY = "\0"
 
 
-def fold(
-    results: Iterable[Result],
-    instances: Mapping[str, str],
-    suggestions: Mapping[Diagnostic, Suggestion] = MappingProxyType({}),
-) -> list[tuple[Diagnostic, Suggestion | None]]:
-    """Return findings with their repairs, those that differ in the name of an instance as one.
+def fold(results: Iterable[Result], instances: Mapping[str, str]) -> list[Result]:
+    """Return results, those that differ in the name of an instance as one.
 
     `instances` has the name of each instance by its modules. Findings whose repairs edit different
-    lines stay apart.
+    lines are not folded.
     """
-    alike: dict[object, list[tuple[str, Diagnostic]]] = {}
+    alike: dict[object, list[tuple[str, Result]]] = {}
     for number, result in enumerate(results):
         subject = "" if result.consequence is None else result.consequence.subject
         name = instances.get(subject) or instances.get(subject.rpartition(".")[0])
-        found = result.diagnostic
-        suggestion = suggestions.get(found)
-        lines = suggestion and suggestion.edits
-        key = number if name is None else (_texts(found, name), lines)
-        alike.setdefault(key, []).append((name or "", found))
-    return [_name_instances(same, suggestions) for same in alike.values()]
+        lines = result.suggestion and result.suggestion.edits
+        key = number if name is None else (_texts(result.diagnostic, name), lines)
+        alike.setdefault(key, []).append((name or "", result))
+    return [_name_instances(same) for same in alike.values()]
 
 
 def instances_of(configuration: Configuration) -> Mapping[str, str]:
@@ -79,16 +71,14 @@ def _texts(found: Diagnostic, name: str) -> object:
     return found.code, found.severity, found.span, tuple(at for at, _ in found.labels), plain
 
 
-def _name_instances(
-    same: Sequence[tuple[str, Diagnostic]], suggestions: Mapping[Diagnostic, Suggestion]
-) -> tuple[Diagnostic, Suggestion | None]:
-    """Return one finding, with its repair, of several that differ in the name of an instance."""
+def _name_instances(same: Sequence[tuple[str, Result]]) -> Result:
+    """Return one result, with its repair, of several that differ in the name of an instance."""
     if len(same) == 1:
-        return same[0][1], suggestions.get(same[0][1])
+        return same[0][1]
     names = sorted({name for name, _ in same}, key=natural_order)
-    first = next(found for name, found in same if name == names[0])
-    whole = replace(first, message=f"{first.message}, in {_instance_list(names)}")
-    return whole, suggestions.get(first)
+    first = next(result for name, result in same if name == names[0])
+    message = f"{first.diagnostic.message}, in {_instance_list(names)}"
+    return first._replace(diagnostic=replace(first.diagnostic, message=message))
 
 
 def _instance_list(names: Iterable[str]) -> str:

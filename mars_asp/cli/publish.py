@@ -16,23 +16,27 @@ def is_published(arguments: argparse.Namespace) -> bool:
 
 
 def publish(results: Sequence[Result], arguments: argparse.Namespace, status: int) -> int:
-    """Print results; return the exit status. `--quiet` leaves out notes that no rule finds."""
-    told = [each for each in results if not arguments.quiet or not _is_remark(each)]
+    """Print results; return the exit status."""
+    print(published_text(results, arguments, status), end="")
+    return status
+
+
+def published_text(results: Sequence[Result], arguments: argparse.Namespace, status: int) -> str:
+    """Return results in a format for other programs; `--quiet` leaves out remarks."""
+    kept = [each for each in results if not arguments.quiet or not is_remark(each)]
     if arguments.format == "sarif":
         import json
 
         from mars_asp.cli.sarif import sarif_log
 
-        print(json.dumps(sarif_log(told, status), indent=1))
-    else:
-        from mars_asp.cli.github import workflow_commands
+        return f"{json.dumps(sarif_log(kept, status), indent=1)}\n"
+    from mars_asp.cli.github import workflow_commands
 
-        for line in workflow_commands(told):
-            print(line)
-    return status
+    return "".join(f"{line}\n" for line in workflow_commands(kept))
 
 
-def _is_remark(result: Result) -> bool:
+def is_remark(result: Result) -> bool:
+    """Whether a result is a note that no rule finds and a program can do without."""
     found = result.diagnostic
     # What was not read of a file no program may miss.
     return found.severity == "note" and found.kind is None and found.code != NOT_READ

@@ -386,7 +386,6 @@ def judge_project(project: Project, rulebook: Rulebook, arguments: argparse.Name
     """
     if not project.trees:
         return analyse_project(project, rulebook, arguments)
-    report(unapplied_packs(project, rulebook), arguments)
     with stage(arguments, "analysing"):
         return analyse_trees(project, rulebook)
 

@@ -1,9 +1,10 @@
-"""Diagnostics on standard error, as text or as one JSON object a line."""
+"""Diagnostics as text and as JSON, and those of most commands on standard error."""
 
 import argparse
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -86,10 +87,8 @@ def report(
 ) -> None:
     """Print diagnostics in the order given, with repairs of some; `--quiet` leaves out notes.
 
-    In a format that is for findings alone they come with these, at the end.
+    They are JSON objects, one a line, where the format is JSON.
     """
-    if arguments.format in ("sarif", "github"):
-        return
     for whole in diagnostics:
         diagnostic = brief(whole)
         for_programs = arguments.format in ("json", "jsonl")
@@ -105,11 +104,12 @@ def report(
             print(
                 diagnostic_text(diagnostic, colours(arguments, sys.stderr), width), file=sys.stderr
             )
-            for line in _suggested(suggestions.get(whole), width):
+            for line in suggestion_lines(suggestions.get(whole), width):
                 print(line, file=sys.stderr)
 
 
-def _suggested(suggestion: Suggestion | None, width: int) -> Iterator[str]:
+def suggestion_lines(suggestion: Suggestion | None, width: int) -> Iterator[str]:
+    """Yield the lines that show the one repair of a finding, or none."""
     if suggestion is not None:
         yield from wrapped(visible(suggestion.message), width, f"{_INSIDE}fix: ", f"{_INSIDE}     ")
         for edit in suggestion.edits:
@@ -152,31 +152,62 @@ def diagnostic_json(
     }
 
 
-def diagnostic_text(diagnostic: Diagnostic, coloured: bool = False, width: int = 80) -> str:
-    """Return `path:line:column: severity: message [code]` and what belongs to it.
+def concise_text(diagnostic: Diagnostic, coloured: bool = False) -> str:
+    """Return `path:line:column: severity: message [name]`; the name is the kind, else the code.
 
-    That is the quoted line with a caret under the place, further places with their labels, a
-    sentence on what will happen, and help. Lines are no wider than `width`, but for quoted ones
-    and long words.
+    An error of the input has its help in parentheses: it may be all that a log shows.
     """
-    code = paint(f"[{visible(diagnostic.code)}]", "dim", coloured)
-    message = f"{visible(diagnostic.message)} {code}"
-    return "\n".join(finding_lines(diagnostic, message, coloured, width))
+    if diagnostic.kind is None and diagnostic.severity == "error" and diagnostic.help:
+        message = f"{diagnostic.message} ({diagnostic.help})"
+        diagnostic = replace(diagnostic, message=message)
+    return f"{_place_and_severity(diagnostic, coloured)} {_named_message(diagnostic, coloured)}"
+
+
+def diagnostic_text(
+    diagnostic: Diagnostic, coloured: bool = False, width: int = 80, *, whole_head: bool = False
+) -> str:
+    """Return the concise text of a diagnostic and the lines that belong to it.
+
+    These are the quoted line with a caret under the place, further places with their labels, a
+    sentence on what will happen, and help. Lines are no wider than `width`, but for quoted ones,
+    long words and a whole head.
+    """
+    message = _named_message(diagnostic, coloured)
+    return "\n".join(finding_lines(diagnostic, message, coloured, width, whole_head=whole_head))
+
+
+def _named_message(diagnostic: Diagnostic, coloured: bool) -> str:
+    name = paint(f"[{visible(diagnostic.kind or diagnostic.code)}]", "dim", coloured)
+    return f"{visible(diagnostic.message)} {name}"
+
+
+def _place_and_severity(diagnostic: Diagnostic, coloured: bool) -> str:
+    span = diagnostic.span
+    place = visible(f"{span.path}:{span.line}:{span.column}")
+    return f"{place}: {paint(diagnostic.severity, diagnostic.severity, coloured)}:"
 
 
 def finding_lines(
-    diagnostic: Diagnostic, message: str, coloured: bool = False, width: int = 80
+    diagnostic: Diagnostic,
+    message: str,
+    coloured: bool = False,
+    width: int = 80,
+    *,
+    whole_head: bool = False,
 ) -> Iterator[str]:
-    """Yield the lines of a diagnostic with `message` in the place of its own."""
-    span = diagnostic.span
-    place = visible(f"{span.path}:{span.line}:{span.column}")
-    severity = paint(diagnostic.severity, diagnostic.severity, coloured)
-    head = f"{place}: {severity}:"
-    lines = wrapped(message, width, f"{head} ", _FURTHER)
-    # Programs look for the head as one, so there is no break within it.
-    if cells(lines[0]) > width:
-        lines = [head, *wrapped(message, width, _FURTHER, _FURTHER)]
-    yield from lines
+    """Yield the lines of a diagnostic with `message` in the place of its own.
+
+    A whole head is one line, however long it is.
+    """
+    head = _place_and_severity(diagnostic, coloured)
+    if whole_head:
+        yield f"{head} {message}"
+    else:
+        lines = wrapped(message, width, f"{head} ", _FURTHER)
+        # Programs look for the head as one, so there is no break within it.
+        if cells(lines[0]) > width:
+            lines = [head, *wrapped(message, width, _FURTHER, _FURTHER)]
+        yield from lines
     yield from _quotation(diagnostic, coloured, width)
     if diagnostic.effect:
         yield from wrapped(visible(diagnostic.effect), width, _INSIDE, _INSIDE)

@@ -9,7 +9,7 @@ A message in the pipe is a letter, the length of what follows (eight bytes), and
 how many of the next files are written together or not at all, `p` a part of a file (its name in a
 line, then more of its content), `w` that it is whole (its name), `c` the files whose code runs from
 now on, `l` a file that grows by lines from now on (its name, how much of it stays, its size), `n` a
-line of it, `.` the end (the exit status).
+line of it, `e` text for standard error after the output, `.` the end (the exit status).
 """
 
 import argparse

@@ -73,7 +73,7 @@ def test_lines_are_shown_without_escapes_and_within_the_width(
     )
     run_here(["explain", str(file), "duplicate_relationship"])
     assert "t.mars:3  A uses_data_from B\n" in capsys.readouterr().out
-    run_here(["check", str(file)])
+    run_here(["check", str(file), "--format", "full"])
     (*_, counted, advice, _) = capsys.readouterr().err.split("\n")
     assert (counted, advice) == (
         "2 of them have exactly one repair, shown above; --fix",

@@ -7,6 +7,7 @@ import pytest
 
 from mars_asp.cli import run_command, run_here
 from mars_asp.cli.arguments import VERBS, parser_of
+from mars_asp.cli.check_output import FORMATS
 from tests.support.documents import ROOT
 from tests.support.processes import mars
 
@@ -128,8 +129,9 @@ def completion() -> str:
         (["--v"], ["--version"]),
         (["check", "--f"], ["--fail-on", "--fix", "--force-exclude", "--format", "--from"]),
         (["explain", "x.mars", "--why"], ["--why-not"]),
-        (["check", "x", "--format", ""], ["text", "json", "sarif", "github"]),
-        (["check", "x", "--format", "j"], ["json"]),
+        (["check", "x", "--format", ""], list(FORMATS)),
+        (["analyse", "x", "--format", ""], ["text", "json", "sarif", "github"]),
+        (["check", "x", "--format", "j"], ["json", "junit"]),
         (["check", "--format", "=", "js"], ["json"]),
         (["diff", "--format", "="], ["text", "json"]),
         (["analyze", "--color", "al"], ["always"]),

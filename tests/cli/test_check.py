@@ -1,12 +1,16 @@
 """`check` of many files, and what `--fix` does to them."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.cli.check_output import FORMATS
 from mars_asp.cli.deliver import replace_files
 from tests.support.documents import ROOT
 from tests.support.processes import mars
@@ -46,17 +50,17 @@ FINDINGS = sorted((ROOT / "tests/findings").glob("*.mars"))
 def test_findings_read_as_they_stand_beside_their_files(
     path: Path, update_golden: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run_here(["check", str(path.relative_to(ROOT))])
-    told = capsys.readouterr().err
+    run_here(["check", str(path.relative_to(ROOT)), "--format", "full"])
+    output = "".join(capsys.readouterr())
     if update_golden:
-        path.with_suffix(".txt").write_text(told, encoding="utf-8")
-    assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
+        path.with_suffix(".txt").write_text(output, encoding="utf-8")
+    assert output == path.with_suffix(".txt").read_text(encoding="utf-8")
 
 
 def test_json_keeps_each_finding_of_instances(capsys: pytest.CaptureFixture[str]) -> None:
     run_here(["check", "tests/findings/instances.mars", "--format", "json"])
-    lines = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
-    unused = [each["message"] for each in lines if each["code"] == "checks/unused"]
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    unused = [each["message"] for each in findings if each["code"] == "checks/unused"]
     assert len(unused) == 5
     assert not any(", in " in message for message in unused)
 
@@ -74,7 +78,7 @@ def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
     names = ("bad.mars", "missing.mars", "twice.mars", "empty", "choice.mars", "clean.mars")
     assert run_here(["check", *names, "./bad.mars"]) == 2
     shown = capsys.readouterr()
-    assert heads(shown.err) == [
+    assert heads(shown.out) == [
         "bad.mars:2:12: error",
         "missing.mars:1:1: error",
         "twice.mars:4:1: warning",
@@ -82,10 +86,9 @@ def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
         "empty:1:1: error",
         "choice.mars:3:1: error",
     ]
-    assert shown.out == ""
-    assert shown.err.endswith(
+    assert shown.err == (
         "4 errors, 2 warnings in 5 files and 1 folder\n"
-        "2 of them have exactly one repair, shown above; --fix applies it\n"
+        "2 of them have exactly one repair, which --fix applies\n"
     )
     assert (robots / "twice.mars").read_text() == TWICE
 
@@ -105,17 +108,16 @@ def test_the_summary_says_how_much_was_found(
 ) -> None:
     assert run_here(["check", *words]) == status
     shown = capsys.readouterr()
-    assert shown.out == ""
-    assert shown.err.endswith(summary)
-    assert (" in " in shown.err.rpartition("\n")[0].rpartition("\n")[2]) == bool(summary)
+    assert shown.err == summary
+    assert (shown.out == "") is (words[0] == "clean.mars" and status == 0)
 
 
 def test_a_finding_with_one_repair_shows_it(
     robots: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run_here(["check", "twice.mars"]) == 0
-    assert capsys.readouterr().err.splitlines()[:8] == [
-        "twice.mars:4:1: warning: `B` controls `Base` twice [control/duplicate]",
+    assert run_here(["check", "twice.mars", "--format", "full"]) == 0
+    assert capsys.readouterr().out.splitlines()[:8] == [
+        "twice.mars:4:1: warning: `B` controls `Base` twice [duplicate_relationship]",
         "    4 | Base is_controlled_by B 1  // kept",
         "      | ^^^^^^^^^^^^^^^^^^^^^^^^^",
         "    5 | Base is_controlled_by B 1",
@@ -138,9 +140,8 @@ def test_fix_applies_what_is_shown_and_keeps_line_ends(
     assert path.stat().st_mode & 0o777 == 0o640
     assert (robots / "choice.mars").read_text() == CHOICE
     shown = capsys.readouterr()
-    assert heads(shown.err) == ["choice.mars:3:1: error"]
-    assert shown.out == ""
-    assert shown.err.endswith(
+    assert heads(shown.out) == ["choice.mars:3:1: error"]
+    assert shown.err == (
         "fixed twice.mars:4:1: duplicate_relationship(Base): drop the repeated line\n"
         "    - twice.mars:5: Base is_controlled_by B 1\n"
         "fixed twice.mars:7:1: duplicate_relationship(B): drop the repeated line\n"
@@ -177,7 +178,7 @@ def test_robots_that_share_a_file_fix_it_as_one(
     # The second robot uses the module that the first does not.
     (robots / "two.mars").write_text(main if equal else f"{main}a/Spare uses_data_from a/C\n")
     assert run_here(["check", "one.mars", "two.mars", "--fix"]) == (0 if equal else 2)
-    told = " ".join(capsys.readouterr().err.split())
+    told = " ".join("".join(capsys.readouterr()).split())
     assert ("`part.mars` was not fixed: it is changed for `one.mars`" in told) is not equal
     assert f"in 2 files; {6 if equal else 3} fixed" in told
     assert (robots / "part.mars").read_text() == ONCE.replace(" hierarchical", "")
@@ -191,15 +192,16 @@ def test_what_was_fixed_comes_as_json_too(robots: Path, capsys: pytest.CaptureFi
     assert [each["path"] for each in found["files"]] == ["twice.mars", "choice.mars"]
     lines = [line for each in found["files"][0]["fixed"] for line in each["repairs"][0]["lines"]]
     assert [(line["line"], line["new"]) for line in lines] == [(5, None), (8, None)]
-    (told,) = map(json.loads, shown.err.splitlines())
-    assert (told["code"], told["line"], told["fix"]) == ("checks/misspelt", 3, None)
+    assert shown.err == ""
+    (finding,) = found["findings"]
+    assert (finding["code"], finding["line"], finding["fix"]) == ("checks/misspelt", 3, None)
 
 
 def test_a_read_only_file_is_left_alone(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (robots / "twice.mars").chmod(0o444)
     assert run_here(["check", "--fix", "twice.mars"]) == 2
     shown = capsys.readouterr()
-    assert "was not fixed: it is read-only" in shown.err
+    assert "was not fixed: it is read-only" in shown.out
     assert "\nfixed" not in shown.err
     assert (robots / "twice.mars").read_text() == TWICE
 
@@ -216,8 +218,8 @@ def test_the_text_of_standard_input_goes_to_the_output(
 
 
 def test_a_repair_that_brings_a_warning_says_so(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_here(["check", "examples/module-conflict/two-cameras.mars"]) == 0
-    assert "then warns: `FollowBall` and `WatchDoor`" in capsys.readouterr().err
+    assert run_here(["check", "examples/module-conflict/two-cameras.mars", "--format", "full"]) == 0
+    assert "then warns: `FollowBall` and `WatchDoor`" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("fault", ["changed", "read-only", "gone"])
@@ -283,3 +285,154 @@ def test_what_to_change_by_hand_is_placed_in_each_file(
     told = capsys.readouterr().out
     base = "examples/ros2_workspace/src/scout_base/src/base_driver.cpp"
     assert f"change it by hand, line 15 and line 12 of {base}: " in told
+
+
+# ---- Streams and formats -------------------------------------------------------------------------
+
+
+def test_findings_go_to_standard_output_and_notes_to_standard_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    done = mars("check", "examples/ros2_workspace")
+    findings, notes = done.stdout.splitlines(), done.stderr.splitlines()
+    assert done.returncode == 0
+    assert [line.partition(": ")[2].partition(":")[0] for line in findings] == ["warning"] * 3
+    assert all(re.fullmatch(r"\S+:\d+:\d+: warning: .* \[[a-z_]+\]", line) for line in findings)
+    assert [": note: " in line for line in notes] == [True, True, False]
+    assert notes[-1] == "3 warnings in 1 folder"
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_clean_run_prints_nothing_but_documents(form: str, robots: Path) -> None:
+    done = mars("check", "clean.mars", "--format", form, folder=robots)
+    assert (done.returncode, done.stderr) == (0, "")
+    if form == "json":
+        document = json.loads(done.stdout)
+        assert (document["findings"], document["notes"]) == ([], [])
+        assert [each["path"] for each in document["files"]] == ["clean.mars"]
+    else:
+        assert bool(done.stdout) is (form in ("sarif", "junit", "gitlab"))
+
+
+def test_concise_lines_and_heads_of_full_text_are_never_wrapped(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    robot = "examples/level0/turn-priority-0.mars"
+    line = (
+        f"{robot}:11:1: warning: `Forward` and `Turn` control `MobilePlatform` with the same"
+        " priority, 0 [ambiguous_priority]"
+    )
+    run_here(["check", robot])
+    assert capsys.readouterr().out == f"{line}\n"
+    run_here(["check", robot, "--format", "full"])
+    head, *further = capsys.readouterr().out.splitlines()
+    assert head == line
+    assert len(further) > 5 and max(map(len, further)) <= 60
+
+
+def test_text_is_full_and_wrapped_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    pty = pytest.importorskip("pty")
+    ours, theirs = pty.openpty()
+    words = ["check", "examples/level0/turn-priority-0.mars", "--color", "never"]
+    environment = {**os.environ, "COLUMNS": "60"}
+    command = [sys.executable, "-m", "mars_asp", *words]
+    subprocess.run(command, cwd=ROOT, env=environment, stdout=theirs, stderr=theirs, check=True)
+    os.close(theirs)
+    output = os.read(ours, 1 << 16).decode().replace("\r\n", "\n")
+    os.close(ours)
+    assert output.startswith("examples/level0/turn-priority-0.mars:11:1: warning:\n  `Forward` and")
+    assert "\n       | ^^^^" in output
+    # The summary is written after the findings, though to another stream.
+    assert output.endswith("priorities that differ\n1 warning in 1 file\n")
+
+
+@pytest.mark.parametrize("form", ["text", *FORMATS[3:]])
+def test_any_format_is_written_to_a_file(
+    form: str, robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["check", "twice.mars", "--format", form]
+    assert run_here(words) == 0
+    printed = capsys.readouterr()
+    assert run_here([*words, "-o", "found"]) == 0
+    assert capsys.readouterr() == ("", printed.err)
+    assert Path("found").read_text() == printed.out
+    assert run_here([*words, "-o", "-"]) == 0
+    assert capsys.readouterr() == printed
+    assert run_here([*words, "-o", "twice.mars"]) == 2
+    assert "`twice.mars` is also `twice.mars`" in capsys.readouterr().err
+    assert (robots / "twice.mars").read_text() == TWICE
+
+
+def test_findings_go_to_standard_error_where_the_output_is_a_text_or_a_baseline() -> None:
+    done = mars("check", "--fix", "-", text=CHOICE)
+    assert done.stdout == CHOICE
+    assert heads(done.stderr) == ["<stdin>:3:1: error"]
+    done = mars("check", "-", "--write-baseline", "-", text=BAD)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert heads(done.stderr) == ["<stdin>:2:12: error", "-:1:1: error"]
+    done = mars("check", "--fix", "-", "--format", "json", text=TWICE)
+    assert json.loads(done.stdout)["files"][0]["text"] == ONCE
+
+
+def test_one_document_has_findings_notes_and_each_robot(robots: Path) -> None:
+    names = ("bad.mars", "twice.mars", "clean.mars", str(ROOT / "examples/ros2_workspace"))
+    done = mars("check", *names, "--format", "json", folder=robots)
+    document = json.loads(done.stdout)
+    assert (done.returncode, done.stderr) == (2, "")
+    assert (document["format"], document["version"]) == ("mars-check", 1)
+    assert [each["path"] for each in document["files"]] == list(names)
+    first = document["findings"][0]
+    assert (first["kind"], first["code"], first["severity"]) == (None, "syntax", "error")
+    assert {each["kind"] for each in document["notes"]} == {"launch", "catalogue"}
+    assert {each["severity"] for each in document["notes"]} == {"note"}
+    assert [document[key] for key in ("errors", "warnings", "fixed")] == [1, 5, 0]
+
+
+@pytest.mark.parametrize("wrong", ["baseline", "settings", "option"])
+def test_errors_of_the_selection_are_in_the_document(
+    wrong: str, robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if wrong == "settings":
+        (robots / "mars.toml").write_text("selct = []\n")
+    words = {"baseline": ["--baseline", "gone"], "settings": [], "option": ["--select", "no"]}
+    assert run_here(["check", "clean.mars", "--format", "json", *words[wrong]]) == 2
+    output = capsys.readouterr()
+    document = json.loads(output.out)
+    assert (output.err, document["errors"]) == ("", 1)
+    assert document["findings"][0]["kind"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        (["choice.mars", "--exit-zero"], 0),
+        (["choice.mars", "--fail-on", "never"], 0),
+        (["twice.mars", "--fail-on", "warning"], 1),
+        (["twice.mars", "--fail-on", "warning", "--exit-zero"], 0),
+        (["bad.mars", "choice.mars", "--exit-zero"], 2),
+        (["choice.mars", "bad.mars"], 2),
+        (["choice.mars", "--exit-zero", "--select", "no"], 2),
+    ],
+)
+def test_findings_need_not_count_but_bad_input_does(
+    words: list[str], status: int, robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", *words]) == status
+    assert capsys.readouterr().out
+
+
+def test_statistics_are_a_line_a_kind(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (robots / "many.mars").write_text(TWICE + "A uses_data_from C\n" * 8)
+    words = ["check", "bad.mars", "choice.mars", "many.mars", "--statistics"]
+    assert run_here(words) == 2
+    output = capsys.readouterr()
+    lines = [line.split() for line in output.out.splitlines()]
+    numbers = [int(number) for number, _ in lines]
+    assert [name for _, name in lines] == ["duplicate_relationship", "syntax", "undeclared_module"]
+    assert numbers == sorted(numbers, reverse=True) and numbers[1:] == [1, 1]
+    assert f"2 errors, {numbers[0]} warnings in 3 files\n" in output.err
+    run_here([*words, "--ignore", "undeclared_module,duplicate_relationship"])
+    assert capsys.readouterr().out == "1 syntax\n"
+    assert run_here([*words, "--format", "json"]) == 2
+    assert "leave out `--format json`" in capsys.readouterr().err

@@ -53,8 +53,8 @@ def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def findings(text: str) -> list[dict[str, object]]:
-    """Return the findings among the diagnostics of a command."""
-    found = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+    """Return the findings of rules for launch trees in the document of `check`."""
+    found = json.loads(text)["findings"]
     return [each for each in found if each["code"].startswith("launch/")]
 
 
@@ -64,7 +64,7 @@ def test_a_finding_names_its_launch_files_and_its_condition(
     assert run_here(["check", str(workspace), "--format", "json"]) == 0
     output = capsys.readouterr()
     trees = ["ws/src/drive/launch/both.launch.xml", "ws/src/drive/launch/one.launch.xml"]
-    [finding] = findings(output.err)
+    [finding] = findings(output.out)
     assert finding["kind"] == "ambiguous_priority"
     assert finding["launch_files"] == trees
     assert "`second` is `true` (both.launch.xml:4), as it is by default" in str(finding["effect"])
@@ -75,7 +75,7 @@ def test_launch_takes_some_of_the_trees(
     workspace: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run_here(["check", str(workspace), "--launch", "one.launch.xml", "--format", "json"])
-    [finding] = findings(capsys.readouterr().err)
+    [finding] = findings(capsys.readouterr().out)
     assert finding["launch_files"] == ["ws/src/drive/launch/one.launch.xml"]
     assert "as it is by default" not in str(finding["effect"])
 
@@ -90,8 +90,8 @@ def test_launch_takes_some_of_the_trees(
 def test_a_launch_file_that_is_not_there_is_an_error(
     workspace: Path, capsys: pytest.CaptureFixture[str], name: str, message: str
 ) -> None:
-    assert run_here(["check", str(workspace), "--launch", name]) == 2
-    assert message in capsys.readouterr().err
+    assert run_here(["check", str(workspace), "--launch", name, "--format", "full"]) == 2
+    assert message in capsys.readouterr().out
 
 
 def test_import_lists_several_trees_and_takes_one(

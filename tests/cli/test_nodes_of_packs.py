@@ -31,8 +31,9 @@ def test_a_node_of_a_pack_that_is_not_given_is_an_error_everywhere(
     verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_here([verb, str(written(tmp_path))]) == 2
+    output = capsys.readouterr()
     assert "`Watchdog1` is a node of the pack `watchdog`, which is not given" in " ".join(
-        capsys.readouterr().err.split()
+        (output.out if verb == "check" else output.err).split()
     )
 
 

@@ -42,7 +42,8 @@ def test_an_output_that_is_an_input_or_another_output_is_refused(
 ) -> None:
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     assert run_here(words) == 2
-    assert "give " in capsys.readouterr().err
+    output = capsys.readouterr()
+    assert "give " in output.out + output.err
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 

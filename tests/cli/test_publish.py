@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
+from xml.etree import ElementTree
 
 import jsonschema_rs
 import pytest
@@ -280,6 +281,83 @@ def test_wrong_input_is_a_command_too(folder: Path, capsys: pytest.CaptureFixtur
 def test_a_repair_is_not_mixed_into_results(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["check", "a b.mars", "--fix", "--format", "sarif"]) == 2
     assert "leave out" in capsys.readouterr().err
+
+
+# ---- GitLab and JUnit ----------------------------------------------------------------------------
+
+
+def gitlab(capsys: pytest.CaptureFixture[str], *words: str) -> list[dict[str, Any]]:
+    """Return the entries of a code quality report."""
+    run_here(["check", *words, "--format", "gitlab"])
+    entries: list[dict[str, Any]] = json.loads(capsys.readouterr().out)
+    for entry in entries:
+        assert {*entry} == {"description", "check_name", "fingerprint", "severity", "location"}
+        assert entry["severity"] in ("info", "minor", "major", "critical", "blocker")
+        assert {*entry["location"]} == {"path", "lines"}
+        assert isinstance(entry["location"]["lines"]["begin"], int)
+    return entries
+
+
+def test_findings_are_entries_of_a_code_quality_report(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "bad.mars").write_text("@configuration\n@modules A,, B\n")
+    found = [
+        (each["check_name"], each["severity"], each["location"]["path"])
+        for each in gitlab(capsys, "a b.mars", "bad.mars")
+    ]
+    assert found == [
+        ("ambiguous_priority", "major", "a b.mars"),
+        ("module_conflict", "critical", "a b.mars"),
+        ("syntax", "blocker", "bad.mars"),
+    ]
+    (first, _) = gitlab(capsys, str(folder / "a b.mars"))
+    assert first["location"] == {"path": "a b.mars", "lines": {"begin": 3}}
+    (wrong,) = gitlab(capsys, "a b.mars", "--select", "no")
+    assert (wrong["severity"], wrong["location"]["path"]) == ("blocker", "--select")
+
+
+def test_no_two_entries_share_a_fingerprint_and_lines_do_not_change_it(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    twice = ROBOT + "A uses_data_from Camera\nBase is_controlled_by B 1\n"
+    twice += "A uses_data_from Camera\nA uses_data_from Camera\n"
+    for name in ("a b.mars", "c.mars"):
+        (folder / name).write_text(twice)
+    prints = [each["fingerprint"] for each in gitlab(capsys, "a b.mars", "c.mars")]
+    assert len(prints) == len(set(prints)) > 4
+    for name in ("a b.mars", "c.mars"):
+        (folder / name).write_text(twice.replace("Base is", "\n\nBase is", 1))
+    assert [each["fingerprint"] for each in gitlab(capsys, "a b.mars", "c.mars")] == prints
+
+
+def test_each_robot_is_a_suite_and_each_finding_a_failed_case(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "clean.mars").write_text("@configuration\n@modules A, B\nA uses_data_from B\n")
+    assert run_here(["check", "a b.mars", "clean.mars", "--format", "junit"]) == 1
+    root = ElementTree.fromstring(capsys.readouterr().out)
+    first, second = root
+    assert (root.tag, first.get("name"), second.get("name")) == (
+        "testsuites",
+        "a b.mars",
+        "clean.mars",
+    )
+    assert [(suite.get("tests"), suite.get("failures")) for suite in root] == [
+        ("2", "2"),
+        ("1", "0"),
+    ]
+    failures = [(case.get("file"), case.get("line"), case[0]) for case in first]
+    assert [(file, line, failure.get("type")) for file, line, failure in failures] == [
+        ("a b.mars", "3", "ambiguous_priority"),
+        ("a b.mars", "5", "module_conflict"),
+    ]
+    assert failures[0][2].get("message") == "`A` and `B` control `Base` with the same priority, 1"
+    assert "help: give `A` and `B` priorities" in str(failures[0][2].text)
+    assert [len(case) for case in second] == [0]
+    assert run_here(["check", "a b.mars", "--baseline", "gone", "--format", "junit"]) == 2
+    ((case,),) = ElementTree.fromstring(capsys.readouterr().out)
+    assert (case.get("file"), case[0].get("type")) == ("gone", "unreadable")
 
 
 def test_a_path_that_a_terminal_would_obey_is_shown_escaped(

@@ -58,7 +58,7 @@ def test_kinds_are_selected_and_ignored(
 ) -> None:
     assert analysed(capsys, "a.mars", *options) == (status, kinds, [])
     assert run_here(["check", "a.mars", *options]) == status
-    assert (WARNING.replace("_", "-") in capsys.readouterr().err) == (WARNING in kinds)
+    assert (f"[{WARNING}]" in capsys.readouterr().out) == (WARNING in kinds)
 
 
 def test_ignored_kinds_are_all_but_the_others(capsys: pytest.CaptureFixture[str]) -> None:
@@ -161,7 +161,11 @@ def test_what_is_wrong_with_settings_has_its_place(
 ) -> None:
     (folder / "mars.toml").write_text(text)
     assert run_here([verb, "a.mars", "--format", "json"]) == 2
-    found = json.loads(capsys.readouterr().err.splitlines()[0])
+    output = capsys.readouterr()
+    if verb == "check":
+        found = json.loads(output.out)["findings"][0]
+    else:
+        found = json.loads(output.err.splitlines()[0])
     if "none.json" in text:
         assert found["path"] == "none.json"
         assert found["severity"] == "error"
@@ -208,7 +212,7 @@ def test_comments_hide_findings_of_their_line(
     assert (status, kinds) == (int(ERROR not in hidden), everything - hidden)
     assert [each[: len(start)] for each, start in zip(remarks, told, strict=True)] == told
     assert run_here(["check", "a.mars"]) == status
-    assert ("hides nothing" in capsys.readouterr().err) == any(
+    assert ("hides nothing" in capsys.readouterr().out) == any(
         " hides nothing" in each for each in remarks
     )
 
@@ -313,7 +317,7 @@ def test_a_baseline_hides_what_it_lists_wherever_it_moves(
     # What is new is reported, also where something alike is known.
     (folder / "a.mars").write_text(f"{moved}Camera is_mounted_on Camera\n")
     assert run_here(["check", "a.mars"]) == 1
-    assert "`Camera -> Camera`" in capsys.readouterr().err
+    assert "`Camera -> Camera`" in capsys.readouterr().out
     # One that is written anew lists what the old one does, too.
     assert run_here(["check", "a.mars", "--write-baseline", "known.json"]) == 0
     assert len((folder / "known.json").read_text().splitlines()) == 5
@@ -387,7 +391,7 @@ def test_what_is_no_baseline_is_refused(
     if raw is not None:
         (folder / "k.json").write_bytes(raw)
     assert run_here(["check", "a.mars", "--baseline", "k.json"]) == 2
-    assert capsys.readouterr().err.startswith(f"k.json:{told}")
+    assert capsys.readouterr().out.startswith(f"k.json:{told}")
 
 
 def test_no_baseline_is_written_of_what_could_not_be_read(
@@ -395,7 +399,7 @@ def test_no_baseline_is_written_of_what_could_not_be_read(
 ) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,,\n")
     assert run_here(["check", "a.mars", "bad.mars", "--write-baseline", "k.json"]) == 2
-    assert "no baseline was written" in capsys.readouterr().err
+    assert "no baseline was written" in capsys.readouterr().out
     assert not (folder / "k.json").exists()
 
 
@@ -413,7 +417,7 @@ def test_a_baseline_comes_from_standard_input(folder: Path) -> None:
     done = mars("check", str(folder / "a.mars"), "--baseline", "-", text=listed)
     assert (done.returncode, done.stderr) == (0, "not reported: 2 in the baseline\n")
     twice = mars("check", "-", "--baseline", "-", text=listed)
-    assert (twice.returncode, twice.stderr[:14]) == (2, "-:1:1: error: ")
+    assert (twice.returncode, twice.stdout[:14]) == (2, "-:1:1: error: ")
 
 
 def test_fix_leaves_alone_what_is_hidden(folder: Path) -> None:

@@ -226,9 +226,11 @@ def test_a_crash_of_the_reasoner_is_told_apart(tmp_path: Path) -> None:
     pack.write_text("p(-2147483647 - 1).\nd(-1).\nq(X / Y) :- p(X), d(Y).\n")
     command = start("check", "examples/level0/config.mars", "--rules", str(pack))
     output, said = command.communicate(timeout=60)
-    assert (command.returncode, output) == (2, b"")
+    assert command.returncode == 2
     # Other processors wrap, so that the rule is found as others that compute what does not fit.
-    assert b"(SIGFPE), so there is no result: does a rule divide" in said or b"pack.lp:3" in said
+    assert (
+        output == b"" and b"(SIGFPE), so there is no result: does a rule divide" in said
+    ) or b"pack.lp:3" in output
 
 
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="Linux alone tells of an end")

@@ -61,12 +61,12 @@ def test_a_workspace_of_ros_and_a_dataflow_are_robots_of_their_own(
     write(tmp_path, config__places="nodes:\n- id: home\n  path: here\n")
     (tmp_path / "package.xml").write_text("<package><name>drive</name></package>")
     assert run_here(["check", str(tmp_path)]) == 1
-    output = " ".join(capsys.readouterr().err.split())
+    output = " ".join("".join(capsys.readouterr()).split())
     assert "packages of ROS not read: 1" in output and "1 error in 1 file" in output
     (tmp_path / "launch").mkdir()
     (tmp_path / "launch" / "drive.launch.xml").write_text(LAUNCH.replace('"/><', '"/>\n<'))
     assert run_here(["check", str(tmp_path)]) == 1
-    output = " ".join(capsys.readouterr().err.split())
+    output = " ".join("".join(capsys.readouterr()).split())
     assert "`camera` has no output" in output and "two nodes are named `/n`" in output
     assert "1 error, 1 warning in 1 file and 1 folder" in output
     assert run_here(["check", str(tmp_path), "--launch", "drive.launch.xml"]) == 0
@@ -99,7 +99,7 @@ def test_a_wrong_dataflow_does_not_end_the_folder(
     missing = GOOD.replace("camera/image", "camera/picture")
     write(tmp_path, a=WRONG, b=missing)
     assert run_here(["check", str(tmp_path)]) == 2
-    output = " ".join(capsys.readouterr().err.split())
+    output = " ".join("".join(capsys.readouterr()).split())
     assert "a.yml:3:18: error: input `tick` of `view` must take an output" in output
     assert "b.yml:5:19: error: `camera` has no output" in output
     assert "2 errors in 2 files" in output
@@ -148,7 +148,7 @@ def test_a_file_of_a_node_that_is_not_there_is_found_at_its_line(
     (tmp_path / "there.py").touch()
     write(tmp_path, d=f"nodes:\n- id: a\n  {settings}\n- id: c\n  path: there.py\n")
     assert run_here(["check", "--quiet", "--select", "missing_file", str(tmp_path / "d.yml")]) == 0
-    output = " ".join(capsys.readouterr().err.split())
+    output = " ".join(capsys.readouterr().out.split())
     assert ("warning" in output) == (missing is not None)
     if missing is not None:
         key, path = missing.split()
@@ -162,7 +162,7 @@ def test_a_dataflow_away_from_all_its_programs_lacks_none(
 ) -> None:
     write(tmp_path, d="nodes:\n- id: a\n  path: ./x.py\n- id: b\n  path: ./y.py\n")
     run_here(["check", str(tmp_path / "d.yml")])
-    assert "which is not there" not in capsys.readouterr().err
+    assert "which is not there" not in capsys.readouterr().out
 
 
 def test_nodes_that_lack_one_file_are_one_finding(
@@ -172,7 +172,7 @@ def test_nodes_that_lack_one_file_are_one_finding(
     nodes = "".join(f"- id: {name}\n  path: x.py\n" for name in "abc")
     write(tmp_path, d=f"nodes:\n{nodes}- id: d\n  path: there.py\n")
     assert run_here(["check", "--format", "json", str(tmp_path / "d.yml")]) == 0
-    found = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
-    [warning] = [each for each in found if each["kind"] == "missing_file"]
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    [warning] = [each for each in findings if each["kind"] == "missing_file"]
     assert warning["message"] == "`path` of 3 nodes, such as `a`, is `x.py`, which is not there"
     assert [warning["line"], *(label["line"] for label in warning["labels"])] == [3, 5, 7]

@@ -36,7 +36,7 @@ def test_a_broken_file_of_a_mux_is_reported_once(
     lines = launch(mux.format("a", file), mux.format("b", file))
     missing(tmp_path, {"base/launch/mux.yaml": "a: [\n", **lines})
     run_here(["check", str(tmp_path)])
-    assert capsys.readouterr().err.count("this is not YAML") == 1
+    assert "".join(capsys.readouterr()).count("this is not YAML") == 1
 
 
 def test_a_file_elsewhere_in_a_package_of_catkin_is_missing(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_a_missing_file_is_reported_once(
 ) -> None:
     missing(tmp_path, launch(line, line, "<include file='elsewhere.launch.xml'/>"))
     run_here(["check", str(tmp_path)])
-    output = " ".join(capsys.readouterr().err.split())
+    output = " ".join("".join(capsys.readouterr()).split())
     assert output.count("the package `arm` has no file") == 1
     assert "not read: 1 (`elsewhere.launch.xml`)" in output
     assert "`$(find-pkg-share arm)" not in output

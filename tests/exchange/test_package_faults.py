@@ -266,7 +266,7 @@ def test_a_parameter_file_has_parameters_for_ros2(
 ) -> None:
     read({"config/p.yaml": text, "launch/x.launch.xml": PARAMETERS}, tmp_path, built_by)
     run_here(["check", str(tmp_path)])
-    assert capsys.readouterr().err.count("[launch/nodes/no-parameters]") == found
+    assert capsys.readouterr().out.count("has no `ros__parameters` [broken_file]") == found
 
 
 def test_a_mux_of_ros2_does_not_take_the_file_of_one_of_ros1(
@@ -276,7 +276,7 @@ def test_a_mux_of_ros2_does_not_take_the_file_of_one_of_ros1(
     launch = PARAMETERS.replace("joy_node", "twist_mux").replace("joy", "twist_mux")
     read({"config/p.yaml": file, "launch/x.launch.xml": launch}, tmp_path)
     run_here(["check", str(tmp_path)])
-    assert "given to `/twist_mux` as a parameter file" in " ".join(capsys.readouterr().err.split())
+    assert "given to `/twist_mux` as a parameter file" in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.parametrize(("folder", "found"), [("launch", ["speed"]), ("mine", [])])
@@ -510,7 +510,7 @@ def test_bridges_without_a_name_are_not_of_one_name(
     launch = f"<launch>{bridge.format('a')}{bridge.format('b')}</launch>"
     read({"x.launch.xml": launch}, tmp_path)
     assert run_here(["check", str(tmp_path)]) == 0
-    assert "one-name" not in capsys.readouterr().err
+    assert "duplicate_node" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("name", "is_partly_read"), [("", False), ("name='mavros'", True)])

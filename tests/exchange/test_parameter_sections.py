@@ -20,7 +20,7 @@ def findings(nodes: str, file: str, folder: Path, capsys: pytest.CaptureFixture[
     launch = f"<launch>{nodes}</launch>"
     write_package({"launch/x.launch.xml": launch, "config/p.yaml": file}, folder)
     run_here(["check", str(folder)])
-    return capsys.readouterr().err.count("[launch/nodes/no-section]")
+    return capsys.readouterr().out.count("[unused_parameters]")
 
 
 @pytest.mark.parametrize(

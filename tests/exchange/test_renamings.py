@@ -18,8 +18,8 @@ def dead_renamings(
     """Return the messages on dead renamings in a folder with these files."""
     write_package(written, folder)
     run_here(["check", "--format", "json", str(folder)])
-    lines = (json.loads(line) for line in capsys.readouterr().err.splitlines())
-    return [line["message"] for line in lines if line["kind"] == "dead_remap"]
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    return [each["message"] for each in findings if each["kind"] == "dead_remap"]
 
 
 #: A statement of a node in Python, a name that is renamed, and whether the renaming is dead.

@@ -376,7 +376,7 @@ def test_bytes_that_are_no_text_are_refused_at_a_place(
     path = tmp_path / "d.yml"
     path.write_bytes(raw)
     assert run_here(["check", "--quiet", str(path)]) == (0 if said is None else 2)
-    found = " ".join(capsys.readouterr().err.split())
+    found = " ".join(capsys.readouterr().out.split())
     assert said is None or (said in found and "d.yml:" in found)
 
 

@@ -50,7 +50,7 @@ def loose(written: dict[str, str], folder: Path, capsys: pytest.CaptureFixture[s
     """Return how many findings there are of topics that nothing publishes."""
     write_package(written, folder)
     run_here(["check", str(folder)])
-    return capsys.readouterr().err.count("[launch/topics/loose-ends]")
+    return capsys.readouterr().out.count("[loose_end]")
 
 
 FILTER = (

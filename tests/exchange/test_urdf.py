@@ -226,7 +226,7 @@ def test_a_document_is_a_robot_to_every_verb(
     assert run_here(["synthesise", str(arm)]) == 0
     assert "arm is_mounted_on base" in capsys.readouterr().out
     assert run_here(["check", str(arm), str(FILES[0])]) == 2
-    assert "is a second document" in capsys.readouterr().err
+    assert "is a second document" in capsys.readouterr().out
 
 
 # ---- round trips ----
@@ -557,4 +557,4 @@ def test_a_document_is_a_file_of_every_verb(
         assert specified.startswith("@specification hierarchical\n")
         assert "plate is_mounted_on base\n" in specified
     assert run_here(["check", str(file), str(other)]) == 2
-    assert "is a second document" in " ".join(capsys.readouterr().err.split())
+    assert "is a second document" in " ".join(capsys.readouterr().out.split())

@@ -25,7 +25,8 @@ def test_a_pack_with_a_number_that_does_not_fit_is_bad_input(
     pack.write_text('consequence(big, note, "Camera", 2147483647+1).\n', encoding="utf-8")
     verb, *subject = words.split()
     assert run_here([verb, str(robot), *subject, "--rules", str(pack)]) == 2
-    assert f"{pack}:1:34: error: `2147483647+1` does not fit" in capsys.readouterr().err
+    output = "".join(capsys.readouterr())
+    assert f"{pack}:1:34: error: `2147483647+1` does not fit" in output
 
 
 def test_lint_tells_risks_and_is_content(

@@ -34,14 +34,19 @@ def asked(sort: Sort, path: Path, texts: Mapping[str, str] | None = None, about:
 
 def printed(*words: str) -> list[Told]:
     """Return the diagnostics that a verb prints, in the units of editors; no repairs are sought."""
-    heard = io.StringIO()
+    output, errors = io.StringIO(), io.StringIO()
     with (
-        redirect_stderr(heard),
-        redirect_stdout(io.StringIO()),
+        redirect_stderr(errors),
+        redirect_stdout(output),
         patch("mars_asp.cli.check._sole_repairs", lambda *_: ()),
     ):
         run_here([*words, "--format", "json"])
-    found = [json.loads(line) for line in heard.getvalue().splitlines() if line.startswith("{")]
+    if words[0] == "check":
+        document = json.loads(output.getvalue())
+        found = [*document["findings"], *document["notes"]]
+    else:
+        lines = errors.getvalue().splitlines()
+        found = [json.loads(line) for line in lines if line.startswith("{")]
     return sorted(_told(each) for each in found if Path(each["path"]).is_file())
 
 

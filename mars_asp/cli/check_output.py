@@ -1,0 +1,282 @@
+"""The output of `check`: findings in one of its formats, then notes and a summary.
+
+Findings go to standard output or a file, notes about reading and the summary to standard error. The
+formats `json`, `sarif` and `github` contain the notes instead.
+"""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mars_asp.cli.deliver import write_closing, write_file
+from mars_asp.cli.encode import encoded
+from mars_asp.cli.folding import fold
+from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.lines import line_text
+from mars_asp.cli.publish import is_remark
+from mars_asp.cli.reason import STANDARD_INPUT
+from mars_asp.cli.report import (
+    colours,
+    concise_text,
+    diagnostic_json,
+    diagnostic_text,
+    suggestion_lines,
+)
+from mars_asp.cli.results import Result
+from mars_asp.cli.selection import hidden_text
+from mars_asp.diagnostic import Severity, brief
+from mars_asp.output import visible
+
+if TYPE_CHECKING:
+    from mars_asp.reasoning.questions.repair import Repair
+
+#: The format `text` is `full` on a terminal and `concise` elsewhere.
+TEXT_FORMATS = ("text", "full", "concise")
+FORMATS = (*TEXT_FORMATS, "json", "junit", "gitlab", "sarif", "github")
+#: The formats that contain notes about reading.
+_WITH_NOTES = ("json", "sarif", "github")
+
+
+@dataclass
+class Checked:
+    """The results of one robot, their counts by severity, and the repairs that were applied."""
+
+    path: str
+    #: Foreign files that describe the same robot.
+    further: tuple[str, ...] = ()
+    status: int = 0
+    counted: Counter[Severity] = field(default_factory=Counter)
+    mended: "tuple[Repair, ...]" = ()
+    #: How many findings have exactly one repair that was not applied.
+    mendable: int = 0
+    #: The files that are changed for it: path, new content, and old.
+    written: list[tuple[str, bytes, bytes]] = field(default_factory=list)
+    #: The text of standard input after the repairs.
+    text: str | None = None
+    #: How many findings a comment or a baseline hides.
+    hidden: Counter[str] = field(default_factory=Counter)
+    #: The launch files that were judged, each by itself.
+    launch_files: tuple[str, ...] = ()
+    results: list[Result] = field(default_factory=list)
+    #: The instance of each module that has twins; their equal findings are printed as one.
+    instances: Mapping[str, str] = field(default_factory=dict)
+
+    def append_results(self, results: Iterable[Result]) -> None:
+        """Keep and count results."""
+        for each in results:
+            self.results.append(each)
+            if each.hidden is None:
+                self.counted[each.diagnostic.severity] += 1
+            else:
+                self.hidden[each.hidden.by] += 1
+
+
+def write_report(
+    checked: Sequence[Checked],
+    remarks: Sequence[Result],
+    arguments: argparse.Namespace,
+    status: int,
+) -> None:
+    """Write the findings, then notes and the summary to standard error.
+
+    This function alone decides on streams. Findings go to `--output`, else to standard output. They
+    go to standard error where standard output is for a repaired text or a baseline.
+    """
+    output = None if arguments.output == STANDARD_INPUT else arguments.output
+    repairs_input = (
+        arguments.fix and STANDARD_INPUT in arguments.files and arguments.format != "json"
+    )
+    is_taken = repairs_input or arguments.write_baseline == STANDARD_INPUT
+    stream = None if output is not None else sys.stderr if is_taken else sys.stdout
+    if arguments.format not in TEXT_FORMATS:
+        findings = _document_text(checked, remarks, arguments, status)
+    elif arguments.statistics:
+        findings = "".join(_statistics(_findings(_unhidden(checked, remarks))))
+    else:
+        folded = [each for one in checked for each in fold(_findings(one.results), one.instances)]
+        results = [*folded, *_findings(remarks)]
+        findings = "".join(_diagnostic_text(results, arguments, stream))
+    closing = "".join(_closing(checked, remarks, arguments))
+    if output is not None:
+        write_file(output, findings)
+    elif is_taken:
+        closing = findings + closing
+    else:
+        sys.stdout.write(findings)
+    if repairs_input:
+        for text in filter(None, (one.text for one in checked)):
+            sys.stdout.buffer.write(text.encode())
+    write_closing(closing)
+
+
+def _is_note(result: Result) -> bool:
+    """Whether a result is a note about reading, and no finding."""
+    return result.diagnostic.severity == "note" and result.consequence is None
+
+
+def _findings(results: Iterable[Result]) -> list[Result]:
+    """Return the results that are reported findings."""
+    return [each for each in results if each.hidden is None and not _is_note(each)]
+
+
+def _unhidden(checked: Sequence[Checked], remarks: Iterable[Result]) -> list[Result]:
+    """Return all results that are not hidden."""
+    every = [*(each for one in checked for each in one.results), *remarks]
+    return [each for each in every if each.hidden is None]
+
+
+# ---- Text ----------------------------------------------------------------------------------------
+
+
+def _diagnostic_text(
+    results: Iterable[Result], arguments: argparse.Namespace, stream: object
+) -> Iterator[str]:
+    """Yield the lines of results for a stream."""
+    isatty = getattr(stream, "isatty", None)
+    on_terminal = bool(isatty and isatty())
+    is_full = _is_full(arguments)
+    coloured, width = colours(arguments, stream), columns(stream)
+    for result in results:
+        found = brief(result.diagnostic)
+        if not is_full:
+            yield f"{concise_text(found, coloured)}\n"
+            continue
+        yield f"{diagnostic_text(found, coloured, width, whole_head=not on_terminal)}\n"
+        for line in suggestion_lines(result.suggestion, width):
+            yield f"{line}\n"
+
+
+def _statistics(results: Iterable[Result]) -> Iterator[str]:
+    """Yield a line for each kind of findings, or code of errors: their number, and the name."""
+    names = (each.diagnostic.kind or each.diagnostic.code for each in results)
+    numbers = Counter(names)
+    width = len(str(max(numbers.values(), default=0)))
+    for name, number in sorted(numbers.items(), key=lambda item: (-item[1], item[0])):
+        yield f"{number:>{width}} {visible(name)}\n"
+
+
+def _is_full(arguments: argparse.Namespace) -> bool:
+    """Whether text has quoted lines and help."""
+    if arguments.format == "text":
+        return arguments.output is None and sys.stdout.isatty()
+    return bool(arguments.format == "full")
+
+
+def _closing(
+    checked: Sequence[Checked], remarks: Sequence[Result], arguments: argparse.Namespace
+) -> Iterator[str]:
+    """Yield the text for standard error: notes, applied repairs and the summary."""
+    if arguments.format not in _WITH_NOTES and not arguments.quiet:
+        notes = filter(_is_note, _unhidden(checked, remarks))
+        yield from _diagnostic_text(notes, arguments, sys.stderr)
+    if arguments.format in ("json", "sarif"):
+        return
+    width = columns(sys.stderr)
+    for repair in (each for one in checked for each in one.mended):
+        consequence, mend = repair.consequence, repair.mends[0]
+        span = consequence.spans[0]
+        about = f"{consequence.kind}({consequence.subject})"
+        edits = "; ".join(edit.message for edit in mend.edits)
+        text = visible(f"fixed {span.path}:{span.line}:{span.column}: {about}: {edits}")
+        for line in wrapped(text, width, further="  "):
+            yield f"{line}\n"
+        for edit in mend.lines:
+            for line in line_text(edit):
+                yield f"{line.removeprefix('   ')}\n"
+    if not arguments.quiet:
+        for sentence in _summary_sentences(checked, _is_full(arguments)):
+            for line in wrapped(sentence, width, further="  "):
+                yield f"{line}\n"
+
+
+def _summary_sentences(checked: Sequence[Checked], is_full: bool) -> Iterator[str]:
+    """Yield how much was found and repaired in how many files; nothing where all is well."""
+    total: Counter[Severity] = sum((one.counted for one in checked), Counter())
+    read = [path for one in checked for path in (one.path, *one.further)]
+    folders = sum(Path(path).is_dir() for path in read)
+    places = [(len(read) - folders, "file"), (folders, "folder")]
+    within = " and ".join(counted(number, noun) for number, noun in places if number)
+    mended = sum(len(one.mended) for one in checked)
+    mendable = sum(one.mendable for one in checked)
+    hidden: Counter[str] = sum((one.hidden for one in checked), Counter())
+    found = [counted(total[of], of) for of in ("error", "warning") if total[of]]
+    if found or mended:
+        parts = [", ".join(found) or "no errors or warnings", f"in {within}"]
+        yield f"{' '.join(parts)}{f'; {mended} fixed' if mended else ''}"
+    if hidden:
+        yield hidden_text(hidden)
+    if mendable:
+        has = "has" if mendable == 1 else "have"
+        shows = "shown above; --fix applies it" if is_full else "which --fix applies"
+        yield f"{mendable} of them {has} exactly one repair, {shows}"
+
+
+# ---- Documents -----------------------------------------------------------------------------------
+
+
+def _document_text(
+    checked: Sequence[Checked],
+    remarks: Sequence[Result],
+    arguments: argparse.Namespace,
+    status: int,
+) -> str:
+    """Return the results in a format for programs."""
+    if arguments.format == "json":
+        return f"{encoded(_check_document(checked, remarks, arguments))}\n"
+    if arguments.format == "junit":
+        from mars_asp.cli.junit import junit_suites
+
+        robots = [(", ".join((one.path, *one.further)), one.results) for one in checked]
+        if remarks:
+            robots.append(("mars-asp check", list(remarks)))
+        return junit_suites([(name, _findings(results)) for name, results in robots])
+    if arguments.format == "gitlab":
+        from mars_asp.cli.gitlab import code_quality_report
+
+        return f"{encoded(code_quality_report(_findings(_unhidden(checked, remarks))))}\n"
+    from mars_asp.cli.publish import published_text
+
+    every = [*(each for one in checked for each in one.results), *remarks]
+    return published_text(every, arguments, status)
+
+
+def _check_document(
+    checked: Sequence[Checked], remarks: Sequence[Result], arguments: argparse.Namespace
+) -> dict[str, object]:
+    from mars_asp.cli.repair import repair_json
+
+    shown = _unhidden(checked, remarks)
+    findings, notes = _findings(shown), list(filter(_is_note, shown))
+    if arguments.quiet:
+        notes = [each for each in notes if not is_remark(each)]
+    severities = Counter(each.diagnostic.severity for each in findings)
+    return {
+        "format": "mars-check",
+        "version": 1,
+        "findings": [_result_json(each) for each in findings],
+        "notes": [_result_json(each) for each in notes],
+        "files": [
+            {
+                "path": one.path,
+                "further": list(one.further),
+                "launch_files": list(one.launch_files),
+                "errors": one.counted["error"],
+                "warnings": one.counted["warning"],
+                "hidden": dict(one.hidden),
+                "fixed": [repair_json(repair) for repair in one.mended],
+                **({} if one.text is None else {"text": one.text}),
+            }
+            for one in checked
+        ],
+        "errors": severities["error"],
+        "warnings": severities["warning"],
+        "fixed": sum(len(one.mended) for one in checked),
+    }
+
+
+def _result_json(result: Result) -> dict[str, object]:
+    return diagnostic_json(brief(result.diagnostic), result.suggestion)

@@ -1,0 +1,49 @@
+"""Findings as a code quality report of GitLab, which shows them in merge requests."""
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+
+from mars_asp.cli.baseline import Known, known_of
+from mars_asp.cli.results import Result, root_of, seen_from_root
+from mars_asp.diagnostic import Diagnostic
+from mars_asp.output import visible
+
+
+def code_quality_report(findings: Iterable[Result]) -> list[dict[str, object]]:
+    """Return an entry for each finding; paths are those of the repository."""
+    alike: Counter[Known] = Counter()
+    return [_entry(each, alike) for each in findings]
+
+
+def _entry(finding: Result, alike: Counter[Known]) -> dict[str, object]:
+    found = finding.diagnostic
+    path = seen_from_root(found.span.path)[0] if finding.has_file else found.span.path
+    return {
+        "description": visible(found.message),
+        "check_name": visible(found.kind or found.code),
+        "fingerprint": _fingerprint(finding, alike),
+        "severity": _severity(found),
+        "location": {"path": visible(path), "lines": {"begin": found.span.line}},
+    }
+
+
+def _severity(found: Diagnostic) -> str:
+    """Return the severity: an error of the input hides the findings of its robot."""
+    if found.severity == "error":
+        return "blocker" if found.kind is None else "critical"
+    return "major" if found.severity == "warning" else "info"
+
+
+def _fingerprint(finding: Result, alike: Counter[Known]) -> str:
+    """Return a digest of the entry that a baseline has of a finding, and its number among equal.
+
+    It has no line, so that it stays when lines move.
+    """
+    baseline = str(root_of(Path.cwd()) / "baseline.json")
+    known = known_of(finding.consequence or finding.diagnostic, baseline)
+    text = json.dumps([*known, alike[known]])
+    alike[known] += 1
+    return hashlib.sha256(text.encode()).hexdigest()
