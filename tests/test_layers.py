@@ -115,13 +115,13 @@ FILES = {
     "cli": (
         "deliver encode layout arguments again lines account live watch pace progress outputs "
         "report extract limits settings excluded trace_document schemas worker reason perform "
-        "ignores baseline selection results folding github sarif_fixes sarif publish alternatives "
-        "analyse can "
+        "ignores baseline selection results folding github gitlab junit sarif_fixes sarif publish "
+        "alternatives analyse can "
         "completion draw export facts fmt import_robot winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
-        "rules_document rules_new rules_diff rules repair check lsp_files lsp_rules "
-        "lsp_answers lsp explain_page explain"
+        "rules_document rules_new rules_diff rules repair check_output check lsp_files "
+        "lsp_rules lsp_answers lsp explain_page explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.

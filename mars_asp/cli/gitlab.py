@@ -8,7 +8,6 @@ from pathlib import Path
 
 from mars_asp.cli.baseline import Known, known_of
 from mars_asp.cli.results import Result, root_of, seen_from_root
-from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
 
 
@@ -21,20 +20,17 @@ def code_quality_report(findings: Iterable[Result]) -> list[dict[str, object]]:
 def _entry(finding: Result, alike: Counter[Known]) -> dict[str, object]:
     found = finding.diagnostic
     path = seen_from_root(found.span.path)[0] if finding.has_file else found.span.path
+    severity = {"error": "critical", "warning": "major", "note": "info"}[found.severity]
+    # An error of the input hides the findings of its robot.
+    if found.severity == "error" and found.kind is None:
+        severity = "blocker"
     return {
         "description": visible(found.message),
         "check_name": visible(found.kind or found.code),
         "fingerprint": _fingerprint(finding, alike),
-        "severity": _severity(found),
+        "severity": severity,
         "location": {"path": visible(path), "lines": {"begin": found.span.line}},
     }
-
-
-def _severity(found: Diagnostic) -> str:
-    """Return the severity: an error of the input hides the findings of its robot."""
-    if found.severity == "error":
-        return "blocker" if found.kind is None else "critical"
-    return "major" if found.severity == "warning" else "info"
 
 
 def _fingerprint(finding: Result, alike: Counter[Known]) -> str:

@@ -156,7 +156,7 @@ def test_bash_completes(completion: str, words: list[str], expected: list[str]) 
 
 
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
-def test_other_shells_are_told_each_verb_and_option(
+def test_other_shells_have_each_command_and_option(
     shell: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_here(["completion", shell]) == 0
