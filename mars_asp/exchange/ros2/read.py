@@ -462,8 +462,8 @@ class _Robot:
             path = self.workspace.shown(file)
             place = point(path, 1, 1)
             if file in included or is_named or not files:
-                wrong = f"{path}: the launch file is empty"
-                self.trees.append(LaunchTree(path, broken=((wrong, place),)))
+                message = f"{path}: the launch file is empty"
+                self.trees.append(LaunchTree(path, broken=((message, place),)))
             else:
                 self.unread.append(Unread("empty launch files", path, place))
         yield from tops
@@ -845,7 +845,8 @@ class _Robot:
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
                 span = topic.span or self._renaming(written, full, started, name) or started.span
-                yield Endpoint(full, topic.type, span, topic.hz, topic.optional, topic.measured)
+                marks = topic.optional, topic.measured, topic.last
+                yield Endpoint(full, topic.type, span, topic.hz, *marks)
 
     def _written(
         self, topic: Topic, started: Started, values: Mapping[str, Given]
