@@ -31,7 +31,7 @@ PUBLISH = "self.create_publisher(A, topic, 1)"
         (method("self.pub.publish(A())", name="destroy_node(self)"), True),
         (method("self.halt(self.pub)", name="shutdown(self)"), True),
         (method("on_shutdown(self.stop)") + method("self.pub.publish()", name="stop(self)"), True),
-        # Its own code calls it, too.
+        # Its own code also calls it.
         (
             method("on_shutdown(self.stop)", "self.stop()")
             + method("self.pub.publish()", name="stop(self)"),

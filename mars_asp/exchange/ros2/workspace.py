@@ -532,7 +532,7 @@ class Workspace:
         is_of_cmake = "CMakeLists.txt" in contents
         if "." in name:
             installs_files = is_of_cmake or _INSTALLS_SCRIPTS.search(python) is not None
-            # A module of a package in Python is no program.
+            # Modules of a package in Python are not programs.
             is_listed = package.is_of_python and not installs_files and self._lists_all(package)
             return _mentions(python, name) if is_listed else self._may_have(package, name)
         if "console_scripts" in python and not is_of_cmake:
