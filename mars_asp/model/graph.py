@@ -15,7 +15,8 @@ class Endpoint:
     `topic` is its full name, all renaming done; `type` is the message type as written, if known;
     `span` is the place that an owner would change; `hz` is how often it is published, if known;
     `optional` is whether a subscribing node works as well without it, `measured` whether it reports
-    a motion and commands none, regardless of its type.
+    a motion and commands none, regardless of its type, `last` whether it is published only as the
+    program ends.
     """
 
     topic: str
@@ -24,6 +25,7 @@ class Endpoint:
     hz: Fraction | None = None
     optional: bool = False
     measured: bool = False
+    last: bool = False
 
 
 @dataclass(frozen=True, slots=True)

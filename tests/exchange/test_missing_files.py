@@ -235,7 +235,7 @@ def test_a_program_that_a_package_lacks_is_found(
         ("ament_cmake", SETUP, False),
     ],
 )
-def test_a_module_of_a_package_in_python_is_no_program(
+def test_modules_of_a_package_in_python_are_not_programs(
     build: str, setup: str, is_missing: bool, tmp_path: Path
 ) -> None:
     export = f"<export><build_type>{build}</build_type></export></package>"

@@ -24,6 +24,36 @@ def method(*lines: str, name: str = "__init__(self)") -> str:
 
 PUBLISH = "self.create_publisher(A, topic, 1)"
 
+
+@pytest.mark.parametrize(
+    ("uses", "is_last"),
+    [
+        (method("self.pub.publish(A())", name="destroy_node(self)"), True),
+        (method("self.halt(self.pub)", name="shutdown(self)"), True),
+        (method("on_shutdown(self.stop)") + method("self.pub.publish()", name="stop(self)"), True),
+        # Its own code also calls it.
+        (
+            method("on_shutdown(self.stop)", "self.stop()")
+            + method("self.pub.publish()", name="stop(self)"),
+            False,
+        ),
+        (
+            method("self.pub.publish(A())", name="shutdown(self)")
+            + method("self.pub.publish(A())", name="tick(self)"),
+            False,
+        ),
+        (method("self.pub.publish(A())", name="close(self)") + "N().pub.publish(A())\n", False),
+        ("", False),
+    ],
+)
+def test_a_publisher_may_be_for_the_end_of_a_program(uses: str, is_last: bool) -> None:
+    made = method("self.pub = self.create_publisher(A, 'a', 1)", name="make(self)")
+    text = f"class N(Node):\n{made}{uses}\nN()\n"
+    found = PythonPrograms(lambda _: (text, "m.py")).interface("m", None)
+    assert found is not None
+    assert [end.last for end in found.published] == [is_last]
+
+
 #: The body of a class of nodes, its topics, and whether it may have more.
 CASES = {
     "each method has names of its own": (

@@ -15,11 +15,11 @@ class Topic:
     `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
     the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
     is where the program says so, `None` where the catalogue does; `optional` is whether the program
-    works as well without it, `measured` whether it reports a motion, whatever its type. The program
-    has it only if each parameter of `switches` is true, or false if not `wanted`. `image` is the
-    image topic of a camera's information, which lies beside it even if the image is renamed.
-    `parts` are the texts that make up a name with parameters in it: each a text, or the default of
-    the parameter beside it.
+    works as well without it, `measured` whether it reports a motion, whatever its type; `last` is
+    whether it is published only as the program ends. The program has it only if each parameter of
+    `switches` is true, or false if not `wanted`. `image` is the image topic of a camera's
+    information, which lies beside it even if the image is renamed. `parts` are the texts that make
+    up a name with parameters in it: each a text, or the default of the parameter beside it.
     """
 
     name: str
@@ -29,6 +29,7 @@ class Topic:
     hz: Fraction | None = None
     optional: bool = False
     measured: bool = False
+    last: bool = False
     switches: tuple[tuple[str, bool], ...] = ()
     image: str = ""
     parts: tuple[tuple[str | None, str | None], ...] = ()

@@ -70,7 +70,11 @@ class Programs:
         self._read: dict[Program, Interface | None] = {}
         # Many programs share headers.
         self._included = cache(self._headers_of)
-        self._words = cache(self._words_of)
+        self._words = cache(
+            lambda package: frozenset(
+                chain.from_iterable(map(_WORD.findall, self._sources_for(package)))
+            )
+        )
         self._composed = cache(self._composed_names)
         self._is_of_ros = cache(lambda file: _OF_ROS.search(self._text(file) or "") is not None)
 
@@ -151,9 +155,6 @@ class Programs:
         last = name.rpartition("/")[2]
         is_known = last in words or not words.isdisjoint(_TAKES_ANY)
         return is_known or any(re.fullmatch(form, last) for form in self._composed(found))
-
-    def _words_of(self, package: Package) -> frozenset[str]:
-        return frozenset(chain.from_iterable(map(_WORD.findall, self._sources_for(package))))
 
     def _composed_names(self, package: Package) -> frozenset[str]:
         """Return the patterns of names such as `name + "_min"`, without `_` those of numbers."""

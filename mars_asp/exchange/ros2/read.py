@@ -851,7 +851,8 @@ class _Robot:
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
                 span = topic.span or self._renaming(written, full, started, name) or started.span
-                yield Endpoint(full, topic.type, span, topic.hz, topic.optional, topic.measured)
+                marks = topic.optional, topic.measured, topic.last
+                yield Endpoint(full, topic.type, span, topic.hz, *marks)
 
     def _written(
         self, topic: Topic, started: Started, values: Mapping[str, Given]

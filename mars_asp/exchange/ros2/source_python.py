@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import islice
+from itertools import chain, islice
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span, point
@@ -70,6 +70,11 @@ _CALLS = {
 }
 #: Functions of rospy for parameters, which a launch file may rename.
 _PARAMETERS = frozenset({"get_param", "get_param_cached", "set_param", "has_param", "delete_param"})
+
+
+#: Functions that run as a program ends, and those that register others as such.
+_ENDINGS = frozenset({"shutdown", "on_shutdown", "cleanup", "close", "destroy_node", "__del__"})
+_REGISTERING = frozenset({"on_shutdown", "signal", "register"})
 
 
 class _Found(NamedTuple):
@@ -326,7 +331,8 @@ class _Unit(Texts):
                     self.note(AT_RUN_TIME, name, self.shown(name))
                     continue
                 topic = Topic(text or "", self.type(kind), self.span(name), parameter)
-                topic = replace(topic, switches=tuple(sorted(switches)), parts=parts)
+                last = published and self.is_last(keeper)
+                topic = replace(topic, switches=tuple(sorted(switches)), parts=parts, last=last)
                 yield _Found(topic, keeper, published)
 
     def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
@@ -335,6 +341,11 @@ class _Unit(Texts):
         used = [self.switches(call) for call in calls[:_MOST_FOLLOWED]]
         is_known = 0 < len(calls) <= _MOST_FOLLOWED
         return frozenset.intersection(*used) if is_known else frozenset()
+
+    def is_last(self, keeper: str | None) -> bool:
+        """Whether only functions use a publisher that run as the program ends."""
+        name = (keeper or "").rpartition(".")[2]
+        return name in self.files.once(_used_at_the_end, self.file.tree)
 
     @cached_property
     def publications(self) -> dict[str, list[ast.Call]]:
@@ -470,6 +481,22 @@ class _Unit(Texts):
                         self.note(AT_RUN_TIME, named["namespace"], "namespace")
                 if given is not None and text != "":
                     yield Unread(FURTHER_NODES, text or _ANY_NAME, self.span(given))
+
+
+def _used_at_the_end(tree: ast.AST) -> frozenset[str]:
+    """Return the names in a file that only functions use which run as the program ends."""
+    nodes = tuple(ast.walk(tree))
+    calls = [node for node in nodes if isinstance(node, ast.Call)]
+    given = (each for call in calls if called_name(call) in _REGISTERING for each in call.args)
+    registered = {dotted_name(each).rpartition(".")[2] for each in given}
+    names = _ENDINGS | (registered - {called_name(call) for call in calls})
+    ending = (each for each in nodes if isinstance(each, _FUNCTIONS) and each.name in names)
+    within = set(chain.from_iterable(map(ast.walk, ending)))
+    used: dict[bool, set[str]] = {True: set(), False: set()}
+    for node in nodes:
+        if isinstance(node, ast.Name | ast.Attribute) and isinstance(node.ctx, ast.Load):
+            used[node in within].add(node.id if isinstance(node, ast.Name) else node.attr)
+    return frozenset(used[True] - used[False])
 
 
 def _encloses(outer: ast.AST, inner: ast.AST) -> bool:

@@ -224,6 +224,8 @@ class _TreeFacts:
             yield _fact_at(end.span, "works_without", number)
         if end.measured:
             yield _fact_at(end.span, "reports", number)
+        if end.last:
+            yield _fact_at(end.span, "sent_last", number)
 
     def of_mux(self, mux: Mux) -> Iterator[Fact]:
         """Yield the facts of a mux."""
