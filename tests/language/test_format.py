@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.format import format_text, meaning
@@ -272,3 +273,8 @@ def test_standard_input_goes_to_standard_output() -> None:
     found = json.loads(fmt("-", "--format", "json", text=LOOSE).stdout)
     assert found == {"files": [{"path": "-", "changed": True, "text": TIGHT.decode()}]}
     assert fmt("-", "examples/level0/config.mars", text=LOOSE).returncode == 2
+
+
+def test_examples_and_documents_are_laid_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    assert run_here(["fmt", "--check", "examples", "docs"]) == 0
