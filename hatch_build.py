@@ -1,11 +1,15 @@
-"""Makes what would be dear to make at each start: tables of the grammar and of our own rules.
+"""Makes the tables of the grammar and of the built-in rules, and the long description.
 
 A wheel carries them; an editable installation has them beside the sources, where `python
 hatch_build.py` makes them anew if a file that they depend on has changed. They hold what
 explanations make of two robots that have something of all that rules can be given.
+
+The long description is the README with absolute links, because an index of packages has no files
+beside it.
 """
 
 import hashlib
+import re
 import sys
 from collections.abc import Iterator
 from importlib.metadata import version as version_of
@@ -14,11 +18,36 @@ from tempfile import mkdtemp
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 ROOT = Path(__file__).parent
 BESIDE = ROOT / "mars_asp" / "__tables__"
 #: Holds the digest of the tables beside the sources, and of all that they depend on.
 DIGEST = ROOT / "build" / "tables.digest"
+
+
+#: The target of a link of Markdown that is a path, after `!` where it is a picture.
+_RELATIVE = re.compile(r"(!?)(\[[^]]*\]\()(?![a-z]+:|#)([^)\s]+\))")
+
+
+class ReadmeHook(MetadataHookInterface):
+    """Takes the README as long description, with absolute links."""
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        """Add the long description."""
+        readme = (Path(self.root) / "README.md").read_text(encoding="utf-8")
+        text = absolute_links(readme, metadata["urls"]["Source"])
+        metadata["readme"] = {"content-type": "text/markdown", "text": text}
+
+
+def absolute_links(text: str, source: str) -> str:
+    """Return a text of Markdown whose links to files lead to the repository."""
+
+    def absolute(link: re.Match[str]) -> str:
+        folder = "raw" if link[1] else "blob"
+        return f"{link[1]}{link[2]}{source}/{folder}/main/{link[3]}"
+
+    return _RELATIVE.sub(absolute, text)
 
 
 class TablesHook(BuildHookInterface[Any]):

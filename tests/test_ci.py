@@ -61,8 +61,17 @@ def checked(workspace: Path, **inputs: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+def test_the_action_checks_the_whole_repository_by_default(workspace: Path) -> None:
+    done = checked(workspace, options="--ignore data_cycle --quiet")
+    assert (done.returncode, done.stderr) == (0, "")
+    files = re.findall(r"(?m)^::warning file=([^,]*),line=5,", done.stdout)
+    assert files == ["robots/a b.mars", "robots/deep er/$(touch marker).mars"]
+
+
 def test_the_action_checks_all_that_matches(workspace: Path) -> None:
-    done = checked(workspace, sarif="out log.sarif", options=" --ignore data_cycle  --quiet")
+    done = checked(
+        workspace, files="**/*.mars", sarif="out log.sarif", options=" --ignore data_cycle  --quiet"
+    )
     assert (done.returncode, done.stderr) == (0, "")
     files = re.findall(r"(?m)^::warning file=([^,]*),line=5,", done.stdout)
     assert files == ["robots/a b.mars", "robots/deep er/$(touch marker).mars"]
@@ -121,6 +130,29 @@ def test_the_hooks_do_what_the_page_says(
         assert command in scripts
         assert run_here([*words, *hook.get("args", []), "robot.mars"]) == 0
     assert "2 in the baseline" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("path", "runs"),
+    [
+        ("src/pkg/launch/robot.launch.py", True),
+        ("launch/robot.launch.xml", True),
+        ("bringup.launch", True),
+        ("config/mux.yaml", True),
+        ("config/mux.yml", True),
+        ("src/node.cpp", True),
+        ("include/pkg/node.hpp", True),
+        ("robot.mars", True),
+        ("CMakeLists.txt", True),
+        ("docs/README.md", False),
+        ("robot.mars.orig", False),
+        ("maps/site.pgm", False),
+    ],
+)
+def test_the_hook_of_a_ros_repository_runs_when_its_files_change(path: str, runs: bool) -> None:
+    (hook,) = (each for each in HOOKS if each["id"] == "mars-asp-ros")
+    assert (hook["entry"], hook["pass_filenames"]) == ("mars-asp check", False)
+    assert bool(re.search(hook["files"], path)) == runs
 
 
 def test_the_settings_of_the_page_are_settings(

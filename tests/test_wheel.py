@@ -1,13 +1,17 @@
 """The wheel brings rules and tables along, and works where there is no checkout."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 import zipfile
+from importlib.metadata import Distribution, distributions
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
+import yaml
 
 from tests.support.documents import ROOT
 
@@ -27,6 +31,7 @@ statements.statements_of(texts)
 """
 
 
+PAPER = "Modelling Robot Architectures for Modular Robotics Systems"
 #: Bytes that the wheel has at most.
 MOST_BYTES = 3 * 1024 * 1024
 
@@ -99,3 +104,55 @@ def test_nothing_is_written_when_it_runs(site: Path) -> None:
     python(site, "-B", "-m", "mars_asp", "explain", "config.mars")
     python(site, "-B", "-m", "mars_asp", "check", "config.mars")
     assert {path: path.stat().st_mtime_ns for path in (site / "mars_asp").rglob("*")} == before
+
+
+@pytest.fixture(scope="module")
+def installed(site: Path) -> Distribution:
+    (found,) = distributions(name="mars-asp", path=[str(site)])
+    return found
+
+
+def test_the_metadata_are_complete(installed: Distribution) -> None:
+    fields = installed.metadata.json
+    assert fields["author"] == fields["maintainer"] == "mars-asp developers"
+    keywords = installed.metadata["Keywords"].split(",")
+    assert {"ros", "ros2", "robotics", "static-analysis", "asp"} <= set(keywords)
+    assert str(fields["summary"]).startswith("Static analyser for developers of robots")
+    urls = dict(each.split(", ") for each in fields["project_url"])
+    assert urls.keys() == {"Documentation", "Source", "Issues", "Changelog"}
+    assert {
+        "Development Status :: 4 - Beta",
+        "Operating System :: POSIX :: Linux",
+        "Typing :: Typed",
+        *(f"Programming Language :: Python :: 3.{minor}" for minor in range(11, 15)),
+    } <= set(fields["classifier"])
+    assert "Operating System :: OS Independent" not in fields["classifier"]
+
+
+def test_the_long_description_has_no_relative_link(installed: Distribution) -> None:
+    text = str(installed.metadata.json["description"])
+    targets = re.findall(r"\]\(([^)]*)\)|(?m:^\[[^]]+\]: *(\S+))|(?:src|href)=\"([^\"]*)", text)
+    links = ["".join(groups) for groups in targets]
+    assert links
+    assert [link for link in links if not link.startswith(("https://", "#"))] == []
+    blob = "https://github.com/OWNER/mars-asp/blob/main/"
+    paths = [link.removeprefix(blob).partition("#")[0] for link in links if blob in link]
+    assert paths
+    assert [path for path in paths if not (ROOT / path).exists()] == []
+
+
+def test_versions_agree(installed: Distribution) -> None:
+    package = ElementTree.parse(ROOT / "package.xml").getroot()
+    assert package.findtext("version") == installed.version
+    assert package.findtext("license") == installed.metadata.json["license_expression"]
+    assert all(package.findtext(name) for name in ("name", "description", "maintainer"))
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == installed.version
+    assert [each["title"] for each in citation["references"]] == [PAPER]
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    versions = re.findall(r"(?m)^## \[(\S+)\]", changes)
+    assert versions[:2] == ["Unreleased", installed.version]
+
+
+def test_the_guide_for_contributors_is_short() -> None:
+    assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()) <= 60
