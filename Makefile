@@ -13,6 +13,7 @@ NEWEST ?= $(firstword $(wildcard $(foreach version,14 13 12,/usr/bin/python3.$(v
 demo: $(VENV)/installed
 	@echo "== explaining the paper's Level 0 robot (figure 18)"
 	@$(BIN)/mars-asp explain examples/level0/config.mars
+	@echo "== the command is $(BIN)/mars-asp: $(BIN)/mars-asp check PATH judges your robot"
 
 test: $(VENV)/installed-dev
 	@echo "== making tables of the grammar and our rules"
