@@ -26,8 +26,8 @@ _NAMED = r"(?m)^[^=#\n]*mars-asp"
 _KEYS = ("select", "ignore", "baseline", "rules")
 #: What the keys list whose values are lists.
 _LISTED = {
-    "select": "kinds of findings",
-    "ignore": "kinds of findings",
+    "select": "kinds of findings or rules",
+    "ignore": "kinds of findings or rules",
     "rules": "folders of rule packs",
 }
 _MOST_BYTES = 1024 * 1024
