@@ -9,8 +9,21 @@ Severity: TypeAlias = Literal["error", "warning", "note"]
 
 #: The code of notes that list what was not read of a file.
 NOT_READ = "not-read"
-#: The kinds of messages that reading foreign files gives; each has its code, but for the hyphen.
-READING_KINDS = frozenset({"catalogue", "launch", "mux", "not_read"})
+#: The names of warnings and notes about the input, kinds and codes: they can be ignored.
+INPUT_WARNINGS = frozenset(
+    "catalogue launch mux not_read not-read annotations-missing module-twice unused-ignore baseline"
+    " urdf-mimic urdf-angle MARS204 MARS205 MARS206 MARS207 MARS302 MARS308".split()
+) | {"stand-in"}
+#: The codes of errors of the input, without those of annotations: they are always reported.
+INPUT_ERRORS = frozenset(
+    "atom attribute constant costs costs-too-large dora dot encoding external format include kind"
+    " pack part ports query ros2 rosgraph rule-clause rule-constant rule-cost rule-declaration"
+    " rule-head rule-later rule-metadata rule-number rule-private rule-reserved rule-severity"
+    " rule-statement rule-syntax rule-undecided rule-undefined rule-unknown rule-unsafe"
+    " rules-include rules-missing rules-refused settings sources sources-missing subject syntax"
+    " unfixed unreadable unsatisfiable urdf usage yaml".split()
+)
+_ANNOTATION = re.compile(r"MARS[0-9]{3}")
 #: Longer than any name or path that a person reads, and how much of both ends tells it apart.
 _LONG = re.compile(r"\S{301,}")
 _KEPT = 100
@@ -70,6 +83,13 @@ def brief(diagnostic: Diagnostic) -> Diagnostic:
 
 def _cut(word: re.Match[str]) -> str:
     return f"{word[0][:_KEPT]}...{word[0][-_KEPT:]}"
+
+
+def is_input_error(name: str) -> bool:
+    """Whether a name is the code of an error of the input, which cannot be ignored."""
+    if name in INPUT_WARNINGS:
+        return False
+    return name in INPUT_ERRORS or _ANNOTATION.fullmatch(name) is not None
 
 
 def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:

@@ -28,6 +28,7 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import Suggestion
 from mars_asp.cli.results import Result, results_of
+from mars_asp.cli.schemas import add_schema, check_schema
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, point
@@ -93,6 +94,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="OUT", help="write the findings to a file, in any format"
     )
+    add_schema(parser, "the document of --format json", check_schema)
     add_launch(parser)
     add_exclusion(parser)
     add_selection(parser)

@@ -40,6 +40,11 @@ def explain_schema(written: str) -> str:
     return _text(f"explain.{written}")
 
 
+def check_schema() -> str:
+    """Return the JSON Schema of the document of `check`."""
+    return _text("check")
+
+
 def campaign_schema() -> str:
     """Return the JSON Schema of a line of a campaign."""
     return _text("campaign")

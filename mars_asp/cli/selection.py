@@ -17,7 +17,15 @@ from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
 from mars_asp.cli.layout import counted
 from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
 from mars_asp.cli.settings import settings_of
-from mars_asp.diagnostic import READING_KINDS, Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import (
+    INPUT_WARNINGS,
+    Diagnostic,
+    MarsError,
+    Severity,
+    Span,
+    is_input_error,
+    point,
+)
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 from mars_asp.reasoning.project import Project
@@ -54,15 +62,19 @@ class Selected(NamedTuple):
 
 
 class _Choice(NamedTuple):
-    """What is said for the files of a folder: kinds to report, kinds to leave out, a baseline."""
+    """The selection for the files of a folder: names to report, names to leave out, a baseline.
+
+    A name is the kind of a finding, or the id of its rule.
+    """
 
     select: frozenset[str] | None
     ignore: frozenset[str]
     baseline: "Baseline | None"
 
-    def has(self, kind: str) -> bool:
-        """Whether findings of a kind are reported."""
-        return (self.select is None or kind in self.select) and kind not in self.ignore
+    def has(self, names: tuple[str, ...]) -> bool:
+        """Whether findings of these names are reported."""
+        is_selected = self.select is None or not self.select.isdisjoint(names)
+        return is_selected and self.ignore.isdisjoint(names)
 
 
 def hidden_text(hidden: Mapping[str, int]) -> str:
@@ -79,12 +91,12 @@ def add_selection(parser: argparse.ArgumentParser, writes: bool = True) -> None:
     """Add the options that say which findings are reported, and what `writes` a baseline."""
     add = parser.add_argument
     for option, text in (
-        ("--select", "report findings of these kinds alone"),
-        ("--ignore", "report no findings of these kinds"),
+        ("--select", "report findings of these kinds or rules alone"),
+        ("--ignore", "report no findings of these kinds or rules"),
     ):
         add(
             option,
-            metavar="KIND,...",
+            metavar="NAME,...",
             type=_kinds,
             action="extend",
             help=f"{text}; repeatable (default: `{option[2:]}` of mars.toml)",
@@ -151,25 +163,28 @@ class Selection:
     def messages(self, project: Project) -> tuple[tuple[Diagnostic, ...], Counter[str]]:
         """Return the reported messages on reading a project, and how many each filter hides.
 
-        Errors are always reported, and so are messages without a kind.
+        Errors are always reported. Warnings without a kind are unless their code is ignored.
 
         Raises:
             MarsError: the settings of its folder, or their baseline, are wrong.
         """
         choice, ignores = self._said_of(project)
-        commented = {(span.path, span.line, kind) for each in ignores for kind, span in each.kinds}
+        commented = {(span.path, span.line, name) for each in ignores for name, span in each.kinds}
         shown: list[Diagnostic] = []
         hidden: Counter[str] = Counter()
         for each in project.diagnostics:
             if each.kind in ("broken_file", "missing_file") and project.trees:
                 # It is a finding as well.
                 continue
-            if each.kind is None or each.severity == "error":
+            names = _selectors(each)
+            if each.severity == "error":
                 shown.append(each)
-            elif not choice.has(each.kind):
+            elif not (choice.has(names) if each.kind else choice.ignore.isdisjoint(names)):
                 continue
-            elif (each.span.path, each.span.line, each.kind) in commented:
+            elif any((each.span.path, each.span.line, name) in commented for name in names):
                 hidden["comment"] += 1
+            elif each.kind is None:
+                shown.append(each)
             elif choice.baseline is not None and choice.baseline.takes(each):
                 hidden["baseline"] += 1
             elif self._arguments.write_baseline is not None and each.severity == "warning":
@@ -236,22 +251,26 @@ class Selection:
         for each in found:
             # What is listed was found, whatever else hides it.
             is_known = choice.baseline is not None and choice.baseline.takes(each)
-            if not choice.has(each.kind) or (each.severity == "note" and not notes):
+            names = _selectors(each)
+            if not choice.has(names) or (each.severity == "note" and not notes):
                 continue
-            reason = said.get((each.spans[0].path, each.spans[0].line, each.kind))
-            if reason is not None:
-                hidden.append(Hidden(each, "comment", reason))
+            path, line = each.spans[0][:2]
+            reasons = [said[path, line, name] for name in names if (path, line, name) in said]
+            if reasons:
+                hidden.append(Hidden(each, "comment", reasons[0]))
             elif is_known:
                 hidden.append(Hidden(each, "baseline", ""))
             else:
                 shown.append(each)
-        remarks = tuple(self._remarks(ignores, found, project.diagnostics))
+        is_judged = "unused-ignore" not in choice.ignore
+        remarks = tuple(self._remarks(ignores if is_judged else (), found, project.diagnostics))
         return Selected(tuple(shown), tuple(hidden), remarks, choice.baseline is not None)
 
     def end(self, is_whole: bool = True) -> Iterator[Diagnostic]:
         """Write the baseline that is asked for, if all files could be read; yield what is odd."""
         for baseline in self._baselines.values():
-            yield from baseline.unmatched(self._read)
+            if "baseline" not in (self._arguments.ignore or ()):
+                yield from baseline.unmatched(self._read)
         path = self._arguments.write_baseline
         if path is None:
             return
@@ -305,11 +324,15 @@ class Selection:
             self._baselines[path] = read_baseline(path)
         return self._baselines[path]
 
-    # ---- Kinds -----------------------------------------------------------------------------------
+    # ---- Names -----------------------------------------------------------------------------------
 
     @cached_property
-    def _found_kinds(self) -> frozenset[str]:
-        return consequence_kinds(self._rulebook) | READING_KINDS
+    def _known_names(self) -> frozenset[str]:
+        return _names_in(self._rulebook) | INPUT_WARNINGS
+
+    @cached_property
+    def _launch_names(self) -> frozenset[str]:
+        return _names_in(load_rulebook(stages=("launch",)))
 
     @cached_property
     def _is_open(self) -> bool:
@@ -317,36 +340,36 @@ class Selection:
         return any(kinds_of(rule) is None for rule in self._rulebook.rules)
 
     def _check(self, kinds: Sequence[str] | None, place: Callable[[int], Span]) -> None:
-        """Check that rules find what is named; `place` is that of one of the kinds, by number.
+        """Check that names are kinds or rules; `place` is that of one of them, by number.
 
         Raises:
-            MarsError: they do not; all of that.
+            MarsError: some are neither; all of these.
         """
         unknown = {
-            kind: number for number, kind in enumerate(kinds or ()) if self._is_unknown(kind)
+            name: number for number, name in enumerate(kinds or ()) if self._is_unknown(name)
         }
         if unknown:
-            raise MarsError(
-                Diagnostic("kind", "error", f"no rule finds `{kind}`", place(n), help=advice)
-                for kind, n in unknown.items()
-                for advice in (self._advice(kind),)
-            )
+            raise MarsError(self._refusal(name, place(number)) for name, number in unknown.items())
 
-    def _is_unknown(self, kind: str) -> bool:
-        if kind in self._found_kinds or self._is_open:
+    def _is_unknown(self, name: str) -> bool:
+        if name in self._known_names:
             return False
-        return kind not in consequence_kinds(load_rulebook(stages=("launch",)))
+        return is_input_error(name) or not (self._is_open or name in self._launch_names)
 
-    def _advice(self, kind: str) -> str:
-        """Return what may have been meant by a kind that no rule finds."""
-        named = (rule for rule in self._rulebook.rules if rule.id == kind)
-        found = sorted(name for rule in named for name in kinds_of(rule) or ())
-        if found:
-            return f"`{kind}` is a rule; what it finds is called `{found[0]}`"
-        near = nearest(kind, self._found_kinds)
+    def _refusal(
+        self, name: str, span: Span, code: str = "kind", severity: Severity = "error"
+    ) -> Diagnostic:
+        """Return the diagnostic for a name that is no finding, with the nearest one that is."""
+        if is_input_error(name):
+            message = f"`{name}` is an error of the input, which cannot be ignored"
+            return Diagnostic(code, severity, message, span, help="it is always reported: fix it")
+        names = self._known_names | self._launch_names
+        ends = sorted(each for each in names if each.rpartition("/")[2] == name)
+        near = ends[0] if ends else nearest(name, names)
+        advice = "`mars-asp analyse FILE` names the kind of each finding, and --rules adds more"
         if near is not None:
-            return f"did you mean `{near}`?"
-        return "`mars-asp analyse FILE` names the kind of each finding, and --rules adds more"
+            advice = f"did you mean `{near}`?"
+        return Diagnostic(code, severity, f"no rule finds `{name}`", span, help=advice)
 
     # ---- Comments --------------------------------------------------------------------------------
 
@@ -359,8 +382,8 @@ class Selection:
         """Yield what is odd about comments: those that hide nothing, or name nothing."""
         if not ignores:
             return
-        matched = {(each.spans[0].path, each.spans[0].line, each.kind) for each in found}
-        matched |= {(each.span.path, each.span.line, each.kind or "") for each in messages}
+        matched = {(*each.spans[0][:2], name) for each in found for name in _selectors(each)}
+        matched |= {(*each.span[:2], name) for each in messages for name in _selectors(each)}
         for ignore in ignores:
             if not ignore.kinds:
                 message = "this comment names no kind of finding, so it hides nothing"
@@ -370,10 +393,23 @@ class Selection:
                 if (span.path, span.line, kind) in matched:
                     continue
                 if self._is_unknown(kind):
-                    yield _remark(f"no rule finds `{kind}`", span, self._advice(kind))
+                    yield self._refusal(kind, span, "unused-ignore", "warning")
                 else:
                     message = f"this comment hides nothing: no `{kind}` is reported at its line"
                     yield _remark(message, span, _elsewhere(kind, span, found))
+
+
+def _selectors(finding: Consequence | Diagnostic) -> tuple[str, ...]:
+    """Return the names by which a finding, or a message on reading, is selected and ignored."""
+    if isinstance(finding, Consequence):
+        return finding.kind, finding.rule.id
+    return (finding.kind, finding.code) if finding.kind else (finding.code,)
+
+
+def _names_in(rulebook: Rulebook) -> frozenset[str]:
+    """Return the kinds of consequence that rules find, and the ids of these rules."""
+    ids = (rule.id for rule in rulebook.rules if kinds_of(rule) != frozenset())
+    return consequence_kinds(rulebook).union(ids)
 
 
 def _inputs(arguments: argparse.Namespace) -> Sequence[str]:
@@ -391,7 +427,7 @@ def _elsewhere(kind: str, span: Span, found: Iterable[Consequence]) -> str:
     """Return where a comment belongs that hides nothing at its own line."""
     for each in found:
         first = each.spans[0]
-        if each.kind == kind and any(
+        if kind in _selectors(each) and any(
             (at.path, at.line) == (span.path, span.line) for at in each.spans[1:]
         ):
             return f"move it to the end of line {first.line} of {first.path}, its first place"

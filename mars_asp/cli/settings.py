@@ -27,8 +27,8 @@ _NAMED = r"(?m)^[^=#\n]*mars-asp"
 _KEYS = ("select", "ignore", "baseline", "rules", "exclude")
 #: What the keys list whose values are lists.
 _LISTED = {
-    "select": "kinds of findings",
-    "ignore": "kinds of findings",
+    "select": "kinds of findings or rules",
+    "ignore": "kinds of findings or rules",
     "rules": "folders of rule packs",
     "exclude": "patterns of paths",
 }

@@ -7,14 +7,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jsonschema_rs
 import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.cli.check_output import FORMATS
 from mars_asp.cli.deliver import replace_files
+from mars_asp.cli.schemas import check_schema
 from tests.support.documents import ROOT
 from tests.support.processes import mars
 
+DOCUMENT = jsonschema_rs.validator_for(json.loads(check_schema()))
 #: Each finding has exactly one repair.
 TWICE = """\
 @configuration hierarchical
@@ -372,7 +375,14 @@ def test_findings_go_to_standard_error_where_the_output_is_a_text_or_a_baseline(
     assert (done.returncode, done.stdout) == (2, "")
     assert heads(done.stderr) == ["<stdin>:2:12: error", "-:1:1: error"]
     done = mars("check", "--fix", "-", "--format", "json", text=TWICE)
-    assert json.loads(done.stdout)["files"][0]["text"] == ONCE
+    document = json.loads(done.stdout)
+    assert document["files"][0]["text"] == ONCE
+    assert list(DOCUMENT.iter_errors(document)) == []
+
+
+def test_the_schema_of_the_document_is_printed_and_refuses_others() -> None:
+    assert mars("check", "--schema").stdout == check_schema()
+    assert not DOCUMENT.is_valid({"format": "mars-check", "version": 1})
 
 
 def test_one_document_has_findings_notes_and_each_robot(robots: Path) -> None:
@@ -380,6 +390,7 @@ def test_one_document_has_findings_notes_and_each_robot(robots: Path) -> None:
     done = mars("check", *names, "--format", "json", folder=robots)
     document = json.loads(done.stdout)
     assert (done.returncode, done.stderr) == (2, "")
+    assert list(DOCUMENT.iter_errors(document)) == []
     assert (document["format"], document["version"]) == ("mars-check", 1)
     assert [each["path"] for each in document["files"]] == list(names)
     first = document["findings"][0]
@@ -400,6 +411,7 @@ def test_errors_of_the_selection_are_in_the_document(
     output = capsys.readouterr()
     document = json.loads(output.out)
     assert (output.err, document["errors"]) == ("", 1)
+    assert list(DOCUMENT.iter_errors(document)) == []
     assert document["findings"][0]["kind"] is None
 
 

@@ -1,5 +1,6 @@
 """Which findings are reported: options, settings, comments and baselines."""
 
+import ast
 import json
 from pathlib import Path
 from unittest.mock import Mock
@@ -9,7 +10,7 @@ import pytest
 from mars_asp import toml_text
 from mars_asp.cli import run_here
 from mars_asp.cli.settings import settings_for
-from mars_asp.diagnostic import MarsError
+from mars_asp.diagnostic import INPUT_WARNINGS, MarsError, is_input_error
 from tests.support.configurations import FINDINGS as ROBOT
 from tests.support.documents import ROOT
 from tests.support.processes import mars
@@ -51,11 +52,16 @@ def test_the_robot_of_these_tests(capsys: pytest.CaptureFixture[str]) -> None:
         (["--select", f"{WARNING},{WARNING},"], 0, {WARNING}),
         (["--select", f"{ERROR},{WARNING}", "--ignore", ERROR], 0, {WARNING}),
         (["--select", ERROR, "--ignore", ERROR], 0, set()),
+        (["--select", "control/ambiguous-priority"], 0, {WARNING}),
+        (["--select", f"control/ambiguous-priority,{ERROR}", "--ignore", "mounts/cycle"], 0, None),
+        (["--select", ERROR, "--ignore", "mounts/repeated"], 1, {ERROR}),
+        (["--select", "mounts/repeated"], 0, set()),
     ],
 )
 def test_kinds_are_selected_and_ignored(
-    options: list[str], status: int, kinds: set[str], capsys: pytest.CaptureFixture[str]
+    options: list[str], status: int, kinds: set[str] | None, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    kinds = {WARNING} if kinds is None else kinds
     assert analysed(capsys, "a.mars", *options) == (status, kinds, [])
     assert run_here(["check", "a.mars", *options]) == status
     assert (f"[{WARNING}]" in capsys.readouterr().out) == (WARNING in kinds)
@@ -70,10 +76,12 @@ def test_ignored_kinds_are_all_but_the_others(capsys: pytest.CaptureFixture[str]
     ("option", "told"),
     [
         ("ambigous_priority", "no rule finds `ambigous_priority`|did you mean"),
-        (
-            "mounts/cycle",
-            f"`mounts/cycle`|`mounts/cycle` is a rule; what it finds is called `{ERROR}`",
-        ),
+        ("mounts/cycel", "no rule finds `mounts/cycel`|did you mean `mounts/cycle`?"),
+        ("rivals", "no rule finds `rivals`|did you mean `launch/commands/rivals`?"),
+        ("control/splitter", "no rule finds `control/splitter`|"),
+        ("syntax", "`syntax` is an error of the input, which cannot be ignored|it is always"),
+        ("unreadable", "`unreadable` is an error of the input, which cannot be ignored|"),
+        ("MARS111", "`MARS111` is an error of the input, which cannot be ignored|"),
         ("zzz", "no rule finds `zzz`|`mars-asp analyse FILE` names"),
     ],
 )
@@ -93,6 +101,57 @@ def test_kinds_of_packs_are_known_where_the_pack_is(
     words = ("a.mars", "--select", "crowded")
     assert analysed(capsys, *words)[0] == 2
     assert analysed(capsys, *words, "--rules", "own.lp") == (1, {"crowded"}, [])
+
+
+def test_settings_take_kinds_and_rules(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    _, everything, _ = analysed(capsys, "a.mars")
+    (folder / "mars.toml").write_text('ignore = ["mounts/cycle", "ambiguous_priority"]\n')
+    assert analysed(capsys, "a.mars") == (0, everything - {ERROR, WARNING}, [])
+    (folder / "mars.toml").write_text('ignore = ["cycle"]\n')
+    status, _, (remark,) = analysed(capsys, "a.mars")
+    assert (status, remark[:43]) == (2, "1:11 no rule finds `cycle`|did you mean `mo")
+
+
+#: Names in brackets of messages about reading, and files that cause them.
+READ = [
+    ("unused-ignore", "@configuration\n@modules A, B // mars: ignore\nA uses_data_from B\n"),
+    ("not_read", "topics:\n- {name: a, topic: t, timeout: 0.5, priority: 7}\nlocks: [{name: l}]\n"),
+]
+
+
+@pytest.mark.parametrize(("name", "text"), READ)
+def test_names_in_brackets_are_ignored(
+    name: str, text: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "r").write_text(text)
+    run_here(["check", "r"])
+    assert f"[{name}]" in "".join(capsys.readouterr())
+    for each in {name, name.replace("_", "-")}:
+        assert run_here(["check", "r", "--ignore", each]) == 0
+        assert f"[{name}]" not in "".join(capsys.readouterr())
+
+
+def test_every_code_of_an_error_is_known_as_one() -> None:
+    """A name in brackets is either taken by `--ignore` or refused with the reason."""
+    calls = (
+        node
+        for path in sorted((ROOT / "mars_asp").rglob("*.py"))
+        if path.relative_to(ROOT / "mars_asp").parts[0] in READING_FOLDERS
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("Diagnostic", "refusal")
+    )
+    codes = {
+        argument.value
+        for node in calls
+        for argument in node.args[:1]
+        if isinstance(argument, ast.Constant) and isinstance(argument.value, str)
+    }
+    assert len(codes) > 40
+    assert not [code for code in codes if code not in INPUT_WARNINGS and not is_input_error(code)]
+
+
+#: The packages that read the input of `check`.
+READING_FOLDERS = ("annotations", "language", "exchange", "reasoning", "asp")
 
 
 # ---- Settings ------------------------------------------------------------------------------------
@@ -188,6 +247,9 @@ def commented(line: int, comment: str) -> str:
     [
         (5, f"// mars: ignore[{ERROR}] it turns", {ERROR}, []),
         (5, f"# mars:ignore[ {ERROR} ]", {ERROR}, []),
+        (5, "// mars: ignore[mounts/cycle] it turns", {ERROR}, []),
+        (5, "// mars: ignore[mounts/repeated]", set(), ["5:39 this comment hides nothing"]),
+        (5, "// mars: ignore[syntax]", set(), ["5:39 `syntax` is an error of the input"]),
         (3, f"// why // mars: ignore[{WARNING}, control_convergence]", {WARNING, *NOTES}, []),
         (3, f"// mars: ignore[{WARNING},{WARNING}]", {WARNING}, []),
         (4, f"// mars: ignore[{WARNING}]", set(), ["4:43 this comment hides nothing"]),
