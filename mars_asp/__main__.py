@@ -5,11 +5,12 @@ import io
 import os
 import signal
 import sys
+from collections.abc import Sequence
 from types import FrameType
 
 
-def main() -> int:
-    """Run the command line; return the exit status."""
+def main(words: Sequence[str] | None = None) -> int:
+    """Run a command line, that of the process by default; return the exit status."""
     _end_plainly()
     # What is imported stays, so looking for cycles in it is lost time; a worker looks for its own.
     gc.disable()
@@ -20,7 +21,7 @@ def main() -> int:
             stream.reconfigure(encoding="utf-8", errors="backslashreplace")
     from mars_asp.cli import run_command
 
-    return run_command(sys.argv[1:])
+    return run_command(sys.argv[1:] if words is None else words)
 
 
 def _end_plainly() -> None:

@@ -156,3 +156,46 @@ def test_versions_agree(installed: Distribution) -> None:
 
 def test_the_guide_for_contributors_is_short() -> None:
     assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()) <= 60
+
+
+#: Does as `ros2` does with the command of an entry point, where modules of ROS are missing.
+ROS2 = """
+import argparse, sys
+from importlib.metadata import entry_points
+sys.modules |= dict.fromkeys(("ros2cli", "rclpy"))
+(entry,) = entry_points(group="ros2cli.command", name="mars")
+extension = entry.load()()
+assert extension.__doc__
+parser = argparse.ArgumentParser(prog="ros2")
+parser.add_argument("--use-python-default-buffering", action="store_true")
+commands = parser.add_subparsers(dest="command")
+command = commands.add_parser(entry.name)
+command.set_defaults(extension=extension)
+extension.add_arguments(command, "ros2 mars", argv=None)
+arguments = parser.parse_args()
+sys.exit(arguments.extension.main(parser=parser, args=arguments))
+"""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        (),
+        ("--help",),
+        ("--version",),
+        ("check", "--help"),
+        ("--quiet", "check", "config.mars", "--format=json"),
+        ("synthesise", "config.mars"),
+        ("check", "--", "config.mars"),
+    ],
+)
+def test_ros2_passes_all_words(words: tuple[str, ...], site: Path) -> None:
+    assert python(site, "-c", ROS2, "mars", *words) == python(site, "-m", "mars_asp", *words)
+
+
+def test_the_linter_of_ament_checks(installed: Distribution, site: Path) -> None:
+    (entry,) = (each for each in installed.entry_points if each.name == "ament_mars")
+    call = f"import sys; from {entry.module} import {entry.attr} as main; sys.exit(main())"
+    for words in (("config.mars", "--quiet"), ("--exclude", "site", ".")):
+        assert python(site, "-c", call, *words) == python(site, "-m", "mars_asp", "check", *words)
+    assert "--xunit-file" in python(site, "-c", call, "--help")

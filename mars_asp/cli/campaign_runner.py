@@ -99,7 +99,7 @@ class _Fork:
                 os.dup2(answered, 1)
                 os.closerange(3, os.sysconf("SC_OPEN_MAX"))
                 sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 -- for as long as it runs
-                main()
+                serve_runs()
             finally:
                 os._exit(0)
         os.close(given)
@@ -129,7 +129,8 @@ class Runner:
         if forked and hasattr(os, "fork"):
             self._process = _Fork()
             return
-        start = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import main; main()"
+        path = f"import sys; sys.path[:] = {sys.path!r}"
+        start = f"{path}; from {__name__} import serve_runs; serve_runs()"
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-c", start],
             stdin=subprocess.PIPE,
@@ -261,7 +262,7 @@ def _exactly(pipe: IO[bytes], size: int) -> bytes | None:
 # ---- In the runner -------------------------------------------------------------------------------
 
 
-def main() -> None:
+def serve_runs() -> None:
     """Carry out what standard input asks for, until it is closed or asks for nothing more."""
     given = os.fdopen(os.dup(0), "rb", buffering=0)
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
