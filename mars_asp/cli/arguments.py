@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import os
 import re
 import sys
 import textwrap
@@ -255,7 +256,14 @@ def ordered(words: Sequence[str]) -> list[str]:
 def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FORMATS) -> None:
     """Add the options of every verb, of which a verb may print its result in more `formats`."""
     add = parser.add_argument
-    add("--rules", metavar="DIR", action="append", default=[], help="a rule pack; repeatable")
+    add(
+        "--rules",
+        metavar="DIR|NAME",
+        action="append",
+        default=[],
+        type=_rule_pack,
+        help="a rule pack, a path or one that is installed; repeatable",
+    )
     add("--trust", action="store_true", help="a rule pack may rank its costs above ours")
     add(
         "--sources",
@@ -308,6 +316,15 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         version=f"mars-asp {__version__}",
         help="print the version and exit",
     )
+
+
+def _rule_pack(given: str) -> str:
+    """Return a path as it is, or the folder of the installed pack if there is no such path."""
+    if os.path.exists(given):  # noqa: PTH110 -- never raises
+        return given
+    from mars_asp.reasoning.packs import installed_pack
+
+    return str(installed_pack(given) or given)
 
 
 def positive(text: str) -> float:

@@ -112,7 +112,7 @@ def _rulebook(config: pytest.Config, pack: Path | None, folder: Path):  # type: 
     from mars_asp.reasoning.rules import STAGES, load_rulebook
 
     books = config.stash.setdefault(_BOOKS, {})
-    given = map(Path, settings_for(folder).rules) if pack is None else with_companions(pack)
+    given = settings_for(folder).packs() if pack is None else with_companions(pack)
     packs = tuple(given)
     if packs not in books:
         books[packs] = load_rulebook(packs, STAGES)

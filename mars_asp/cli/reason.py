@@ -359,10 +359,7 @@ def packs_of(arguments: argparse.Namespace) -> list[Path]:
     first = next((each for each in named if each), ".")
     path = Path(first if isinstance(first, str) else first[0])
     folder = path if path.is_dir() else path.parent
-    settings = settings_of(arguments, folder)
-    for number, each in enumerate(settings.rules):
-        settings.check_named(each, "rules", number)
-    return [Path(each) for each in (*settings.rules, *arguments.rules)]
+    return [*settings_of(arguments, folder).packs(), *map(Path, arguments.rules)]
 
 
 def analyse_project(

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 from mars_asp.asp.lint.found import fixed, titled
@@ -38,7 +38,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import replace_together, visible
 from mars_asp.reasoning.lint import Linted, lint
-from mars_asp.reasoning.packs import with_companions
+from mars_asp.reasoning.packs import installed_packs, with_companions
 from mars_asp.reasoning.rules import STAGES
 from mars_asp.spelling import nearest
 
@@ -141,7 +141,8 @@ def run(arguments: argparse.Namespace) -> int:
         found_rules = (rule for stage in stages for rule in speaking(rulebook, stage))
         print(encoded([rule_json(rule) for rule in found_rules]))
     else:
-        print("\n\n".join(_listed(rulebook, stage) for stage in stages))
+        installed = () if arguments.stage else _listed_packs()
+        print("\n\n".join([*(_listed(rulebook, stage) for stage in stages), *installed]))
     return 0
 
 
@@ -312,6 +313,15 @@ def _listed(rulebook: Rulebook, stage: str) -> str:
         for rule in rules
     ]
     return "\n".join([f"{stage}: {PURPOSES[stage]}", *lines])
+
+
+def _listed_packs() -> Iterator[str]:
+    """Yield the list of installed packs, if there are any."""
+    packs = installed_packs()
+    width = max(map(len, packs), default=0)
+    lines = [visible(f"{name:<{width}}  {folder}") for name, folder in packs.items()]
+    if lines:
+        yield "\n".join(["installed packs, which `--rules NAME` applies", *lines])
 
 
 def _example(rule: Rule, rulebook: Rulebook) -> tuple[Derived | None, list[str]]:

@@ -81,6 +81,28 @@ A pack of rules for mars-asp. It finds `$kind`: a controller that uses no data.
 - `consequences/` holds the rules that find something; `resolve/`, `verify/`, `run/` and `repair/`
   can be added.
 - `cases/` holds what the rules are expected to make of facts (`.lp`) and of robots (`.mars`).
+- `pyproject.toml` makes a wheel of it: `pip wheel --no-deps .`. Where that is installed,
+  `--rules $topic` finds the pack.
+""",
+    "pyproject.toml": """\
+[build-system]
+requires = ["hatchling>=1.25"]
+build-backend = "hatchling.build"
+
+[project]
+name = "mars-asp-$topic"
+version = "0.1"
+description = "$title, a pack of rules for mars-asp"
+readme = "README.md"
+requires-python = ">=3.11"
+dependencies = ["mars-asp>=0.1"]
+
+[project.entry-points."mars_asp.packs"]
+$topic = "mars_asp_$kind"
+
+[tool.hatch.build.targets.wheel]
+include = ["/pack.toml", "/*/*.lp", "/cases"]
+sources = { "" = "mars_asp_$kind" }
 """,
 }
 

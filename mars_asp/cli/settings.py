@@ -66,6 +66,26 @@ class Settings(NamedTuple):
             message = f"`{named}`: {error.strerror}"
             raise MarsError([_wrong(self, message, *key, help_text=error.advice)]) from None
 
+    def packs(self) -> list[Path]:
+        """Return the rule packs, paths or installed ones.
+
+        Raises:
+            MarsError: one lies outside.
+        """
+        folder = Path(self.path).parent
+        found: list[Path] = []
+        for number, each in enumerate(self.rules):
+            self.check_named(each, "rules", number)
+            path = Path(each)
+            # A name is a path in the folder of the settings.
+            installed = None
+            if path.parent == folder and not os.path.exists(path):  # noqa: PTH110 -- never raises
+                from mars_asp.reasoning.packs import installed_pack
+
+                installed = installed_pack(path.name)
+            found.append(installed or path)
+        return found
+
 
 NO_SETTINGS = Settings()
 

@@ -92,7 +92,7 @@ def run_once(arguments: argparse.Namespace) -> int:
     found = cases_of(map(Path, arguments.paths), rules)
     robots = [each for each in found if each.pack is None and each.path.suffix == SUFFIX]
     if robots and not rules:
-        rules = [Path(path) for path in settings_of(arguments, robots[0].path.parent).rules]
+        rules = list(settings_of(arguments, robots[0].path.parent).packs())
     if arguments.snapshot:
         return _snapshot(found, rules, arguments)
     if not found:

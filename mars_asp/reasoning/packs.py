@@ -17,8 +17,9 @@ after stages; without one, its `.lp` files find consequences.
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mars_asp import __version__
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
@@ -26,6 +27,9 @@ from mars_asp.language.parse import decode, read_bytes
 from mars_asp.model.declarations import NODE_NAMES, PackKind
 from mars_asp.spelling import nearest
 from mars_asp.toml_text import Places, read_tables
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoints
 
 MANIFEST = "pack.toml"
 #: The folders of a pack with a manifest, by the stages of what lies in them.
@@ -39,6 +43,8 @@ FOLDERS: Mapping[str, str] = {
 }
 #: Folders of a pack whose files are no rules of it.
 _OTHERS = ("cases", "docs", "examples", "tests")
+#: The entry points by which distributions offer packs: a name, and the package that is its folder.
+GROUP = "mars_asp.packs"
 _CODE = "pack"
 _KEYS = ("name", "version", "summary", "needs", "node")
 _NAME = r"[a-z][a-z0-9]*([-_][a-z0-9]+)*"
@@ -127,8 +133,7 @@ def find_packs(given: Iterable[Path], problems: list[Diagnostic]) -> tuple[Pack,
             if _is_new(path, seen):
                 loose.setdefault(path.parent, []).append(PackFile(path, "base"))
         else:
-            message = f"`{path}` is not a file or folder"
-            problems.append(Diagnostic("rules-missing", "error", message, point(str(path), 1, 1)))
+            problems.append(_missing_path(path))
     for folder, files_there in loose.items():
         packs.append(Pack(folder.resolve().name, folder, tuple(files_there)))
     problems += _wrong_together(packs)
@@ -180,6 +185,39 @@ def folders_around(folder: Path) -> Iterator[tuple[str, Path]]:
             name = outer.name
 
 
+def installed_pack(name: str) -> Path | None:
+    """Return the folder of the pack that an installed distribution offers by a name, if any."""
+    return next((folder for _, folder in _installed(_entry_points(name))), None)
+
+
+def installed_packs() -> dict[str, Path]:
+    """Return the folders of the packs that installed distributions offer, by their names."""
+    packs: dict[str, Path] = {}
+    for name, folder in _installed(_entry_points()):
+        packs.setdefault(name, folder)
+    return dict(sorted(packs.items()))
+
+
+def _entry_points(name: str | None = None) -> "EntryPoints":
+    from importlib.metadata import entry_points  # noqa: PLC0415 -- few commands need it
+
+    return entry_points(group=GROUP) if name is None else entry_points(group=GROUP, name=name)
+
+
+def _installed(offers: "EntryPoints") -> Iterator[tuple[str, Path]]:
+    """Yield the name and the folder of each pack; no code of it is run."""
+    for offer in offers:
+        first, *inner = offer.value.split(".")
+        try:
+            # To find an inner package in the same manner would import the outer one.
+            spec = find_spec(first)
+        except (ImportError, ValueError):
+            continue
+        outer = () if spec is None else spec.submodule_search_locations or ()
+        folders = (Path(each, *inner) for each in outer)
+        yield from ((offer.name, folder) for folder in folders if folder.is_dir())
+
+
 def kinds_of(packs: Iterable[Pack]) -> tuple[PackKind, ...]:
     """Return the kinds of nodes that packs bring."""
     manifests = (pack.manifest for pack in packs if pack.manifest is not None)
@@ -192,6 +230,16 @@ def _is_new(path: Path, seen: set[Path]) -> bool:
         return False
     seen.add(key)
     return True
+
+
+def _missing_path(path: Path) -> Diagnostic:
+    message = f"`{path}` is not a file or folder"
+    known = installed_packs()
+    near = nearest(path.name, known)
+    advice = f"did you mean the installed pack `{near}`?" if near else None
+    if known and advice is None:
+        advice = f"installed packs are {', '.join(f'`{each}`' for each in known)}"
+    return Diagnostic("rules-missing", "error", message, point(str(path), 1, 1), help=advice)
 
 
 def _empty(folder: Path) -> Iterator[Diagnostic]:
