@@ -14,7 +14,8 @@ A line of comments states what is expected; lines `%+ ...` below it continue it.
   highest first.
 
 A line `%case: TITLE` begins a case of its own, with the facts above the first such line and those
-up to the next. A case without any of these lines expects that there is no answer set. A case in a
+up to the next. A case without any of these lines expects that there is no answer set. Of a folder,
+files with one of these lines at least are taken, such as `%case: no answer set`. A case in a
 folder named after a stage (`resolve`) has the rules of that stage, too; of its answer sets the
 least count.
 """

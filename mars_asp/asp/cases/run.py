@@ -23,7 +23,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, point
 #: What is asked to be said here, beside what cases ask of rules themselves.
 _STAGE = "case"
 #: The beginning of an expectation, as `expectations.py` reads it.
-_EXPECTED = re.compile(r"(?m)^[ \t]*%(?:[=>~]|(?:only|has|not):)")
+_EXPECTED = re.compile(r"(?m)^[ \t]*%(?:[=>~]|(?:only|has|not|case):)")
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
 
