@@ -220,7 +220,7 @@ def wrong_in(words: Sequence[str], output: str) -> Iterator[str]:
         if not (words[0] == "extract" and wrong.startswith(HEADING)):
             yield wrong
     if words[0] not in _UNBROKEN:
-        # The first line of a finding is one line, for programs that read it.
+        # The head of a finding is one line that programs can read.
         yield from wider_than(WIDTH, _HEAD.sub("", output) if words[0] == "check" else output)
 
 
