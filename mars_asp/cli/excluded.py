@@ -1,6 +1,7 @@
 """Paths in a folder that are passed over: by git, by the settings and by options."""
 
 import argparse
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,6 +11,9 @@ from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.parse import plain_lines, read_text
 
+#: A pattern with many asterisks in one name, or many folders of any depth. The time to compare it
+#: grows with the length of the name to the power of their number.
+_SLOW = re.compile(r"(?:\*[^/*]+){3}\*|(?:\*\*[^*]+){3}\*\*|.{500}")
 #: Patterns, as in `.gitignore`, and the folder that they are relative to.
 _Patterns = tuple[Path, GitIgnoreSpec]
 
@@ -26,7 +30,7 @@ class Excluded:
         self._read: dict[Path, tuple[_Patterns, ...]] = {}
         around = (self._root, *self._root.parents)
         self._is_in_git = any((each / ".git").exists() for each in around)
-        patterns = [(at.resolve(), GitIgnoreSpec.from_lines(of)) for at, of in more]
+        patterns = [(at.resolve(), _spec_of_lines(of)) for at, of in more]
         self._besides = tuple(each for each in patterns if not self._names_root(each))
 
     def __call__(self, path: Path, is_folder: bool) -> bool:
@@ -59,9 +63,14 @@ class Excluded:
 
 def _spec_of(file: Path) -> GitIgnoreSpec:
     try:
-        return GitIgnoreSpec.from_lines(plain_lines(read_text(file)).split("\n"))
+        return _spec_of_lines(plain_lines(read_text(file)).split("\n"))
     except MarsError:
-        return GitIgnoreSpec.from_lines([])
+        return _spec_of_lines([])
+
+
+def _spec_of_lines(lines: Sequence[str]) -> GitIgnoreSpec:
+    """Return the patterns of lines, without those that take very long to compare with a name."""
+    return GitIgnoreSpec.from_lines([line for line in lines if not _SLOW.search(line)])
 
 
 def excluded_in(arguments: argparse.Namespace, root: Path) -> Excluded:

@@ -131,6 +131,15 @@ def test_git_ignores_paths_below_the_folder_with_its_repository(
     assert judged(capsys, "r/s") == ["r/s/a.mars", "r/s/b.mars"]
 
 
+@pytest.mark.parametrize("pattern", ["a*" * 30 + "b", "**/a/" * 30 + "b", "?" * 600])
+def test_a_pattern_that_takes_very_long_is_left_out(
+    pattern: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    deep = "a/" * 40 + "a" * 200 + ".mars"
+    write(here, {deep: MARS, "x.mars": MARS, ".gitignore": f"{pattern}\nx.mars\n"})
+    assert judged(capsys) == [deep]
+
+
 def test_a_folder_without_a_robot_is_refused(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
