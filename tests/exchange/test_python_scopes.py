@@ -125,6 +125,16 @@ CASES = {
         ["a", "b"],
         False,
     ),
+    "a method that is called very often": (
+        method(PUBLISH, name="f(self, topic)") + method(*(f"self.f('a{at}')" for at in range(64))),
+        sorted(f"a{at}" for at in range(64)),
+        False,
+    ),
+    "more calls than are followed": (
+        method(PUBLISH, name="f(self, topic)") + method(*(f"self.f('a{at}')" for at in range(65))),
+        sorted(f"a{at}" for at in (0, *range(2, 65))),
+        True,
+    ),
     "a name of the module": (
         method("global topic", PUBLISH) + "topic = 'a'\n",
         ["a"],

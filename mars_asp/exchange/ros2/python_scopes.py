@@ -272,7 +272,9 @@ def _reaching(
         if fork is None or fork[0][0] != fork[1][0]:
             found.append(each)
             if _covers([later.place.blocks for later in found], blocks):
-                break
+                return found
+    if len(assigned) > _MOST_ASSIGNED:
+        found.append(Assignment(UNKNOWN, assigned[0].place))
     return found
 
 

@@ -28,7 +28,7 @@ _MOST_STEPS = 1000
 _DEEPEST = 60
 _MOST_TEXT = 1000
 #: So many values of one expression count.
-_MOST_CHOICES = 16
+_MOST_CHOICES = 64
 _EMPTY = frozenset({ast.dump(ast.Constant(None)), ast.dump(ast.Constant(""))})
 #: Over so many files a constant is followed.
 _FARTHEST = 8
@@ -65,6 +65,8 @@ class Texts:
         #: Which of several values is taken, by their places; None where there must be one.
         self.taken: dict[tuple[int, ...], int] | None = None
         self._met: dict[tuple[int, ...], int] = {}
+        #: Whether the last expression has more values than were taken.
+        self.has_more = False
         self._given = dict(given or {})
         # A name of the class itself is an attribute of each object.
         of_class = {f"self.{name}": value for name, value in constants_of(node)}
@@ -105,7 +107,7 @@ class Texts:
                 if key not in before:
                     waiting += ({**before, key: at} for at in range(1, several))
                     before[key] = 0
-        self.taken = None
+        self.taken, self.has_more = None, bool(waiting)
 
     def _one_of(self, values: Sequence[ast.expr]) -> int | None:
         """Return which of several values is taken; None if there should be one."""

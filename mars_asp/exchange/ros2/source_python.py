@@ -334,6 +334,8 @@ class _Unit(Texts):
                 last = published and self.is_last(keeper)
                 topic = replace(topic, switches=tuple(sorted(switches)), parts=parts, last=last)
                 yield _Found(topic, keeper, published)
+            if self.has_more:
+                self.note(AT_RUN_TIME, name, self.shown(name))
 
     def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
         """Return the parameters that decide whether a publisher publishes at all."""
