@@ -1,4 +1,4 @@
-"""Fill in docs/case-study.md: `python benchmarks/case_study.py FOLDER`.
+"""Fill in docs/explanation/case-study.md: `python benchmarks/case_study.py FOLDER`.
 
 Each `sh` block of the page is a campaign, or a sign test of its runs; what it prints is written
 into the `text` block that follows, of a campaign without its worst runs. The runs are kept in
@@ -12,7 +12,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-PAGE = Path("docs/case-study.md")
+PAGE = Path("docs/explanation/case-study.md")
 BLOCK = re.compile(r"```sh\n(?P<command>[^\n]*)\n```\n\n```text\n.*?```", re.DOTALL)
 
 

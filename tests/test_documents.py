@@ -7,7 +7,7 @@ from runpy import run_path
 
 import pytest
 
-from docs.make_reference import pages
+from docs.reference.make_reference import pages
 from mars_asp.annotations.languages import LANGUAGES
 from tests.support.documents import ROOT, commands, refresh, run
 
@@ -32,7 +32,7 @@ def test_commands_print_what_is_shown(document: Path, update_golden: bool) -> No
         assert run(command) == shown, command
 
 
-STUDY = ROOT / "docs" / "case-study.md"
+STUDY = ROOT / "docs" / "explanation" / "case-study.md"
 BLOCK = run_path(str(ROOT / "benchmarks" / "case_study.py"))["BLOCK"]
 SIGN_TEST = run_path(str(ROOT / "benchmarks" / "sign_test.py"))
 
@@ -133,7 +133,7 @@ def test_each_page_has_a_place_in_the_site() -> None:
     assert not [path for path in listed if not (ROOT / path).is_file()]
 
 
-ANNOTATIONS = ROOT / "docs" / "annotations.md"
+ANNOTATIONS = ROOT / "docs" / "reference" / "annotations.md"
 SUFFIXES = {
     "c": "c", "cpp": "cpp", "python": "py", "java": "java", "rust": "rs", "go": "go", "matlab": "m"
 }  # fmt: skip

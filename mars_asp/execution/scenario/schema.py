@@ -1,4 +1,4 @@
-"""What may stand in a scenario, as a JSON Schema; `docs/scenarios.md` says what it means."""
+"""What may stand in a scenario, as a JSON Schema; `docs/reference/scenarios.md` says what it means."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
