@@ -33,7 +33,7 @@ LANGUAGES = {".mars": "text", ".py": "python", ".xml": "xml", ".yaml": "yaml"}
 #: Stages whose rules are sentences alone.
 TEMPLATES = ("account", "absence")
 #: A number, the title and the day of a decision, and its topic.
-DECISION = re.compile(r"# (\d{4}): (.+)\n\nDecided on ([\d-]+)\.\nTopic: \[.*?\]\((.+?)\)")
+DECISION = re.compile(r"# (\d{4}): (.+)\n\nDecided on ([\d-]+), about \[.*?\]\((.+?)\)")
 #: A smaller decision: its title, and the day at its end.
 SMALLER = re.compile(r"(?m)^- \*\*(.+?)\*\*(?:.|\n(?!- ))*?\((20\d\d-\d\d-\d\d)\)$")
 #: A consequence at the head of a rule: its kind and its severity.
@@ -250,8 +250,9 @@ def _summary(pack: Path) -> str:
 def _decisions() -> Iterator[str]:
     yield "# Decisions\n"
     yield "Where the paper leaves something open, or where there was a choice, a page records the"
-    yield "decision, its reasons, its alternatives and its consequences. Smaller ones are on the page"
-    yield "of their topic. The day is that on which a decision was last weighed.\n"
+    yield "decision, its reasons, its alternatives and its consequences."
+    yield "Smaller ones are on the page of their topic."
+    yield "The day is that on which a decision was last weighed.\n"
     folder = ROOT / "docs/decisions"
     found: dict[str, list[str]] = {}
     for path in sorted(folder.glob("[0-9]*.md")):
