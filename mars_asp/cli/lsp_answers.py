@@ -105,7 +105,7 @@ def answer(question: Question, options: argparse.Namespace) -> Any:
     except OSError as error:
         return Failed(error.strerror or "a file cannot be read")
     except Exception as error:  # whatever it is, the next question is to be answered
-        return Failed(f"a fault of ours, please report it: {error!r:.300}")
+        return Failed(f"internal error, please report it: {error!r:.300}")
 
 
 def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespace:

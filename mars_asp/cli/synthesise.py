@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         first = violations[0]
         if first.rule in rulebook.of_packs:
             raise MarsError((_at_odds(first),))
-        print(f"mars-asp: a fault of ours, please report it: {first.message}", file=sys.stderr)
+        print(f"mars-asp: internal error, please report it: {first.message}", file=sys.stderr)
         return 2
     unmet = (
         Diagnostic(

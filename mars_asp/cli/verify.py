@@ -134,8 +134,8 @@ def run(arguments: argparse.Namespace) -> int:
         print("mars-asp: the time limit ended the proof of what is minimal", file=sys.stderr)
         return 3
     if compared.fault is not None:
-        whose = "of rule packs" if compared.of_packs else "of ours, please report it"
-        print(f"mars-asp: a fault {whose}: {compared.fault}", file=sys.stderr)
+        whose = "a fault of rule packs" if compared.of_packs else "internal error, please report it"
+        print(f"mars-asp: {whose}: {compared.fault}", file=sys.stderr)
     return int(bool(violations) or compared.fault is not None)
 
 

@@ -155,7 +155,7 @@ class _Server(LanguageServer):
             self._refuse(ClientError(None, types.ErrorCodes.ParseError, message))
         # Where a request is refused, it was answered so.
         elif not isinstance(error, JsonRpcException):
-            told = f"a fault of ours, please report it: {error!r:.300}"
+            told = f"internal error, please report it: {error!r:.300}"
             print(f"mars-asp lsp: {told}", file=sys.stderr, flush=True)
 
     def _refuse(self, error: ClientError) -> None:

@@ -65,7 +65,7 @@ def absent_subject(
     if about and about not in names:
         near = nearest(about, names)
         help_text = f"did you mean `{kind}({near})`?" if near else f"write `{kind}(NAME)`"
-        return wrong_subject(project, f"there is no module `{about}`", help_text)
+        return wrong_subject(project, f"unknown module `{about}`", help_text)
     asked = f"`--why-not '{kind}({about or 'NAME'})'`"
     if is_kind:
         message = f"there is no `{subject}` in this configuration"
