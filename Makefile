@@ -49,7 +49,6 @@ endif
 site: .venv-site/installed $(VENV)/installed
 	@echo "== building the site"
 	@rm -rf build/pages && mkdir -p build/pages
-	@$(BIN)/python hatch_build.py
 	@$(BIN)/python -m docs.reference.make_reference build/pages
 	@git ls-files -z '*.md' docs examples rules LICENSE ':!tests' | tar -c --null -T - | tar -x -C build/pages
 	@NO_MKDOCS_2_WARNING=1 .venv-site/bin/mkdocs build --strict
