@@ -173,9 +173,7 @@ def _parse(
         return found, first.text, found.configuration.origin
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
-        help_text = (
-            "give it alone, or several to `mars-asp check`; foreign files are one robot"
-        )
+        help_text = "give it alone, or several to `mars-asp check`; foreign files are one robot"
         place = point(ours[0].path, 1, 1)
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
     return parse_text(first.text, path), first.text, None

@@ -76,6 +76,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="NODE",
         help="show what breaks when NODE is taken out of the minimal specification of CONFIG",
     )
+    parser.epilog = (
+        "Clauses: 1 wiring, 2 the same relationships, 3 data as required, 4 arbitration, 5 "
+        "inherited functions; docs/reference/clauses.md describes them, and "
+        "`mars-asp rules doc --stage verify` prints their rules."
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -104,7 +104,7 @@ def json_block(command: str, language: str) -> str:
     return text if language == "jsonl" else f"{_laid_out(json.loads(text), 0)}\n"
 
 
-def _laid_out(value: object, indent: int, width: int = 116) -> str:
+def _laid_out(value: object, indent: int, width: int = 150) -> str:
     """Return JSON with as many elements in a line as fit, containers that do not on their own."""
     flat = json.dumps(value, ensure_ascii=False)
     if len(flat) + indent <= width or not isinstance(value, dict | list) or not value:
