@@ -206,7 +206,7 @@ def explained(project: Project, subject: str | None, arguments: argparse.Namespa
         answer = explain(reasoner, about, arguments.every, arguments.only, traced)
     except NothingToExplainError as error:
         has_errors = selection.has_errors(project, reasoner.analysis)
-        return Explained(subject, (), (error.answer,), has_errors, messages, traced)
+        return Explained(subject, (), (error.sentence,), has_errors, messages, traced)
     if is_rule:
         topics = tuple(topic for topic in answer.topics if topic.rule == subject)
         answer = replace(answer, subject=subject, topics=topics)
@@ -272,12 +272,6 @@ def _explained_findings(
     topics, has_errors = _reported(answer, selection, project)
     found_nothing = () if topics else (f"nothing found in {of}",)
     return Explained(answer.subject, topics, found_nothing, has_errors, messages, traced)
-
-
-def _report_messages(project: Project, selection: Selection, arguments: argparse.Namespace) -> None:
-    """Report the messages on reading a project as one robot, as far as they are selected."""
-    messages, _ = selection.messages(project)
-    report((*messages, *one_of_several(project)), arguments)
 
 
 def _wants_traces(arguments: argparse.Namespace) -> bool:
@@ -398,7 +392,7 @@ def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DE
 def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     rulebook = rulebook_for(arguments)
     selection = Selection(arguments, rulebook)
-    _report_messages(project, selection, arguments)
+    report((*selection.messages(project)[0], *one_of_several(project)), arguments)
     answer = why_not_answer(
         Reasoner(project, rulebook, Budget(arguments.time_limit)),
         arguments.why_not,
@@ -497,7 +491,7 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
     coloured = colours(arguments, sys.stdout)
     if traced or any(topic.account is None for topic in topics):
         told = [(topic.title, topic.trace) for topic in topics]
-        yield from _lines(told, getattr(arguments, "depth", DEPTH), arguments)
+        yield from _trace_lines(told, getattr(arguments, "depth", DEPTH), arguments)
         return
     width = columns(sys.stdout)
     for topic in topics:
@@ -509,7 +503,7 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
     yield ""
 
 
-def _lines(
+def _trace_lines(
     topics: Sequence[tuple[str, "Trace"]], depth: int | None, arguments: argparse.Namespace
 ) -> Iterator[str]:
     from mars_asp.asp.trace.text import traces_text
