@@ -233,8 +233,12 @@ def explanation_html(found: Explained, project: Project) -> str:
 def explanation_text(found: Explained, arguments: argparse.Namespace) -> Iterator[str]:
     """Yield the parts of an explanation in the format of the arguments."""
     if arguments.format == "text":
-        # Without topics the closing sentence is the answer.
-        closing = () if arguments.quiet and found.topics else found.closing
+        # Of a subject without topics the closing sentence is the answer.
+        is_answer = found.subject is not None and not found.topics
+        width = columns(sys.stdout)
+        closing = [line for text in found.closing for line in wrapped(text, width, further="  ")]
+        if arguments.quiet and not is_answer:
+            closing = []
         lines = chain(_told(found.topics, found.is_traced, arguments), closing)
         yield from (f"{line}\n" for line in lines)
         return

@@ -65,3 +65,17 @@ def test_a_subject_may_be_a_rule(
     assert "ArbitrationNode" not in output
     assert run_here(["explain", "examples/ros2_workspace", "launch/commands/past-an-input"]) == 0
     assert "guard_bypass(/cmd_vel)" in capsys.readouterr().out
+
+
+def test_a_consequence_and_the_node_that_resolves_it_are_one_paragraph(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    assert run_here(["explain", "examples/level0/config.mars"]) == 0
+    output = capsys.readouterr().out
+    assert output.count("FeelForce uses_data_from SonarMap") == 1
+    assert "Resolves data_divergence(SonarMap)." in output
+    assert "\ndata_divergence(SonarMap)" not in output
+    # Asked for alone, it has a paragraph of its own.
+    assert run_here(["explain", "examples/level0/config.mars", "--only", "consequences"]) == 0
+    assert "\ndata_divergence(SonarMap): " in capsys.readouterr().out

@@ -248,16 +248,19 @@ def _kind(step: _Step) -> str:
             return "absent"
 
 
-def _message(step: _Step) -> str:
+def _message(step: _Step) -> str | None:
+    """Return the sentence of a step, or None if no rule states one."""
     match step:
-        case Absent() | Missing():
+        case Absent(_, _, external) if external is not None:
             return plain(step.message)
+        case Absent() | Missing():
+            return None if step.sentence is None else plain(step.sentence)
         case Unexplained():
             return step.reason
         case Attempt():
             return plain(attempt_text(step))
         case _:
-            return step.message or plain(step.atom)
+            return step.message
 
 
 def _place(leaf: Given) -> _Json | None:
