@@ -28,10 +28,11 @@ from mars_asp.cli.reason import (
 from mars_asp.cli.report import colours, paint, report
 from mars_asp.cli.schemas import FORMATS, add_schema, explain_schema
 from mars_asp.cli.selection import Selection, add_selection
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
@@ -153,7 +154,7 @@ def run(arguments: argparse.Namespace) -> int:
             return status
     rulebook = rulebook_for(arguments, ("resolve", "account"))
     selection = Selection(arguments, rulebook)
-    _report_messages(project, selection, arguments)
+    messages = _report_messages(project, selection, arguments)
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     traced = _wants_traces(arguments)
     meant = () if subject is None else lines_meant(subject, project)
@@ -166,6 +167,7 @@ def run(arguments: argparse.Namespace) -> int:
     absent = () if arguments.output is None else _absent(reasoner, answer, arguments.only)
     del reasoner
     topics, has_errors = _reported(answer, selection, project)
+    found = () if arguments.output is None else _found(answer, topics)
     status = int(has_errors)
     # What a page says of the whole is no remark beside it.
     is_told = arguments.output is not None or not arguments.quiet
@@ -176,7 +178,8 @@ def run(arguments: argparse.Namespace) -> int:
     del answer, synthesis
     if arguments.output is not None:
         remarks = closing if traced else (*closing, _TOO_MANY_TRACES)
-        _write_page(project, specified, topics, absent, remarks, arguments.output)
+        page = (project, specified, topics, found, messages, absent, remarks)
+        _write_page(*page, arguments.output)
     else:
         _print_topics(subject, topics, closing, traced, arguments)
     return status
@@ -186,17 +189,25 @@ def _write_page(
     project: Project,
     specified: Configuration | None,
     topics: Sequence[Topic],
+    found: Sequence[Consequence],
+    messages: Sequence[Diagnostic],
     absent: Sequence["Absence"],
     remarks: Sequence[str],
     output: str,
 ) -> None:
     from mars_asp.cli.explain_page import explanation_page
 
-    page = explanation_page(project, specified, topics, absent, remarks)
+    page = explanation_page(project, specified, topics, found, messages, absent, remarks)
     if output == "-":
         sys.stdout.write(page)
     else:
         write_file(output, page)
+
+
+def _found(answer: Explanation, topics: Sequence[Topic]) -> tuple[Consequence, ...]:
+    """Return the consequences that are topics."""
+    atoms = {topic.atom for topic in topics}
+    return tuple(each for each in answer.analysis.consequences if each.atom in atoms)
 
 
 def _print_topics(
@@ -241,16 +252,20 @@ def _explain_findings(
     topics, has_errors = _reported(answer, selection, project)
     closing = [] if topics or arguments.quiet else [f"nothing found in {of}"]
     if arguments.output is not None:
-        _write_page(project, None, topics, (), closing, arguments.output)
+        found = _found(answer, topics)
+        _write_page(project, None, topics, found, messages, (), closing, arguments.output)
     else:
         _print_topics(answer.subject, topics, closing, traced, arguments)
     return int(has_errors)
 
 
-def _report_messages(project: Project, selection: Selection, arguments: argparse.Namespace) -> None:
-    """Report the messages on reading a project as one robot, as far as they are selected."""
+def _report_messages(
+    project: Project, selection: Selection, arguments: argparse.Namespace
+) -> tuple[Diagnostic, ...]:
+    """Report the selected messages on reading a project as one robot, and return them."""
     messages, _ = selection.messages(project)
     report((*messages, *one_of_several(project)), arguments)
+    return messages
 
 
 def _wants_traces(arguments: argparse.Namespace) -> bool:
