@@ -81,6 +81,11 @@ def draw_row(row: Sequence[Item], corner: Point) -> Iterator[str]:
         x += item.width
 
 
+def finding_width(finding: Finding) -> float:
+    """Return the width of a finding in one line, with its number."""
+    return _SAMPLE + _SPACE + text_width(f"{finding.severity}: {finding.text}", NOTE)
+
+
 def finding_lines(
     findings: Sequence[Finding], width: float
 ) -> Sequence[tuple[tuple[Finding, ...], str]]:

@@ -13,6 +13,7 @@ from mars_asp.draw.legend import (
     draw_findings,
     draw_row,
     finding_lines,
+    finding_width,
     findings_height,
     legend_items,
     legend_rows,
@@ -74,6 +75,8 @@ def svg_text(
     inside = max(drawing.size[0], min(legend_width(legend), _LEGEND_WIDTH))
     if picture.remark:
         inside = max(inside, text_width(picture.remark, NOTE))
+    longest = max((finding_width(each) for each in picture.findings), default=0.0)
+    inside = max(inside, min(longest, _LEGEND_WIDTH))
     rows = list(legend_rows(legend, inside))
     width, below = inside + 2 * _MARGIN, drawing.size[1] + 2 * _MARGIN
     findings = finding_lines(picture.findings, inside)

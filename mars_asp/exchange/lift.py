@@ -102,18 +102,9 @@ def _renamed(lines: Iterable[Relationship], names: Mapping[str, str]) -> Iterato
 def realised_by(specification: Configuration) -> dict[str, str]:
     """Return the user's mux that each arbiter of a specification is, by the arbiter's name."""
     return {
-        arbiter: mux.name
+        mux.module: mux.name
         for mux in specification.muxes
-        if mux.name is not None
-        for arbiter in (
-            mux.module,
-            *(
-                line.controller
-                for line in specification.relationships
-                if isinstance(line, Control) and line.controlled == mux.module
-            ),
-        )
-        if specification.node_kind(arbiter) == "arbitration_node"
+        if mux.name is not None and specification.node_kind(mux.module) == "arbitration_node"
     }
 
 

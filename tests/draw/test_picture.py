@@ -118,10 +118,10 @@ def test_lines_lead_where_things_flow_and_say_what_was_asked_for() -> None:
     picture = depict(project.configuration, project.modules)
     assert [box.name for box in picture.boxes] == ["A", "B", "C"]
     assert [(line.kind, line.tail, line.head, line.label) for line in picture.lines] == [
-        ("mount", 0, 1, "vertex 1 on 2 (_,_,_,1,2,3)"),
+        ("mount", 0, 1, "vertex 1 on 2\n1 mm along x, 2 mm along y, 3 mm along z"),
         ("control", 2, 1, "priority 4 hold 250 ms"),
         ("data", 0, 2, "NotifyOnMin(300, of=nearest)"),
-        ("data", 0, 1, "NotifyAtFrequency 12.5 Hz"),
+        ("data", 0, 1, "12.5 Hz"),
     ]
 
 
