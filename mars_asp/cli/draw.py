@@ -83,7 +83,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=("own", "dot"),
         default="own",
         help="lay SVG and PNG out as mars-asp does, or as `dot` of Graphviz, which has to be "
-        "installed (default own)",
+        "installed",
     )
     add_selection(parser, writes=False)
     parser.epilog = (

@@ -115,5 +115,5 @@ def draw_findings(lines: Sequence[tuple[tuple[Finding, ...], str]], corner: Poin
 
 
 def findings_height(lines: Sequence[tuple[tuple[Finding, ...], str]]) -> float:
-    """Return the height of lines of findings."""
-    return sum(_LEADING + (4 if numbered else 0) for numbered, _ in lines)
+    """Return the height of lines of findings, with the space after them."""
+    return sum((_LEADING + (4 if numbered else 0) for numbered, _ in lines), 8.0 if lines else 0.0)
