@@ -139,7 +139,7 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
         MarsError: it is asked for what is near a module that is not there.
     """
     from mars_asp.draw import depict
-    from mars_asp.draw.marks import marked, numbered
+    from mars_asp.draw.marks import marked, number_findings
     from mars_asp.draw.part import about, fitting, left_out, of_kinds
     from mars_asp.draw.svg import drawn_width
     from mars_asp.exchange.lift import with_own_muxes
@@ -147,7 +147,7 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
     rulebook = rulebook_for(arguments, JUDGING)
     selection = Selection(arguments, rulebook)
     analysis = judge_project(project, rulebook, arguments)
-    found = numbered(selection.among(project, analysis.consequences).shown)
+    found = number_findings(selection.among(project, analysis.consequences).shown)
     configuration = with_own_muxes(project.configuration)
     whole = marked(depict(configuration, project.modules, classes=arguments.classes), found)
     shown, name, port = whole, arguments.about, None

@@ -167,7 +167,7 @@ def run(arguments: argparse.Namespace) -> int:
     absent = () if arguments.output is None else _absent(reasoner, answer, arguments.only)
     del reasoner
     topics, has_errors = _reported(answer, selection, project)
-    found = () if arguments.output is None else _found(answer, topics)
+    found = () if arguments.output is None else _among_topics(answer, topics)
     status = int(has_errors)
     # What a page says of the whole is no remark beside it.
     is_told = arguments.output is not None or not arguments.quiet
@@ -204,7 +204,7 @@ def _write_page(
         write_file(output, page)
 
 
-def _found(answer: Explanation, topics: Sequence[Topic]) -> tuple[Consequence, ...]:
+def _among_topics(answer: Explanation, topics: Sequence[Topic]) -> tuple[Consequence, ...]:
     """Return the consequences that are topics."""
     atoms = {topic.atom for topic in topics}
     return tuple(each for each in answer.analysis.consequences if each.atom in atoms)
@@ -252,7 +252,7 @@ def _explain_findings(
     topics, has_errors = _reported(answer, selection, project)
     closing = [] if topics or arguments.quiet else [f"nothing found in {of}"]
     if arguments.output is not None:
-        found = _found(answer, topics)
+        found = _among_topics(answer, topics)
         _write_page(project, None, topics, found, messages, (), closing, arguments.output)
     else:
         _print_topics(answer.subject, topics, closing, traced, arguments)

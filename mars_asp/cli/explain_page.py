@@ -24,9 +24,9 @@ from mars_asp.cli.lines import line_at, lines_of
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.draw import Picture, depict
 from mars_asp.draw.layered import TooLargeError
-from mars_asp.draw.marks import marked, numbered
+from mars_asp.draw.marks import marked, number_findings
 from mars_asp.draw.page import whole_page
-from mars_asp.draw.picture import Finding
+from mars_asp.draw.picture import NumberedFinding
 from mars_asp.draw.svg import svg_text
 from mars_asp.exchange.lift import realised_by, with_own_muxes
 from mars_asp.model.declarations import Configuration
@@ -74,12 +74,12 @@ def explanation_page(
     # The user's own file comes first, and is shown also where nothing is found in it.
     sources.name(project.configuration.path)
     numbers = {topic.name: number for number, topic in enumerate(topics, 1)}
-    findings = {consequence.atom: finding for finding, consequence in numbered(found)}
+    findings = {consequence.atom: finding for finding, consequence in number_findings(found)}
     muxes = {} if specification is None else realised_by(specification)
     page = _Topics(topics, numbers, findings, muxes, sources)
     severities = [*(each.severity for each in messages), *(each.severity for each in topics)]
     drawn = with_own_muxes(specification or project.configuration)
-    picture = marked(depict(drawn, project.modules), numbered(found))
+    picture = marked(depict(drawn, project.modules), number_findings(found))
     asked = {each.module: number for number, each in enumerate(_first_of_each(absent))}
     data = {**_traces(topics, sources), **_answers(project, absent, numbers, sources)}
     title = sources.name(project.configuration.path)
@@ -190,7 +190,7 @@ class _Topics(NamedTuple):
 
     topics: Sequence[Topic]
     numbers: Mapping[str, int]
-    findings: Mapping[clingo.Symbol, Finding]
+    findings: Mapping[clingo.Symbol, NumberedFinding]
     muxes: Mapping[str, str]
     sources: _Sources
 

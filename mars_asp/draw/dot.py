@@ -15,7 +15,7 @@ def dot_text(picture: Picture) -> str:
     """Return a picture as DOT; names are quoted, so none of them can be read as DOT."""
     parts = [
         "digraph {",
-        f"  label={quoted(picture.title, picture.remark, *map(str, picture.findings))};",
+        f"  label={quoted(picture.title, picture.remark, *map(str, picture.marks))};",
         '  node [fontname="Helvetica", style=filled];',
         '  edge [fontname="Helvetica", fontsize=10];',
     ]

@@ -33,14 +33,14 @@ def draw_by_dot(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
     graph = json.loads(run.stdout)
     left, low, right, high = map(float, graph["bb"].split(","))
 
-    def placed(text: str) -> Point:
+    def point(text: str) -> Point:
         x, y = map(float, text.split(","))
         return x - left, high - y
 
-    centres = {int(each["name"]): placed(each["pos"]) for each in graph.get("objects", ())}
+    centres = {int(each["name"]): point(each["pos"]) for each in graph.get("objects", ())}
     routes = {
         int(each["id"]): Route(
-            tuple(map(placed, each["pos"].split())), placed(each["lp"]) if "lp" in each else None
+            tuple(map(point, each["pos"].split())), point(each["lp"]) if "lp" in each else None
         )
         for each in graph.get("edges", ())
     }
@@ -57,12 +57,12 @@ def _graph(sizes: Sequence[Size], links: Sequence[Link]) -> Iterator[str]:
     for index, (width, height) in enumerate(sizes):
         yield f"{index} [width={width / _INCH:.3f}, height={height / _INCH:.3f}];"
     for index, link in enumerate(links):
-        label = "" if link.label is None else f", label={_room(link.label)}"
+        label = ""
+        if link.label is not None:
+            # An empty label of this size, with a distance from the line at its side.
+            width, height = link.label
+            size = f'fixedsize="true" width="{width + 8:.0f}" height="{height:.0f}"'
+            table = f'<table border="0" cellborder="0" {size}><tr><td></td></tr></table>'
+            label = f", label=<{table}>"
         yield f"{link.tail} -> {link.head} [id={index}, arrowhead=none{label}];"
     yield "}"
-
-
-def _room(label: Size) -> str:
-    """Return an empty label of a size, with a distance from the line at its side."""
-    size = f'fixedsize="true" width="{label[0] + 8:.0f}" height="{label[1]:.0f}"'
-    return f'<<table border="0" cellborder="0" {size}><tr><td></td></tr></table>>'

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from mars_asp.draw.colours import INK, LINES, MEANINGS, QUIET, box_colours
 from mars_asp.draw.layered import Point, Route
-from mars_asp.draw.picture import Box, Finding, Line, LineKind, Picture
+from mars_asp.draw.picture import Box, Line, LineKind, NumberedFinding, Picture
 from mars_asp.draw.shapes import (
     NOTE,
     draw_badge,
@@ -81,18 +81,18 @@ def draw_row(row: Sequence[Item], corner: Point) -> Iterator[str]:
         x += item.width
 
 
-def finding_width(finding: Finding) -> float:
+def finding_width(finding: NumberedFinding) -> float:
     """Return the width of a finding in one line, with its number."""
     return _SAMPLE + _SPACE + text_width(f"{finding.severity}: {finding.text}", NOTE)
 
 
 def finding_lines(
-    findings: Sequence[Finding], width: float
-) -> Sequence[tuple[tuple[Finding, ...], str]]:
+    findings: Sequence[NumberedFinding], width: float
+) -> Sequence[tuple[tuple[NumberedFinding, ...], str]]:
     """Return the lines of findings, of this width at most; the first of each has its number."""
-    found: list[tuple[tuple[Finding, ...], str]] = []
+    found: list[tuple[tuple[NumberedFinding, ...], str]] = []
     for finding in findings:
-        numbered: tuple[Finding, ...] = (finding,)
+        numbered: tuple[NumberedFinding, ...] = (finding,)
         line = f"{finding.severity}:"
         for word in finding.text.split():
             if text_width(f"{line} {word}", NOTE) > width - _SAMPLE - _SPACE:
@@ -104,7 +104,9 @@ def finding_lines(
     return found
 
 
-def draw_findings(lines: Sequence[tuple[tuple[Finding, ...], str]], corner: Point) -> Iterator[str]:
+def draw_findings(
+    lines: Sequence[tuple[tuple[NumberedFinding, ...], str]], corner: Point
+) -> Iterator[str]:
     """Yield lines of findings with their upper left corner at a point."""
     x, y = corner
     for numbered, line in lines:
@@ -114,6 +116,6 @@ def draw_findings(lines: Sequence[tuple[tuple[Finding, ...], str]], corner: Poin
         yield draw_sentence(line, (x + _SAMPLE + _SPACE, y), NOTE, INK)
 
 
-def findings_height(lines: Sequence[tuple[tuple[Finding, ...], str]]) -> float:
+def findings_height(lines: Sequence[tuple[tuple[NumberedFinding, ...], str]]) -> float:
     """Return the height of lines of findings, with the space after them."""
     return sum((_LEADING + (4 if numbered else 0) for numbered, _ in lines), 8.0 if lines else 0.0)

@@ -27,7 +27,7 @@ LineKind: TypeAlias = Literal["mount", "data", "control"]
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class NumberedFinding:
     """A finding by its number in the picture."""
 
     number: int
@@ -39,14 +39,14 @@ class Finding:
         return f"{self.number} {self.severity}: {self.text}"
 
 
-def numbers(findings: Sequence[Finding]) -> str:
+def numbers(findings: Sequence[NumberedFinding]) -> str:
     """Return the gravest severity of findings and their numbers, as in `error 1, 3`."""
     if not findings:
         return ""
     return f"{gravest(findings)} {', '.join(str(each.number) for each in findings)}"
 
 
-def gravest(findings: Iterable[Finding]) -> Severity:
+def gravest(findings: Iterable[NumberedFinding]) -> Severity:
     """Return the gravest severity of findings."""
     return "error" if any(each.severity == "error" for each in findings) else "warning"
 
@@ -65,7 +65,7 @@ class Box:
     colour: str | None = None
     carries: str | None = None
     alone: str = ""
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[NumberedFinding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ class Line:
     inlet: str | None = None
     rank: int | None = None
     span: Span | None = None
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[NumberedFinding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +103,7 @@ class Picture:
     remark: str = ""
 
     @property
-    def findings(self) -> tuple[Finding, ...]:
+    def marks(self) -> tuple[NumberedFinding, ...]:
         """The findings about its boxes and lines, by their numbers."""
         parts: tuple[Box | Line, ...] = (*self.boxes, *self.lines)
         found = {each for part in parts for each in part.findings}
@@ -175,7 +175,7 @@ def _line(
             at, on = relationship.mounting_vertex or 0, relationship.mounted_vertex or 0
             label = [f"vertex {at} on {on}"] if at or on else []
             if relationship.transformation is not None:
-                label += _moved(relationship.transformation)
+                label += _in_words(relationship.transformation)
         case Control():
             kind = "control"
             rank = relationship.priority
@@ -201,7 +201,7 @@ def _line(
     return Line(kind, tail, head, shown, text, outlet, inlet, rank, relationship.span)
 
 
-def _moved(transformation: Transformation) -> list[str]:
+def _in_words(transformation: Transformation) -> list[str]:
     """Return the turns of a transformation, to hundredths, and its lengths in words."""
     turns = (
         f"{print_number(round(turn, 2))}° about {axis.lower()}"

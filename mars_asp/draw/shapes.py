@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from mars_asp.draw.colours import FINDINGS, INK, LINES, QUIET, box_colours
 from mars_asp.draw.layered import LOOP, PORT, Point, Route, Size
-from mars_asp.draw.picture import Box, Finding, Line, LineKind, gravest
+from mars_asp.draw.picture import Box, Line, LineKind, NumberedFinding, gravest
 
 FONT = "'DejaVu Sans', Verdana, 'Liberation Sans', 'Noto Sans', Arial, Helvetica, sans-serif"
 NAME, NOTE, LABEL = 13.0, 10.5, 10.5
@@ -70,7 +70,7 @@ def label_size(line: Line) -> Size | None:
     return wide + 10 + badge_width(line.findings), len(lines) * _LEADING + 3.5
 
 
-def badge_width(findings: Sequence[Finding]) -> float:
+def badge_width(findings: Sequence[NumberedFinding]) -> float:
     """Return the width of the numbers of findings, with the space after them."""
     return text_width(_numbers(findings, ", "), LABEL) + 14 if findings else 0.0
 
@@ -105,18 +105,18 @@ def draw_box(box: Box, centre: Point, size: Size) -> Iterator[str]:
     yield "</g>"
 
 
-def _classes(kind: str, findings: Sequence[Finding]) -> str:
+def _classes(kind: str, findings: Sequence[NumberedFinding]) -> str:
     """Return the attributes of a box or line of a kind with its findings."""
     if not findings:
         return f'class="{kind}"'
     return f'class="{kind} finding {gravest(findings)}" data-finding="{_numbers(findings, " ")}"'
 
 
-def _numbers(findings: Sequence[Finding], between: str) -> str:
+def _numbers(findings: Sequence[NumberedFinding], between: str) -> str:
     return between.join(str(each.number) for each in findings)
 
 
-def draw_badge(findings: Sequence[Finding], left: Point) -> str:
+def draw_badge(findings: Sequence[NumberedFinding], left: Point) -> str:
     """Return the numbers of findings: on a dark ground for errors, on a light one for warnings."""
     severity = gravest(findings)
     colour, _ = FINDINGS[severity]

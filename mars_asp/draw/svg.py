@@ -43,7 +43,7 @@ _NOWHERE: Mapping[str | int, str] = MappingProxyType({})
 Layout: TypeAlias = Callable[[Sequence[Size], Sequence[Link]], Drawing]
 
 
-class _Placed(NamedTuple):
+class _Arrangement(NamedTuple):
     """Boxes and lines with their places, and captions of the boxes without lines."""
 
     sizes: Sequence[Size]
@@ -75,11 +75,11 @@ def svg_text(
     inside = max(drawing.size[0], min(legend_width(legend), _LEGEND_WIDTH))
     if picture.remark:
         inside = max(inside, text_width(picture.remark, NOTE))
-    longest = max((finding_width(each) for each in picture.findings), default=0.0)
+    longest = max((finding_width(each) for each in picture.marks), default=0.0)
     inside = max(inside, min(longest, _LEGEND_WIDTH))
     rows = list(legend_rows(legend, inside))
     width, below = inside + 2 * _MARGIN, drawing.size[1] + 2 * _MARGIN
-    findings = finding_lines(picture.findings, inside)
+    findings = finding_lines(picture.marks, inside)
     legend_height = len(rows) * ROW + findings_height(findings)
     height = below + legend_height + bool(picture.remark) * ROW + _MARGIN * 0.8
     corner = (width - drawing.size[0]) / 2
@@ -125,7 +125,7 @@ def _linked(parts: Iterable[str], name: str, target: str | None) -> Iterator[str
         yield "</a>"
 
 
-def _laid_out(picture: Picture, layout: Layout) -> _Placed:
+def _laid_out(picture: Picture, layout: Layout) -> _Arrangement:
     """Return the sizes and places of boxes and lines; boxes without lines are below the others.
 
     Raises:
@@ -146,7 +146,7 @@ def _laid_out(picture: Picture, layout: Layout) -> _Placed:
     ]
     drawing = layout([sizes[index] for index in joined], links)
     if len(joined) == len(sizes):
-        return _Placed(sizes, drawing, ())
+        return _Arrangement(sizes, drawing, ())
     centres = dict(zip(joined, drawing.centres, strict=True))
     wide, high = drawing.size
     most, top = max(wide, _LEGEND_WIDTH), high + (APART if joined else 0.0)
@@ -164,7 +164,7 @@ def _laid_out(picture: Picture, layout: Layout) -> _Placed:
                 x += width + _NEAR
                 wide, high = max(wide, x - _NEAR), top + height
         top = high + _NEAR
-    return _Placed(
+    return _Arrangement(
         sizes,
         Drawing((wide, high), tuple(centres[index] for index in range(len(sizes))), drawing.routes),
         captions,

@@ -41,7 +41,7 @@ def lifted(configuration: Configuration) -> Configuration:
         configuration,
         kind="specification",
         modules=(*configuration.modules, *nodes.names),
-        relationships=tuple(_renamed(lines, number)),
+        relationships=tuple(_with_ends(lines, number)),
         muxes=tuple(
             replace(mux, module=number[arbiter], numbers=(), inner=())
             for mux, arbiter in arbiters.items()
@@ -88,7 +88,7 @@ def _places(
         yield from _places(each, within, name_inner, lines)
 
 
-def _renamed(lines: Iterable[Relationship], names: Mapping[str, str]) -> Iterator[Relationship]:
+def _with_ends(lines: Iterable[Relationship], names: Mapping[str, str]) -> Iterator[Relationship]:
     """Yield lines with other names of their ends; a line from a module to itself is left out."""
     for line in lines:
         if not isinstance(line, Control):
@@ -122,7 +122,7 @@ def with_own_muxes(configuration: Configuration) -> Configuration:
             replace(line, topic=topics[line.controller])
             if isinstance(line, Control) and line.controller in topics
             else line
-            for line in _renamed(configuration.relationships, names)
+            for line in _with_ends(configuration.relationships, names)
         ]
         found = (replace(each, text=names.get(each.text, each.text)) for each in modules.values())
         modules = {name.text: name for name in found}

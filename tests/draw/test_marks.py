@@ -42,7 +42,7 @@ def picture(text: str, folder: Path, words: str = "") -> Element:
 
 
 def marks(root: Element) -> dict[str, tuple[str, str]]:
-    """Return the classes and numbers of findings by the titles of what they are about."""
+    """Return the classes and numbers of findings by the titles of their boxes and lines."""
     return {
         str(group[0].text).partition(",")[0]: (group.get("class", ""), group.attrib["data-finding"])
         for group in root.iter(f"{SVG}g")

@@ -138,7 +138,7 @@ def test_modules_without_lines_are_small_and_together(tmp_path: Path) -> None:
     assert "Without lines: nothing is connected to them" in words
 
 
-def test_a_node_that_is_not_in_the_catalogue_says_so(tmp_path: Path) -> None:
+def test_a_node_has_the_reason_that_the_catalogue_lacks_it(tmp_path: Path) -> None:
     launch = tmp_path / "robot.launch.xml"
     node = '<node pkg="{0}" exec="{0}" name="{0}"/>'
     names = ("unheard_of", "joy", "teleop_twist_joy")

@@ -1,4 +1,4 @@
-"""A name of a node means the same node in what `import` and `synthesise` print."""
+"""`import` and `synthesise` print one name for the same node."""
 
 import re
 from collections import defaultdict

@@ -128,16 +128,16 @@ class ControlLines:
         # A line to a splitter is placed as the first line from it is.
         after = (line, *self._out_of.get(line.controlled, ()))
         place = next((each.place for each in after if each.place >= 0), None)
-        stated = None if place is None else draft.relationships[place]
+        relationship = None if place is None else draft.relationships[place]
         draft.lines.append(
             Control(
                 controlled,
                 controller,
-                draft.span if stated is None else stated.span,
+                draft.span if relationship is None else relationship.span,
                 None if priority is None else as_symbol(priority).number,
                 None if hold is None else hold_of(as_symbol(hold)),
                 None if allocation is None else _ALLOCATIONS[text(allocation)],
-                topic=stated.topic if isinstance(stated, Control) else None,
+                topic=relationship.topic if isinstance(relationship, Control) else None,
             )
         )
 
