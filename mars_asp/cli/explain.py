@@ -114,7 +114,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT.html",
         type=ending(".html", "-"),
-        help="write a page: the picture, what is found, its traces and their lines; "
+        help="write a page: the findings, the picture, the traces and their lines; "
         "`-` is standard output",
     )
     add_selection(parser, writes=False)

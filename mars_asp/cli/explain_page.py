@@ -74,12 +74,15 @@ def explanation_page(
     # The user's own file comes first, and is shown also where nothing is found in it.
     sources.name(project.configuration.path)
     numbers = {topic.name: number for number, topic in enumerate(topics, 1)}
-    findings = {consequence.atom: finding for finding, consequence in number_findings(found)}
+    findings = number_findings(found)
     muxes = {} if specification is None else realised_by(specification)
-    page = _Topics(topics, numbers, findings, muxes, sources)
+    finding_of = {consequence.atom: finding for finding, consequence in findings}
+    page = _Topics(topics, numbers, finding_of, muxes, sources)
     severities = [*(each.severity for each in messages), *(each.severity for each in topics)]
+    notes = [each for each in messages if each.severity == "note"]
+    grave = [each for each in messages if each.severity != "note"]
     drawn = with_own_muxes(specification or project.configuration)
-    picture = marked(depict(drawn, project.modules), number_findings(found))
+    picture = marked(depict(drawn, project.modules), findings)
     asked = {each.module: number for number, each in enumerate(_first_of_each(absent))}
     data = {**_traces(topics, sources), **_answers(project, absent, numbers, sources)}
     title = sources.name(project.configuration.path)
@@ -87,10 +90,12 @@ def explanation_page(
         title=escape(title),
         summary="\n".join(f"<p>{_words(line)}</p>" for line in closing),
         counts=_counts(Counter(severities)),
-        findings="\n".join((*page.sections(_SORTS), *_messages(messages, sources))),
+        findings="\n".join((*page.sections(_SORTS), *_messages("About the files", grave, sources))),
         picture=_figure(picture, drawn.kind, _targets(picture, page, asked)),
         absences=_question(absent, asked),
-        topics="\n".join(page.sections(_FURTHER_SORTS)),
+        topics="\n".join(
+            (*page.sections(_FURTHER_SORTS), *_messages("Notes on the files", notes, sources))
+        ),
         files="\n".join(sources.sections()),
     )
     traces = json.dumps(data, separators=(",", ":"))
@@ -172,9 +177,10 @@ def _counts(severities: Mapping[str | None, int]) -> str:
     return ", ".join(counts) or '<span class="severity">✔ no errors and no warnings</span>'
 
 
-def _messages(messages: Sequence[Diagnostic], sources: _Sources) -> Iterator[str]:
+def _messages(heading: str, messages: Sequence[Diagnostic], sources: _Sources) -> Iterator[str]:
     if messages:
-        yield '<section aria-labelledby="reading"><h2 id="reading">About the files</h2><ul>'
+        name = heading.partition(" ")[0].lower()
+        yield f'<section aria-labelledby="{name}"><h2 id="{name}">{heading}</h2><ul>'
         for each in messages:
             place = sources.link(each.span, f"{sources.name(each.span.path)}:{each.span.line}")
             help_text = f"; {_words(each.help)}" if each.help else ""

@@ -16,6 +16,8 @@ _LEADING = 13.0
 _MOST_CHARACTERS = 48
 #: A box is not made wider for more lines than these.
 _MOST_SPREAD = 40
+#: A box shows no more numbers of findings; its attribute has all.
+_MOST_NUMBERS = 5
 #: What XML does not have, though it is no control character.
 _NOT_XML = str.maketrans(dict.fromkeys("\ufffe\uffff", "\ufffd"))
 _NARROW, _WIDE = frozenset("ijlIft.,:;'|!()[] "), frozenset("mwMW@%")
@@ -72,7 +74,7 @@ def label_size(line: Line) -> Size | None:
 
 def badge_width(findings: Sequence[NumberedFinding]) -> float:
     """Return the width of the numbers of findings, with the space after them."""
-    return text_width(_numbers(findings, ", "), LABEL) + 14 if findings else 0.0
+    return text_width(_numbers(findings), LABEL) + 14 if findings else 0.0
 
 
 def draw_markers() -> Iterator[str]:
@@ -109,11 +111,14 @@ def _classes(kind: str, findings: Sequence[NumberedFinding]) -> str:
     """Return the attributes of a box or line of a kind with its findings."""
     if not findings:
         return f'class="{kind}"'
-    return f'class="{kind} finding {gravest(findings)}" data-finding="{_numbers(findings, " ")}"'
+    numbers = " ".join(str(each.number) for each in findings)
+    return f'class="{kind} finding {gravest(findings)}" data-finding="{numbers}"'
 
 
-def _numbers(findings: Sequence[NumberedFinding], between: str) -> str:
-    return between.join(str(each.number) for each in findings)
+def _numbers(findings: Sequence[NumberedFinding]) -> str:
+    """Return the numbers of findings, shortened where they would make a box too wide."""
+    shown = [str(each.number) for each in findings[:_MOST_NUMBERS]]
+    return ", ".join([*shown, *(["…"] if len(findings) > _MOST_NUMBERS else [])])
 
 
 def draw_badge(findings: Sequence[NumberedFinding], left: Point) -> str:
@@ -124,7 +129,7 @@ def draw_badge(findings: Sequence[NumberedFinding], left: Point) -> str:
     width = badge_width(findings) - 6
     style = f'rx="{radius}" fill="{fill}" stroke="{colour}" stroke-width="1.5"'
     return _rectangle((left[0], left[1] - 8), (width, 16.0), style) + draw_text(
-        _numbers(findings, ", "), (left[0] + width / 2, left[1]), LABEL, ink, "middle"
+        _numbers(findings), (left[0] + width / 2, left[1]), LABEL, ink, "middle"
     )
 
 

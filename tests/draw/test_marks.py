@@ -148,3 +148,21 @@ def test_findings_in_launch_files_mark_nodes_and_topics() -> None:
     assert found["/base_driver is_controlled_by /dock"] == ("control finding warning", "1")
     assert found["/patrol"] == ("module finding warning", "2 3")
     assert "/twist_mux" not in found
+
+
+def test_a_box_shows_few_numbers_and_has_all(tmp_path: Path) -> None:
+    names = [f"P{number}" for number in range(14)]
+    ties = "".join(f"Base is_controlled_by {name} {at // 2}\n" for at, name in enumerate(names))
+    text = f"@configuration hierarchical\n@modules Base, {', '.join(names)}\n{ties}"
+    root = picture(text, tmp_path)
+    assert marks(root)["Base"][1] == "1 2 3 4 5 6 7"
+    assert "1, 2, 3, 4, 5, …" in [each.text for each in root.iter(f"{SVG}text")]
+
+
+def test_the_specification_on_the_page_marks_the_lines_of_controllers(tmp_path: Path) -> None:
+    (tmp_path / "robot.mars").write_text(TIE, encoding="utf-8")
+    page = run("mars-asp explain robot.mars --quiet -o -", tmp_path)
+    found = marks(fromstring(page[page.index("<svg") : page.index("</svg>") + 6]))
+    assert "ArbitrationNode is_controlled_by Joystick 2" in found
+    assert "ArbitrationNode is_controlled_by Planner 2" in found
+    assert "Base is_controlled_by ArbitrationNode" not in found

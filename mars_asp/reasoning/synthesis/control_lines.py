@@ -129,11 +129,13 @@ class ControlLines:
         after = (line, *self._out_of.get(line.controlled, ()))
         place = next((each.place for each in after if each.place >= 0), None)
         relationship = None if place is None else draft.relationships[place]
+        # A line from a node stands for several relationships, so it has the place of none.
+        is_own = relationship is not None and line.controller not in derived.kinds
         draft.lines.append(
             Control(
                 controlled,
                 controller,
-                draft.span if relationship is None else relationship.span,
+                relationship.span if relationship and is_own else draft.span,
                 None if priority is None else as_symbol(priority).number,
                 None if hold is None else hold_of(as_symbol(hold)),
                 None if allocation is None else _ALLOCATIONS[text(allocation)],
