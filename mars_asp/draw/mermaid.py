@@ -13,7 +13,8 @@ def mermaid_text(picture: Picture) -> str:
     parts = ["flowchart TD"]
     if picture.remark:
         parts.append(f"  %% {picture.remark}")
-    parts += (f"  %% {each}" for each in picture.marks)
+    for each in picture.marks:
+        parts.append(f"  %% {''.join(map(_code, str(each).replace('`', '')))}")
     parts += (f"  n{index}{_box(box)}" for index, box in enumerate(picture.boxes))
     parts += (_line(line) for line in picture.lines)
     for index, box in enumerate(picture.boxes):

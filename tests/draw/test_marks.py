@@ -129,7 +129,7 @@ def test_other_formats_have_the_numbers(tmp_path: Path) -> None:
     mermaid = run("mars-asp draw robot.mars --quiet --as mmd", tmp_path)
     assert '["Base<br/>warning 2"]' in mermaid
     assert '|"priority 2<br/>warning 2"|' in mermaid
-    assert "%% 1 warning: `Spare` takes part in no relationship [unused_module]" in mermaid
+    assert "%% 1 warning: Spare takes part in no relationship [unused_module]" in mermaid
     dot = run("mars-asp draw robot.mars --quiet --as dot", tmp_path)
     assert r'label="Base\nwarning 2"' in dot
 
