@@ -13,7 +13,6 @@ TESTS = ROOT / "tests"
 #: A place imports from layers before its own alone, and files of one layer not from each other.
 LAYERS = (
     ("diagnostic", "spelling", "output", "reading"),
-    ("toml_text",),
     ("asp", "model"),
     ("annotations", "behaviour"),
     ("language",),
@@ -22,6 +21,7 @@ LAYERS = (
     ("draw", "exchange"),
     ("execution", "lsp"),
     ("cli",),
+    ("robot",),
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
@@ -57,7 +57,7 @@ FILES = {
     ),
     "behaviour": "values command context imports calls testing",
     "language": (
-        "layout text_edits expected relocate statements lines grammar tokens parse "
+        "toml_text layout text_edits expected relocate statements lines grammar tokens parse "
         "statement_edits print format"
     ),
     "kinematics": "frames supports sharing",

@@ -12,7 +12,7 @@ from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.reason import JUDGING, add_file, judge_project, read_project, rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.cli.selection import Selection, add_selection
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.model.declarations import Data
 from mars_asp.model.names import end, read_end
 from mars_asp.output import visible
@@ -65,7 +65,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--only",
         metavar="KIND,...",
-        type=_kinds,
+        type=relationship_kinds,
         help=f"draw relationships of these kinds alone: {', '.join(_KINDS)}",
     )
     parser.add_argument(
@@ -107,8 +107,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.depth is not None and arguments.about is None:
         print("mars-asp draw: --depth needs --about NAME", file=sys.stderr)
         return 2
-    from mars_asp.draw.graphviz import NoGraphvizError
-
     if arguments.layout == "dot" and kind not in _PAINTED:
         print(f"mars-asp draw: --layout has no effect on .{kind}: leave it out", file=sys.stderr)
         return 2
@@ -117,12 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
     picture = _part(project, kind in _PAINTED, arguments)
     if picture.remark:
         report([_told(picture, configuration.span)], arguments)
-    try:
-        content = _drawn(picture, kind, arguments.layout, configuration.span)
-    except NoGraphvizError as error:
-        advice = "install Graphviz, or leave out --layout"
-        print(f"mars-asp draw: --layout dot: {error}; {advice}", file=sys.stderr)
-        return 2
+    content = _drawn(picture, kind, arguments.layout, configuration.span)
     if arguments.output != "-":
         write_file(arguments.output, content)
     elif isinstance(content, str):
@@ -130,6 +123,16 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         sys.stdout.buffer.write(content)
     return 0
+
+
+def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str | bytes:
+    """Return a picture of a project in one of the formats.
+
+    Raises:
+        MarsError: there is no such module, or the picture is too large.
+    """
+    picture = _part(project, kind in _PAINTED, arguments)
+    return _drawn(picture, kind, arguments.layout, project.configuration.span)
 
 
 def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
@@ -216,7 +219,8 @@ def _depth(text: str) -> int:
     raise argparse.ArgumentTypeError(f"a depth is a number from 0, found `{text}`")
 
 
-def _kinds(text: str) -> "frozenset[LineKind]":
+def relationship_kinds(text: str) -> "frozenset[LineKind]":
+    """Read kinds of relationships, with commas between them."""
     words = [word.strip() for word in text.split(",") if word.strip()]
     unknown = [word for word in words if word not in _KINDS]
     if unknown or not words:
@@ -239,7 +243,7 @@ def _drawn(picture: "Picture", kind: str, layout: str, span: "Span") -> str | by
         from mars_asp.draw.mermaid import mermaid_text
 
         return mermaid_text(picture)
-    from mars_asp.draw.graphviz import draw_by_dot
+    from mars_asp.draw.graphviz import NoGraphvizError, draw_by_dot
     from mars_asp.draw.layered import TooLargeError
     from mars_asp.draw.packing import draw_graph
     from mars_asp.draw.svg import svg_text
@@ -248,6 +252,10 @@ def _drawn(picture: "Picture", kind: str, layout: str, span: "Span") -> str | by
         svg = svg_text(picture, layout=draw_by_dot if layout == "dot" else draw_graph)
     except TooLargeError:
         raise MarsError((_too_large(picture, span),)) from None
+    except NoGraphvizError as error:
+        advice = "install Graphviz, or leave out `--layout dot`"
+        at = whole_file(span.path)
+        raise MarsError((Diagnostic("draw", "error", str(error), at, help=advice),)) from None
     if kind == "svg":
         return svg
     from mars_asp.draw.png import png_bytes

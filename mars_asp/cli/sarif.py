@@ -175,10 +175,13 @@ def _linked(span: Span, label: str) -> str:
 
 
 def _location(span: Span, label: str = "") -> _Json:
-    region: _Json = {"startLine": span.line, "startColumn": span.column}
-    if span.end_line:
-        region |= {"endLine": span.end_line, "endColumn": span.end_column}
-    place = {"physicalLocation": {"artifactLocation": _artifact(span.path), "region": region}}
+    physical: _Json = {"artifactLocation": _artifact(span.path)}
+    if span.line:
+        region: _Json = {"startLine": span.line, "startColumn": span.column}
+        if span.end_line:
+            region |= {"endLine": span.end_line, "endColumn": span.end_column}
+        physical["region"] = region
+    place: _Json = {"physicalLocation": physical}
     return place | ({"message": {"text": plain_text(label)}} if label else {})
 
 

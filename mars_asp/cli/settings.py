@@ -17,7 +17,7 @@ from mars_asp.reading import WallError, check_walls
 from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
-    from mars_asp.toml_text import Places
+    from mars_asp.language.toml_text import Places
 
 _OWN, _SHARED = "mars.toml", "pyproject.toml"
 #: Where our keys are in the file that others share.
@@ -92,7 +92,7 @@ NO_SETTINGS = Settings()
 
 @lru_cache(maxsize=1)
 def _positions_in_toml(text: str, path: str) -> "Places":
-    from mars_asp.toml_text import Places
+    from mars_asp.language.toml_text import Places
 
     return Places(text, path)
 
@@ -139,7 +139,7 @@ def _text(path: Path) -> str:
 @lru_cache(maxsize=8)
 def _read(path: str, text: str, table: tuple[str, ...]) -> Settings:
     """Return the settings of a text; `path` is relative, as people know their files."""
-    from mars_asp.toml_text import read_tables
+    from mars_asp.language.toml_text import read_tables
 
     values: Any = read_tables(text, path, "settings")
     for name in table:

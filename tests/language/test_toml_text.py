@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 
-from mars_asp.toml_text import Places
+from mars_asp.language.toml_text import Places
 
 Path = tuple[str | int, ...]
 NAMES = ["a", "b-1", "c_2", "D", "ü b", "d.e", '"', "f'", "# g", "\U0001f916", "x=1", "[h]"]

@@ -1,4 +1,4 @@
-"""TOML texts that people wrote: their tables, where their keys are, and the entries of lists.
+"""TOML texts: their tables, and the locations of keys and of list entries.
 
 Python's own reader keeps no places; another one finds them, in texts that are wrong somewhere.
 """
@@ -29,7 +29,7 @@ _DEEP = re.compile(r"(?<![\w.\"'-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*
 
 
 def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
-    """Return the tables of a TOML text; `code` is that of what is wrong with it.
+    """Return the tables of a TOML text; `code` is that of its errors.
 
     Raises:
         MarsError: it is no TOML.
@@ -58,7 +58,7 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
 
 
 def unusable_part(value: object) -> tuple[Path, str] | None:
-    """Return where a value of TOML or JSON is beyond all use, and why, or None."""
+    """Return the location of an unusable value of TOML or JSON and the reason, or None."""
     waiting: list[tuple[Path, object]] = [((), value)]
     while waiting:
         path, each = waiting.pop()
@@ -86,7 +86,7 @@ def _match_span(text: str, pattern: re.Pattern[str], path: str) -> Span:
 
 
 class Places:
-    """Places are found when they are asked for; the text is known to be TOML."""
+    """Locations are found on demand; the text is known to be TOML."""
 
     def __init__(self, text: str, path: str) -> None:
         """Read the text; of its tables only the headers and the keys."""
@@ -107,14 +107,14 @@ class Places:
                 self._table(table)
 
     def of(self, *path: str | int) -> Span:
-        """Return where a key stands, or an entry of a list; else what it would be in."""
+        """Return the location of a key or list entry; else of the table that would hold it."""
         for count in range(len(path), 0, -1):
             if self._open(path[:count]):
                 return self._span(self._stands[path[:count]])
         return point(self._path, 1, 1)
 
     def _open(self, path: Path) -> bool:
-        """Return whether a path stands in the text, when all that it is in has been read."""
+        """Return whether a path is in the text, after its tables have been read."""
         for count in range(1, len(path)):
             value = self._closed.pop(path[:count], None)
             if value is not None:
@@ -144,7 +144,7 @@ class Places:
         self._pairs(table, under)
 
     def _keys(self, written: "Node", under: Path) -> Path:
-        """Return the path of a key below a table, each part of it noted where it first stands."""
+        """Return the path of a key below a table; the first location of each part is noted."""
         path = under
         for part in _parts(written):
             # What is below a name of several tables is in the last of them.
@@ -171,7 +171,7 @@ def _parts(key: "Node") -> Iterable["Node"]:
 
 
 def _meant(part: "Node") -> str:
-    """Return what a part of a key means."""
+    """Return the text of a part of a key."""
     text = (part.text or b"").decode()
     if part.type != "quoted_key":
         return text
