@@ -129,7 +129,7 @@ class ControlLines:
         after = (line, *self._out_of.get(line.controlled, ()))
         place = next((each.place for each in after if each.place >= 0), None)
         relationship = None if place is None else draft.relationships[place]
-        # A line from a node stands for several relationships, so it has the place of none.
+        # A line from a node represents several relationships, so it has the place of none.
         is_own = relationship is not None and line.controller not in derived.kinds
         draft.lines.append(
             Control(
