@@ -7,7 +7,7 @@ subscribe to it, and the commands of all publishers to whom they are for, where 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
-from itertools import chain, count
+from itertools import count
 
 from mars_asp.diagnostic import Span
 from mars_asp.language.print import print_configuration, print_module
@@ -116,8 +116,17 @@ def with_own_muxes(configuration: Configuration) -> Configuration:
     """
     modules = {name.text: name for name in configuration.modules}
     if configuration.kind == "specification":
-        names = realised_by(configuration)
-        topics = {mux.name: mux.topic for mux in configuration.muxes}
+        commanded = {
+            line.controller: line.controlled
+            for line in configuration.relationships
+            if isinstance(line, Control)
+        }
+        names: dict[str, str] = {}
+        for arbiter, name in realised_by(configuration).items():
+            # A mux that something goes past is a module that its arbiter controls.
+            taken = {*modules, *names.values()} - {commanded.get(arbiter)}
+            names[arbiter] = next(each for each in _numbered(name) if each not in taken)
+        topics = {names.get(mux.module): mux.topic for mux in configuration.muxes}
         lines = [
             replace(line, topic=topics[line.controller])
             if isinstance(line, Control) and line.controller in topics
@@ -149,10 +158,14 @@ def with_own_muxes(configuration: Configuration) -> Configuration:
 
 def _free(name: str, span: Span, modules: dict[str, Name]) -> str:
     """Add a module of a name, which is numbered where another module has it; return the name."""
-    numbered = chain((name,), (f"{name}#{number}" for number in count(2)))
-    free = next(each for each in numbered if each not in modules)
+    free = next(each for each in _numbered(name) if each not in modules)
     modules[free] = Name(free, span)
     return free
+
+
+def _numbered(name: str) -> Iterator[str]:
+    yield name
+    yield from (f"{name}#{number}" for number in count(2))
 
 
 def has_glue(configuration: Configuration) -> bool:

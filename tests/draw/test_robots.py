@@ -78,6 +78,16 @@ def test_a_mux_file_alone_has_its_mux(tmp_path: Path) -> None:
     assert ["joy_vel", "priority 100 hold 500 ms"] in parts(root, "control").values()
 
 
+def test_muxes_of_several_files_are_boxes_of_their_own(tmp_path: Path) -> None:
+    for name, text in (("a", MUX), ("b", MUX.replace("joystick", "pad"))):
+        (tmp_path / f"{name}.yaml").write_text(text, encoding="utf-8")
+    boxes = {"a/twist_mux", "b/twist_mux"}
+    assert boxes < set(parts(drawn("a.yaml b.yaml", tmp_path)))
+    page = run("mars-asp explain a.yaml b.yaml --quiet -o -", tmp_path)
+    shown = fromstring(page[page.index("<svg") : page.index("</svg>") + 6])
+    assert boxes < set(parts(shown))
+
+
 def test_a_specification_names_the_mux_that_realises_a_node(tmp_path: Path) -> None:
     printed = run("mars-asp synthesise examples/ros2_workspace --format json --quiet")
     found = json.loads(printed[printed.index('{"architecture"') :].partition("\n")[0])
