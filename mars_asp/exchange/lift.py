@@ -125,7 +125,7 @@ def with_own_muxes(configuration: Configuration) -> Configuration:
         for arbiter, name in realised_by(configuration).items():
             # A mux that something goes past is a module that its arbiter controls.
             taken = {*modules, *names.values()} - {commanded.get(arbiter)}
-            names[arbiter] = next(each for each in _numbered(name) if each not in taken)
+            names[arbiter] = next(each for each in _name_choices(name) if each not in taken)
         topics = {names.get(mux.module): mux.topic for mux in configuration.muxes}
         lines = [
             replace(line, topic=topics[line.controller])
@@ -158,12 +158,12 @@ def with_own_muxes(configuration: Configuration) -> Configuration:
 
 def _free(name: str, span: Span, modules: dict[str, Name]) -> str:
     """Add a module of a name, which is numbered where another module has it; return the name."""
-    free = next(each for each in _numbered(name) if each not in modules)
+    free = next(each for each in _name_choices(name) if each not in modules)
     modules[free] = Name(free, span)
     return free
 
 
-def _numbered(name: str) -> Iterator[str]:
+def _name_choices(name: str) -> Iterator[str]:
     yield name
     yield from (f"{name}#{number}" for number in count(2))
 
