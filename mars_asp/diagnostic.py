@@ -21,7 +21,7 @@ INPUT_WARNINGS: Mapping[str, str] = {
     "unused-ignore": "A comment `mars: ignore[...]` hides nothing, or names no finding.",
     "baseline": "A baseline was written, or lists a finding that is no longer there.",
     "urdf-mimic": "A joint of URDF moves with another one, which mounts cannot state.",
-    "urdf-angle": "An angle of URDF is no right angle, and is written as it is.",
+    "urdf-angle": "An angle of URDF is not a right angle, and is kept.",
     "stand-in": "A comment of a specification names a module or node that is not there.",
     "MARS204": "An `#if` is inside of an annotated declaration.",
     "MARS205": "The output of an annotated function is unknown.",
@@ -32,15 +32,15 @@ INPUT_WARNINGS: Mapping[str, str] = {
 }
 #: The meanings of errors of the input by their codes: they are always reported.
 INPUT_ERRORS: Mapping[str, str] = {
-    "atom": "An atom does not hold, holds, or is no atom.",
+    "atom": "An atom does not hold, does hold, or cannot be read.",
     "attribute": "An attribute is stated that no rule pack declares, or has a wrong value.",
     "constant": "A constant of a program has no value that clingo takes.",
     "costs": "Costs of a program are too large to be added up.",
     "costs-too-large": "Costs are too large to be added up in 32 bits.",
     "dora": "A dataflow of dora is not as its format asks for.",
     "dot": "A graph in DOT is not as its format asks for.",
-    "encoding": "A file is no text, or is not in UTF-8.",
-    "external": "A value is given for an atom that is no external of the program.",
+    "encoding": "A file is binary, or not in UTF-8.",
+    "external": "A value is given for an atom that the program does not declare external.",
     "format": "A file or option names a format that is not read, or formatting failed.",
     "include": "A file that `@include` names cannot be read, or includes itself.",
     "kind": "An option, a setting or a comment names neither a kind of finding nor a rule.",
@@ -68,11 +68,11 @@ INPUT_ERRORS: Mapping[str, str] = {
     "rule-unknown": "A rule reads a predicate that no stage derives.",
     "rule-unsafe": "A variable of a rule is not bound by a positive literal.",
     "rules-include": "A file that `#include` names cannot be read.",
-    "rules-missing": "A path is no rule pack, or holds no rules.",
+    "rules-missing": "A path is not a rule pack, or holds no rules.",
     "rules-refused": "clingo or the gate refuses a rule file.",
     "settings": "The settings in `mars.toml` or `pyproject.toml` are wrong.",
     "sources": "The path of a source cannot be written in `@sources`.",
-    "sources-missing": "A path of `@sources` or `--sources` is no file or folder.",
+    "sources-missing": "A path of `@sources` or `--sources` is not a file or folder.",
     "subject": "A question names nothing that there is.",
     "syntax": "A `.mars` file is wrong: the message names what was found and expected.",
     "unfixed": "A repair could not be written to a file.",
@@ -113,7 +113,7 @@ INPUT_ERRORS: Mapping[str, str] = {
     "MARS208": "A converter does not have exactly one input.",
     "MARS209": "An annotation names a parameter that is not there.",
     "MARS210": "An override is stated twice.",
-    "MARS211": "A name is no representation.",
+    "MARS211": "A name is not a representation.",
     "MARS212": "A declaration has no end.",
     "MARS213": "A declaration has too many annotations.",
     "MARS214": "A declaration is too long.",
@@ -154,7 +154,7 @@ class Span(NamedTuple):
     end column is the first one behind the stretch. `path` is shown to users as it stands. Line and
     column are 0 where the whole file, a folder or an option of the command is meant.
 
-    >>> Span("robot.mars", 3, 1, 3, 9).text
+    >>> Span("robot.mars", 3, 1, 3, 9).location
     'robot.mars:3:1'
     """
 
@@ -165,7 +165,7 @@ class Span(NamedTuple):
     end_column: int
 
     @property
-    def text(self) -> str:
+    def location(self) -> str:
         """The location as `path:line:column`, or the path alone if it has no line."""
         return f"{self.path}:{self.line}:{self.column}" if self.line else self.path
 
@@ -209,14 +209,14 @@ class Diagnostic:
     launch_files: tuple[str, ...] = ()
 
     @property
-    def place(self) -> str:
+    def named_location(self) -> str:
         """The location, empty if it has no line and the message names the path."""
         is_named = not self.span.line and f"`{self.span.path}`" in self.message
-        return "" if is_named else self.span.text
+        return "" if is_named else self.span.location
 
     def __str__(self) -> str:
         """Return the location and the message, with the help in parentheses."""
-        parts = filter(None, (self.place, self.message))
+        parts = filter(None, (self.named_location, self.message))
         return f"{': '.join(parts)}{f' ({self.help})' if self.help else ''}"
 
 

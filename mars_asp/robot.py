@@ -111,9 +111,9 @@ def load(
     >>> load("examples/level0/config.mars").modules[:2]
     ('Sonar', 'SonarMap')
     """
-    options = _Options.of(format, sources, rules, budget)
+    options = _Options.from_values(format, sources, rules, budget)
     files = [os.fspath(each) for each in (path, *more)]
-    arguments = options.arguments("check", files=files)
+    arguments = options.namespace_for("check", files=files)
     return Robot(tuple(files), read_project(arguments, quietly=True), options)
 
 
@@ -134,8 +134,8 @@ def loads(
     >>> loads("@configuration\n@modules A, B\nA uses_data_from B").modules
     ('A', 'B')
     """
-    options = _Options.of(format or "mars", sources, rules, budget)
-    arguments = options.arguments("check", files=[name])
+    options = _Options.from_values(format or "mars", sources, rules, budget)
+    arguments = options.namespace_for("check", files=[name])
     return Robot((name,), load_text(arguments, name, text), options)
 
 
@@ -149,7 +149,7 @@ class _Options:
     budget: Budget
 
     @classmethod
-    def of(
+    def from_values(
         cls,
         format: str | None,
         sources: Iterable[PathLike],
@@ -173,7 +173,7 @@ class _Options:
         paths = (os.fspath(each) for each in sources)
         return cls(format, tuple(paths), packs, budget or ENDLESS)
 
-    def arguments(self, command: str, **values: object) -> argparse.Namespace:
+    def namespace_for(self, command: str, **values: object) -> argparse.Namespace:
         """Return the arguments of a command."""
         return arguments_of(
             command,
@@ -226,7 +226,7 @@ def _short(text: str) -> str:
     return line if len(line) <= _LONGEST else f"{line[: _LONGEST - 4]}...)"
 
 
-def _joined(lines: Iterable[str]) -> str:
+def _text_of_lines(lines: Iterable[str]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -254,7 +254,7 @@ class Finding:
     result: Result = field(compare=False)
 
     @classmethod
-    def of(cls, result: "Result") -> "Finding":
+    def from_result(cls, result: "Result") -> "Finding":
         """Return a result of `check` as a finding."""
         found, of = result_json(result), result.consequence
         values: Any = {name: found[name] for name in cls.__match_args__[:8]}
@@ -339,15 +339,15 @@ class Robot:
         examples/ros2_workspace/src/scout_drive/scout_drive/dock.py:11
         """
         arguments = self._arguments("check")
-        arguments.select = None if select is None else _names("select", select)
-        arguments.ignore = None if ignore is None else _names("ignore", ignore)
+        arguments.select = None if select is None else _name_list("select", select)
+        arguments.ignore = None if ignore is None else _name_list("ignore", ignore)
         arguments.baseline = None if baseline is None else os.fspath(baseline)
         rules = cache(lambda stages: rulebook_for(arguments, stages))
         selection = Selection(arguments, rules(JUDGING))
         checked = Checked(self.paths[0], self.paths[1:])
         judge(checked, self.project, rules, selection, arguments, with_participants=True)
         results = [*checked.results, *map(Result, selection.end())]
-        return tuple(map(Finding.of, reported_findings(results)))
+        return tuple(map(Finding.from_result, reported_findings(results)))
 
     def analyse(self) -> Analysis:
         """Return all consequences, or of launch files all findings.
@@ -397,7 +397,7 @@ class Robot:
         return VerifyResult(
             found,
             f"realises={not found.violations}, minimal={compared.minimal}",
-            lambda: _joined(verification_lines(found, compared, columns(None))),
+            lambda: _text_of_lines(verification_lines(found, compared, columns(None))),
             lambda: verification_json(found, compared),
             compared,
         )
@@ -413,7 +413,7 @@ class Robot:
         return CanResult(
             found,
             f"{query}: {'yes' if found.able else 'no'}",
-            lambda: _joined(capability_lines(found)),
+            lambda: _text_of_lines(capability_lines(found)),
             lambda: capability_json(found),
         )
 
@@ -465,7 +465,7 @@ class Robot:
         return RobotAnswer(
             found,
             f"{len(found.others)} alternatives",
-            lambda: _joined(alternatives_lines(found, arguments, columns(None))),
+            lambda: _text_of_lines(alternatives_lines(found, arguments, columns(None))),
             lambda: alternatives_json(found),
         )
 
@@ -525,7 +525,7 @@ class Robot:
         return WhyNotResult(
             found,
             found.answer,
-            lambda: _joined(line for part in parts for line in part),
+            lambda: _text_of_lines(line for part in parts for line in part),
             lambda: why_not_document(found),
         )
 
@@ -555,7 +555,7 @@ class Robot:
         return RobotAnswer(
             found,
             f"{len(found.consequences)} consequences, {len(found.nodes)} nodes",
-            lambda: _joined(difference_lines(found, False, False, columns(None))),
+            lambda: _text_of_lines(difference_lines(found, False, False, columns(None))),
             lambda: difference_json(found),
         )
 
@@ -620,8 +620,8 @@ class Robot:
         arguments = self._arguments("draw", about=about, depth=depth, only=kinds, classes=classes)
         return str(drawn(self.project, "svg", arguments))
 
-    def _repr_svg_(self) -> str:
-        return self.draw()
+    #: The picture of a notebook.
+    _repr_svg_ = draw
 
     def to_dict(self) -> dict[str, Any]:
         """Return the modules with their classes, and the relationships."""
@@ -647,7 +647,7 @@ class Robot:
         return Reasoner(self.project, rules, self.options.budget)
 
     def _arguments(self, command: str, **values: object) -> argparse.Namespace:
-        return self.options.arguments(command, **{"files": list(self.paths), **values})
+        return self.options.namespace_for(command, **{"files": list(self.paths), **values})
 
 
 # ---- Answers -------------------------------------------------------------------------------------
@@ -697,8 +697,8 @@ class SpecificationResult(RobotAnswer):
         """Return a picture as SVG text."""
         return loads(self.text, self.robot.paths[0]).draw()
 
-    def _repr_svg_(self) -> str:
-        return self.draw()
+    #: The picture of a notebook.
+    _repr_svg_ = draw
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -904,13 +904,13 @@ def _repair(of: Consequence, mend: Mend) -> RepairResult:
     return RepairResult(
         mend,
         f"{removes}: {title}",
-        lambda: _joined([f"{removes}: {title}", *lines]),
+        lambda: _text_of_lines([f"{removes}: {title}", *lines]),
         lambda: mend_json(mend),
         removes,
     )
 
 
-def _names(option: str, names: Iterable[str]) -> list[str]:
+def _name_list(option: str, names: Iterable[str]) -> list[str]:
     """Return names of findings; a text alone is most likely a mistake.
 
     Raises:

@@ -27,7 +27,7 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Lack, Resolution
 from mars_asp.asp.solve.optimum import TooCostlyError, UnsatisfiableError
 from mars_asp.asp.solve.term_ids import as_symbol, text
-from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.conflicts import (
     Conflict,
     Conflicts,
@@ -455,7 +455,7 @@ class Answer:
             message = f"`{atom}` is not an atom" if pattern is None else f"`{matching[0]}` holds"
             found = Diagnostic("atom", "error", message, whole_file(self._file_path))
             raise NotDerived((found,))
-        trace = why_not(self._explainer, pattern, depth)
+        trace = explain_absence(self._explainer, pattern, depth)
         extra, against = self._forced(pattern)
         return Reason(f"no {atom}", trace, self._line_at, extra, against, self._choice)
 

@@ -58,10 +58,12 @@ def alternatives_lines(
     found: Alternatives, arguments: argparse.Namespace, width: int
 ) -> Iterator[str]:
     """Yield the needs, the costs and the alternatives, safe to print."""
-    return map(visible, _lines(found, arguments, width))
+    return map(visible, _alternative_lines(found, arguments, width))
 
 
-def _lines(found: Alternatives, arguments: argparse.Namespace, width: int) -> Iterator[str]:
+def _alternative_lines(
+    found: Alternatives, arguments: argparse.Namespace, width: int
+) -> Iterator[str]:
     yield from wrapped(_head(found), width)
     yield from _table(found.needs[:_MOST_NEEDS], width)
     if len(found.needs) > _MOST_NEEDS:

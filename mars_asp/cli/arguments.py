@@ -74,11 +74,11 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
             "diff old.mars new.mars",
         ),
         "draw": Verb("draw it: svg, png, dot or mmd", "draw config.mars -o config.svg"),
-        "fmt": Verb("lay out `.mars` files in one way, comments kept", "fmt config.mars"),
+        "fmt": Verb("format `.mars` files, comments kept", "fmt config.mars"),
     },
     "Exchange it": {
         "import": Verb(
-            "read a robot from files of others, such as `urdf` and `dora`",
+            "read a robot from URDF, ROS, twist_mux or dora files",
             "import urdf robot.urdf -o robot.mars",
         ),
         "export": Verb("write the mount tree as `urdf`", "export urdf config.mars -o robot.urdf"),
@@ -283,7 +283,7 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         type=rule_pack,
         help="a rule pack, a path or one that is installed; repeatable",
     )
-    add("--trust", action="store_true", help="a rule pack may rank its costs above ours")
+    add("--trust", action="store_true", help="a rule pack may rank its costs above built-in ones")
     add(
         "--sources",
         metavar="PATH",

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def difference_json(found: Difference) -> dict[str, object]:
-    """Return a difference with the keys that `docs/what-if.md` names."""
+    """Return a difference with the keys that `docs/how-to/what-if.md` names."""
     return {
         "consequences": [_change_json(c, consequence_json(c.item)) for c in found.consequences],
         "nodes": [_change_json(c, _node_json(c, found)) for c in found.nodes],

@@ -208,7 +208,7 @@ def explained(project: Project, subject: str | None, arguments: argparse.Namespa
         answer = explain(reasoner, about, arguments.every, arguments.only, traced)
     except NothingToExplainError as error:
         has_errors = selection.has_errors(project, reasoner.analysis)
-        return Explained(subject, (), (error.answer,), has_errors, messages, traced)
+        return Explained(subject, (), (error.sentence,), has_errors, messages, traced)
     if is_rule:
         topics = tuple(topic for topic in answer.topics if topic.rule == subject)
         answer = replace(answer, subject=subject, topics=topics)
@@ -293,12 +293,6 @@ def _explained_findings(
     consequences = () if arguments.output is None else _among_topics(answer, topics)
     found = Explained(answer.subject, topics, found_nothing, has_errors, messages, traced)
     return found._replace(consequences=consequences)
-
-
-def _report_messages(project: Project, selection: Selection, arguments: argparse.Namespace) -> None:
-    """Report the messages on reading a project as one robot, as far as they are selected."""
-    messages, _ = selection.messages(project)
-    report((*messages, *one_of_several(project)), arguments)
 
 
 def _wants_traces(arguments: argparse.Namespace) -> bool:
@@ -419,7 +413,7 @@ def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DE
 def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     rulebook = rulebook_for(arguments)
     selection = Selection(arguments, rulebook)
-    _report_messages(project, selection, arguments)
+    report((*selection.messages(project)[0], *one_of_several(project)), arguments)
     answer = why_not_answer(
         Reasoner(project, rulebook, Budget(arguments.time_limit)),
         arguments.why_not,
@@ -518,7 +512,7 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
     coloured = colours(arguments, sys.stdout)
     if traced or any(topic.account is None for topic in topics):
         told = [(topic.title, topic.trace) for topic in topics]
-        yield from _lines(told, getattr(arguments, "depth", DEPTH), arguments)
+        yield from _trace_lines(told, getattr(arguments, "depth", DEPTH), arguments)
         return
     width = columns(sys.stdout)
     for topic in topics:
@@ -530,7 +524,7 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
     yield ""
 
 
-def _lines(
+def _trace_lines(
     topics: Sequence[tuple[str, "Trace"]], depth: int | None, arguments: argparse.Namespace
 ) -> Iterator[str]:
     from mars_asp.asp.trace.text import traces_text

@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--diff", action="store_true", help="write nothing; print the changes as a unified diff"
     )
     parser.epilog = (
-        "A file with syntax errors is left alone, and the others are laid out all the same. "
+        "A file with syntax errors is left alone, and the others are formatted all the same. "
         "Files are written whole or not at all, as UTF-8 with line feeds."
     )
 
@@ -132,7 +132,7 @@ def _format(name: str, shown: str, is_written: bool) -> tuple[bool, str, str]:
     before = decode(raw, shown)
     if recognised(before) != "mars":
         message = (
-            f"`{shown}` is a file of {recognised(before)}, and `.mars` files alone are laid out"
+            f"`{shown}` is a file of {recognised(before)}, and `fmt` formats `.mars` files alone"
         )
         help_text = f"`mars-asp import {recognised(before)} FILE` prints it as a `.mars` file"
         place = whole_file(shown)

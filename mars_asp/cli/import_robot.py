@@ -75,7 +75,7 @@ def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     from mars_asp.exchange.urdf import MOST_BYTES as MOST_OF_URDF
     from mars_asp.exchange.urdf import import_urdfs
 
-    texts = [_text(name, MOST_OF_URDF) for name in arguments.files[:2]]
+    texts = [_read_text(name, MOST_OF_URDF) for name in arguments.files[:2]]
     found = import_urdfs(texts)
     return found, print_configuration(found.configuration)
 
@@ -91,7 +91,7 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
         if arguments.origin == "ros2" and Path(name).is_dir():
             files.append(File(name, "", "ros2"))
             continue
-        text, shown = _text(name)
+        text, shown = _read_text(name)
         text = plain_lines(text)
         remember(shown, text)
         files.append(File(shown, text, arguments.origin))
@@ -120,7 +120,7 @@ def check_one_tree(trees: Sequence[LaunchTree], configuration: Configuration) ->
         raise MarsError([Diagnostic("launch", "error", message, span, help=help_text, excerpt="")])
 
 
-def _text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:
+def _read_text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:
     """Return the text of a file or of standard input, and how the file is shown.
 
     Raises:

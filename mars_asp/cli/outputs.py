@@ -38,14 +38,14 @@ def ending(*endings: str) -> Callable[[str], str]:
     """
     suffixes = tuple(each for each in endings if each != "-")
 
-    def check(path: str) -> str:
+    def checked_path(path: str) -> str:
         if path not in endings and not path.endswith(suffixes):
             named = " or ".join(suffixes)
             message = f"cannot tell what to write to `{path}`: end it in {named}"
             raise argparse.ArgumentTypeError(message)
         return path
 
-    return check
+    return checked_path
 
 
 def check_packages(arguments: argparse.Namespace) -> None:

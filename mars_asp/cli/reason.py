@@ -189,7 +189,7 @@ def _parse(
         return found, first.text, found.configuration.origin
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
-        help_text = "give it alone, or several to `mars-asp check`; only files of others are one"
+        help_text = "give it alone, or several to `mars-asp check`; foreign files are one robot"
         place = whole_file(ours[0].path)
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
     return parse_text(first.text, path), first.text, None
@@ -420,7 +420,7 @@ def add_file(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="+",
-        help="a `.mars` file, or files of others that are one robot: URDF, muxes, graphs, "
+        help="a `.mars` file, or several files of one robot: URDF, ROS, muxes, graphs, "
         "dataflows; `-` for standard input",
     )
     add_launch(parser)

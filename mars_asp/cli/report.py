@@ -185,7 +185,7 @@ def diagnostic_text(
 def _named_message(diagnostic: Diagnostic, coloured: bool) -> str:
     message = diagnostic.message
     if not diagnostic.span.line:
-        message = ": ".join(filter(None, (diagnostic.place, message)))
+        message = ": ".join(filter(None, (diagnostic.named_location, message)))
         if diagnostic.severity == "error":
             return visible(message)
     name = paint(f"[{visible(diagnostic.kind or diagnostic.code)}]", "dim", coloured)
@@ -193,7 +193,7 @@ def _named_message(diagnostic: Diagnostic, coloured: bool) -> str:
 
 
 def _place_and_severity(diagnostic: Diagnostic, coloured: bool) -> str:
-    place = visible(diagnostic.span.text) if diagnostic.span.line else "mars-asp"
+    place = visible(diagnostic.span.location) if diagnostic.span.line else "mars-asp"
     return f"{place}: {paint(diagnostic.severity, diagnostic.severity, coloured)}:"
 
 
@@ -250,11 +250,11 @@ def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[s
         is_first = span is diagnostic.span
         if line is None:
             if not is_first:
-                at = visible(span.text)
+                at = visible(span.location)
                 yield from wrapped(f"{at}: {visible(label)}".rstrip(": "), width, _INSIDE, _INSIDE)
             continue
         if span.path != last[0]:
-            yield paint(f"{_INSIDE}{visible(span.text)}:", "dim", coloured)
+            yield paint(f"{_INSIDE}{visible(span.location)}:", "dim", coloured)
         if (span.path, span.line) != last:
             gutter = paint(f"{_INSIDE}{span.line:>{margin}} |", "dim", coloured)
             yield f"{gutter} {line.text}".rstrip()

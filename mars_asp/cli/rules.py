@@ -162,7 +162,7 @@ def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
             print(f"corrected: {mended}")
     report(found.diagnostics, arguments, _suggestions(found, arguments))
     if not found.diagnostics:
-        print("nothing wrong")
+        print("no problems found")
     return 2 if found.errors else 0
 
 

@@ -111,11 +111,11 @@ def minimal_specification(
         printed = found.specification.configuration
         violations = verify(printed, project, rulebook, analysis.grounding)
     if violations:
-        raise MarsError((_refused(violations[0], rulebook),))
+        raise MarsError((_refused_specification(violations[0], rulebook),))
     return found
 
 
-def _refused(violation: Violation, rulebook: Rulebook) -> Diagnostic:
+def _refused_specification(violation: Violation, rulebook: Rulebook) -> Diagnostic:
     """Return the error that a rule of `verify` refuses the specification."""
     if violation.rule not in rulebook.of_packs:
         message = f"internal error, please report it: {violation.message}"

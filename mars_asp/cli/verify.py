@@ -76,6 +76,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="NODE",
         help="show what breaks when NODE is taken out of the minimal specification of CONFIG",
     )
+    parser.epilog = (
+        "Clauses: 1 wiring, 2 the same relationships, 3 data as required, 4 arbitration, 5 "
+        "inherited functions; docs/reference/clauses.md describes them, and "
+        "`mars-asp rules doc --stage verify` prints their rules."
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -118,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
         print("mars-asp: the time limit ended the proof of what is minimal", file=sys.stderr)
         return 3
     if compared.fault is not None:
-        cause = "fault of rule packs" if compared.of_packs else "internal error, please report it"
+        cause = "a fault of rule packs" if compared.of_packs else "internal error, please report it"
         print(f"mars-asp: {cause}: {compared.fault}", file=sys.stderr)
     return int(bool(violations) or compared.fault is not None)
 

@@ -32,7 +32,7 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
     """Return the tables of a TOML text; `code` is that of its errors.
 
     Raises:
-        MarsError: it is no TOML.
+        MarsError: the text is not TOML.
     """
     import tomllib  # noqa: PLC0415 -- most commands read no TOML
 

@@ -303,12 +303,8 @@ def is_rule_base(path: Path) -> bool:
     root = rules_directory()
     if path.resolve().is_relative_to(root.resolve()):
         return True
-    names = [each.relative_to(root) for each in root.rglob("*.lp")]
-    return all(_is_same(path / name, root / name) for name in names)
-
-
-def _is_same(one: Path, other: Path) -> bool:
-    return one.is_file() and one.read_bytes() == other.read_bytes()
+    pairs = ((path / each.relative_to(root), each) for each in root.rglob("*.lp"))
+    return all(one.is_file() and one.read_bytes() == own.read_bytes() for one, own in pairs)
 
 
 def _files(stages: Iterable[str]) -> list[_File]:

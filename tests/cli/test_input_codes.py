@@ -33,7 +33,7 @@ def test_the_rule_base_is_linted_as_itself(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     assert run_here(["rules", "lint", str(ROOT / "rules")]) == 0
-    assert capsys.readouterr().out == "nothing wrong\n"
+    assert capsys.readouterr().out == "no problems found\n"
     assert run_here(["rules", "lint", str(tmp_path)]) == 2
 
 
@@ -47,7 +47,7 @@ def test_the_rule_base_is_linted_as_itself(
         ("examples/level0/config.mars checks/unused", "no consequence and no node rests on"),
     ],
 )
-def test_an_answer_without_topics_is_no_error(
+def test_an_answer_without_topics_has_status_zero(
     words: str, answer: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)

@@ -80,7 +80,7 @@ def contained(name: str, options: tuple[str, ...], said: str, seconds: float) ->
     last = (told.strip().splitlines() or [f"status {command.returncode}"])[-1]
     end = f"{took:.1f} s, {last:.100}"
     if "internal error" in told or "Traceback" in told:
-        return end, "a internal error"
+        return end, "an internal error"
     if took > seconds:
         return end, f"took more than {seconds} s"
     if command.returncode == _ENDED and said not in told and "memory limit" not in told:

@@ -21,7 +21,7 @@ class NothingToExplainError(MarsError):
     """A subject is named rightly, and nothing is there to explain: an answer, and no mistake."""
 
     @property
-    def answer(self) -> str:
+    def sentence(self) -> str:
         """The answer in one line."""
         found = self.diagnostics[0]
         return f"{found.message}; {found.help}" if found.help else found.message
@@ -75,7 +75,7 @@ def absent_subject(
     if about and about not in names:
         near = nearest(about, names)
         help_text = f"did you mean `{kind}({near})`?" if near else f"write `{kind}(NAME)`"
-        return wrong_subject(project, f"there is no module `{about}`", help_text)
+        return wrong_subject(project, f"unknown module `{about}`", help_text)
     asked = f"`--why-not '{kind}({about or 'NAME'})'`"
     if is_kind:
         message = f"there is no `{subject}` in this configuration"

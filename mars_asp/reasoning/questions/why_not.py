@@ -183,7 +183,7 @@ def _answer(reasoner: Reasoner, question: Question, depth: int) -> WhyNot:
     found = _blame(reasoner, question, evidence)
 
     def trace() -> Trace:
-        return _of_named_kind(absence.why_not(evidence.explainer, pattern, depth), pattern)
+        return _of_named_kind(absence.explain_absence(evidence.explainer, pattern, depth), pattern)
 
     start = f"No {question.shown}"
     if question.kind in _CIRCLES and _goes_round(question, evidence.analysis):
