@@ -21,6 +21,7 @@ test: $(VENV)/installed-dev
 	@echo "== ruff"
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
+	@$(BIN)/mars-asp fmt --check examples docs
 	@echo "== mypy"
 	@$(BIN)/mypy
 	@echo "== pytest"

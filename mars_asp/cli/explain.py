@@ -502,7 +502,7 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
     elif not answer.topics and arguments.only != "nodes":
         yield "nothing to resolve, so nothing to explain"
     if answer.synthesis is not None and answer.subject is None:
-        yield _summary(answer)
+        yield _summary(answer, arguments)
     elif answer.subject is None and arguments.only is None:
         yield unrealised(answer.analysis)
 
@@ -515,13 +515,30 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
         yield from _trace_lines(told, getattr(arguments, "depth", DEPTH), arguments)
         return
     width = columns(sys.stdout)
+    repeated = set(_covered_by_nodes(topics))
     for topic in topics:
-        if topic.account is not None:
+        if topic.account is not None and topic.name not in repeated:
             yield ""
             first, *others = account_lines(topic, topic.account, width)
             yield paint(first, "strong", coloured)
             yield from others
     yield ""
+
+
+def _covered_by_nodes(topics: Sequence[Topic]) -> Iterator[str]:
+    """Yield the consequences whose lines are among those of the node that resolves them.
+
+    The paragraph about the node names them, so they have none of their own. Errors and warnings do.
+    """
+    lines = {
+        topic.name: {each.span[:2] for each in topic.account.cites}
+        for topic in topics
+        if topic.account is not None and topic.severity not in ("error", "warning")
+    }
+    for node in topics:
+        for name in node.resolves:
+            if name in lines and node.name in lines and lines[name] <= lines[node.name]:
+                yield name
 
 
 def _trace_lines(
@@ -538,7 +555,7 @@ def _trace_lines(
     yield ""
 
 
-def _summary(answer: Explanation) -> str:
+def _summary(answer: Explanation, arguments: argparse.Namespace) -> str:
     assert answer.synthesis is not None
     nodes = answer.synthesis.cost(NODES)
     resolution = answer.synthesis.resolution
@@ -547,4 +564,6 @@ def _summary(answer: Explanation) -> str:
     proof = "proven: no specification has fewer" if resolution.proven else "best found"
     count = resolution.count
     others = "" if count is None else f"; {count} such specification{'s' * (count != 1)}"
+    if count is not None and count > 1:
+        others += f", listed by {command('explain', arguments, '--alternatives')}"
     return f"{nodes} node{'s' * (nodes > 1)}, {proof}{others}"
