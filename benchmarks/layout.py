@@ -17,19 +17,19 @@ from itertools import combinations
 from math import dist
 from pathlib import Path
 from typing import NamedTuple
-from unittest import mock
 
 import numpy as np
 import pygraphviz
 from numpy.typing import NDArray
 
 from mars_asp.diagnostic import point
-from mars_asp.draw import depict, svg
+from mars_asp.draw import depict
 from mars_asp.draw.layered import Drawing, Link, Point, Route, Size
 from mars_asp.draw.packing import draw_graph
 from mars_asp.draw.picture import Picture
 from mars_asp.draw.png import png_bytes
 from mars_asp.draw.shapes import FONT
+from mars_asp.draw.svg import svg_text
 from mars_asp.language import parse_text
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.project import load_project
@@ -287,8 +287,7 @@ def _drawn(picture: Picture, layout: Layout) -> tuple[str, Measured]:
         seen.append(measured(drawing, sizes, links))
         return drawing
 
-    with mock.patch.object(svg, "draw_graph", watched):
-        return svg.svg_text(picture), seen[0]
+    return svg_text(picture, layout=watched), seen[0]
 
 
 def score(folder: Path) -> None:

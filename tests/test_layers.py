@@ -97,8 +97,8 @@ FILES = {
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",
     "draw": (
-        "picture part colours ranks order straighten layered packing shapes legend svg page dot "
-        "mermaid png"
+        "picture marks part colours ranks order straighten layered packing graphviz shapes legend "
+        "svg page dot mermaid png"
     ),
     "execution": ("parts executor simulator scenario trial promises judgement recording campaign"),
     "execution/campaign": "grid summary journal code picture",

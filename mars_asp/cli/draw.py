@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.reason import add_file, read_project
+from mars_asp.cli.reason import JUDGING, add_file, judge_project, read_project, rulebook_for
 from mars_asp.cli.report import report
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.cli.selection import Selection, add_selection
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.model.declarations import Data
 from mars_asp.model.names import end, read_end
 from mars_asp.output import visible
@@ -72,8 +73,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="draw all of it; else of a large system what a screen has room for",
     )
+    parser.add_argument(
+        "--classes",
+        action="store_true",
+        help="add the classes of the paper that each module has",
+    )
+    parser.add_argument(
+        "--layout",
+        choices=("own", "dot"),
+        default="own",
+        help="lay SVG and PNG out as mars-asp does, or as `dot` of Graphviz, which has to be "
+        "installed",
+    )
+    add_selection(parser, writes=False)
     parser.epilog = (
-        "A configuration is drawn as it is written. To see the nodes that resolve it, draw its "
+        "What `check` finds is marked and numbered. A configuration "
+        "is drawn as it is written. To see the nodes that resolve it, draw its "
         "specification: mars-asp synthesise FILE | mars-asp draw - -o OUT"
     )
 
@@ -92,12 +107,15 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.depth is not None and arguments.about is None:
         print("mars-asp draw: --depth needs --about NAME", file=sys.stderr)
         return 2
+    if arguments.layout == "dot" and kind not in _PAINTED:
+        print(f"mars-asp draw: --layout has no effect on .{kind}: leave it out", file=sys.stderr)
+        return 2
     project = read_project(arguments)
     configuration = project.configuration
     picture = _part(project, kind in _PAINTED, arguments)
     if picture.remark:
         report([_told(picture, configuration.span)], arguments)
-    content = _drawn(picture, kind, configuration.span)
+    content = _drawn(picture, kind, arguments.layout, configuration.span)
     if arguments.output != "-":
         write_file(arguments.output, content)
     elif isinstance(content, str):
@@ -113,7 +131,8 @@ def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str |
     Raises:
         MarsError: there is no such module, or the picture is too large.
     """
-    return _drawn(_part(project, kind in _PAINTED, arguments), kind, project.configuration.span)
+    picture = _part(project, kind in _PAINTED, arguments)
+    return _drawn(picture, kind, arguments.layout, project.configuration.span)
 
 
 def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
@@ -123,10 +142,17 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
         MarsError: it is asked for what is near a module that is not there.
     """
     from mars_asp.draw import depict
+    from mars_asp.draw.marks import marked, number_findings
     from mars_asp.draw.part import about, fitting, left_out, of_kinds
     from mars_asp.draw.svg import drawn_width
+    from mars_asp.exchange.lift import with_own_muxes
 
-    whole = depict(project.configuration, project.modules)
+    rulebook = rulebook_for(arguments, JUDGING)
+    selection = Selection(arguments, rulebook)
+    analysis = judge_project(project, rulebook, arguments)
+    found = number_findings(selection.among(project, analysis.consequences).shown)
+    configuration = with_own_muxes(project.configuration)
+    whole = marked(depict(configuration, project.modules, classes=arguments.classes), found)
     shown, name, port = whole, arguments.about, None
     if name is not None:
         name, port = _named(name, whole, project)
@@ -208,7 +234,7 @@ def _kind_of(output: str) -> str:
     return "svg" if output == "-" else Path(output).suffix.removeprefix(".").lower()
 
 
-def _drawn(picture: "Picture", kind: str, span: "Span") -> str | bytes:
+def _drawn(picture: "Picture", kind: str, layout: str, span: "Span") -> str | bytes:
     if kind == "dot":
         from mars_asp.draw.dot import dot_text
 
@@ -217,13 +243,19 @@ def _drawn(picture: "Picture", kind: str, span: "Span") -> str | bytes:
         from mars_asp.draw.mermaid import mermaid_text
 
         return mermaid_text(picture)
+    from mars_asp.draw.graphviz import NoGraphvizError, draw_by_dot
     from mars_asp.draw.layered import TooLargeError
+    from mars_asp.draw.packing import draw_graph
     from mars_asp.draw.svg import svg_text
 
     try:
-        svg = svg_text(picture)
+        svg = svg_text(picture, layout=draw_by_dot if layout == "dot" else draw_graph)
     except TooLargeError:
         raise MarsError((_too_large(picture, span),)) from None
+    except NoGraphvizError as error:
+        advice = "install Graphviz, or leave out `--layout dot`"
+        at = whole_file(span.path)
+        raise MarsError((Diagnostic("draw", "error", str(error), at, help=advice),)) from None
     if kind == "svg":
         return svg
     from mars_asp.draw.png import png_bytes

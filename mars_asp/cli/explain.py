@@ -33,6 +33,7 @@ from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
@@ -58,6 +59,8 @@ ABSENCE_DEPTH = 1
 _MOST_LEVELS = 60
 #: Of the lines that an answer speaks of so many are shown.
 _MOST_EVIDENCE = 6
+#: Before the command that lists other specifications of the same cost.
+_TO_LIST = "To list them: "
 #: A page of everything about more modules has no traces, which would be too large for browsers.
 _MOST_TRACED = 2_000
 _TOO_MANY_TRACES = (
@@ -117,7 +120,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT.html",
         type=ending(".html", "-"),
-        help="write a page: the picture, what is found, its traces and their lines; "
+        help="write a page: the findings, the picture, the traces and their lines; "
         "`-` is standard output",
     )
     add_selection(parser, writes=False)
@@ -166,8 +169,8 @@ def run(arguments: argparse.Namespace) -> int:
 class Explained(NamedTuple):
     """The reported topics of an explanation, and the sentences about all of them.
 
-    `messages` are those on reading the robot. Of a page, `absent` are the reasons why there is not
-    more, and `specification` is drawn.
+    `messages` are those on reading the robot. Of a page, `consequences` are those that are topics,
+    `absent` are the reasons why there is not more, and `specification` is drawn.
     """
 
     subject: str | None
@@ -178,6 +181,7 @@ class Explained(NamedTuple):
     is_traced: bool
     specification: Configuration | None = None
     absent: tuple["Absence", ...] = ()
+    consequences: tuple[Consequence, ...] = ()
 
 
 def explained(project: Project, subject: str | None, arguments: argparse.Namespace) -> Explained:
@@ -219,15 +223,32 @@ def explained(project: Project, subject: str | None, arguments: argparse.Namespa
         closing = (*closing, _TOO_MANY_TRACES)
     synthesis = answer.synthesis
     specified = None if synthesis is None else synthesis.specification.configuration
+    consequences = _among_topics(answer, topics) if is_page else ()
     # Traces need no grounding, which takes as much memory, so that is not kept.
-    return Explained(subject, topics, closing, has_errors, messages, traced, specified, absent)
+    return Explained(
+        subject, topics, closing, has_errors, messages, traced, specified, absent, consequences
+    )
+
+
+def _among_topics(answer: Explanation, topics: Sequence[Topic]) -> tuple[Consequence, ...]:
+    """Return the consequences that are topics."""
+    atoms = {topic.atom for topic in topics}
+    return tuple(each for each in answer.analysis.consequences if each.atom in atoms)
 
 
 def explanation_html(found: Explained, project: Project) -> str:
     """Return an explanation as a page of its own."""
     from mars_asp.cli.explain_page import explanation_page
 
-    return explanation_page(project, found.specification, found.topics, found.absent, found.closing)
+    return explanation_page(
+        project,
+        found.specification,
+        found.topics,
+        found.consequences,
+        found.messages,
+        found.absent,
+        found.closing,
+    )
 
 
 def explanation_text(found: Explained, arguments: argparse.Namespace) -> Iterator[str]:
@@ -236,7 +257,12 @@ def explanation_text(found: Explained, arguments: argparse.Namespace) -> Iterato
         # Of a subject without topics the closing sentence is the answer.
         is_answer = found.subject is not None and not found.topics
         width = columns(sys.stdout)
-        closing = [line for text in found.closing for line in wrapped(text, width, further="  ")]
+        closing = [
+            line
+            for text in found.closing
+            # A command is not broken.
+            for line in ([text] if text.startswith(_TO_LIST) else wrapped(text, width, "", "  "))
+        ]
         if arguments.quiet and not is_answer:
             closing = []
         lines = chain(_told(found.topics, found.is_traced, arguments), closing)
@@ -275,7 +301,9 @@ def _explained_findings(
         return None
     topics, has_errors = _reported(answer, selection, project)
     found_nothing = () if topics else (f"nothing found in {of}",)
-    return Explained(answer.subject, topics, found_nothing, has_errors, messages, traced)
+    consequences = () if arguments.output is None else _among_topics(answer, topics)
+    found = Explained(answer.subject, topics, found_nothing, has_errors, messages, traced)
+    return found._replace(consequences=consequences)
 
 
 def _wants_traces(arguments: argparse.Namespace) -> bool:
@@ -485,7 +513,9 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
     elif not answer.topics and arguments.only != "nodes":
         yield "nothing to resolve, so nothing to explain"
     if answer.synthesis is not None and answer.subject is None:
-        yield _summary(answer, arguments)
+        yield _summary(answer)
+        if (answer.synthesis.resolution.count or 1) > 1:
+            yield f"{_TO_LIST}{command('explain', arguments, '--alternatives')}"
     elif answer.subject is None and arguments.only is None:
         yield unrealised(answer.analysis)
 
@@ -538,7 +568,7 @@ def _trace_lines(
     yield ""
 
 
-def _summary(answer: Explanation, arguments: argparse.Namespace) -> str:
+def _summary(answer: Explanation) -> str:
     assert answer.synthesis is not None
     nodes = answer.synthesis.cost(NODES)
     resolution = answer.synthesis.resolution
@@ -547,6 +577,4 @@ def _summary(answer: Explanation, arguments: argparse.Namespace) -> str:
     proof = "proven: no specification has fewer" if resolution.proven else "best found"
     count = resolution.count
     others = "" if count is None else f"; {count} such specification{'s' * (count != 1)}"
-    if count is not None and count > 1:
-        others += f", listed by {command('explain', arguments, '--alternatives')}"
     return f"{nodes} node{'s' * (nodes > 1)}, {proof}{others}"

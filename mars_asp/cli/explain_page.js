@@ -115,6 +115,20 @@ function mark(inside) {
   told.textContent = `${marked.size} line${marked.size === 1 ? "" : "s"} marked in the files`;
 }
 
+// Marks the boxes and lines of a finding in the picture, and shows the first.
+function choose({ dataset: { finding } }) {
+  for (const part of document.querySelectorAll(".picture .chosen")) part.classList.remove("chosen");
+  if (!finding) return;
+  const parts = [...document.querySelectorAll(`.picture [data-finding~="${finding}"]`)];
+  for (const part of parts) part.classList.add("chosen");
+  const drawing = document.querySelector(".drawing");
+  if (!parts.length) return;
+  const [shown, first] = [drawing.getBoundingClientRect(), parts[0].getBoundingClientRect()];
+  drawing.scrollBy(
+    first.x + first.width / 2 - shown.x - shown.width / 2,
+    first.y + first.height / 2 - shown.y - shown.height / 2);
+}
+
 // One answer: the sentence, what of the page it leads to, and the lines that it speaks of.
 function answered(name, [number, ...places]) {
   const lines = places.filter((id) => id.startsWith("f"));
@@ -194,7 +208,10 @@ function find() {
 
 document.addEventListener("toggle", ({ target }) => {
   if (!target.open) return;
-  if (target.matches("details.topic")) addTrace(target);
+  if (target.matches("details.topic")) {
+    addTrace(target);
+    choose(target);
+  }
   if (pending.has(target)) {
     target.append(list(...pending.get(target)));
     pending.delete(target);

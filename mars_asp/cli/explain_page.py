@@ -1,4 +1,4 @@
-"""Explanations as one page: the picture, what is found, why, and the lines behind it.
+"""Explanations as one page: the findings, the picture, the reasons, and the lines that cause them.
 
 Nothing is fetched, and only the page's own script may run in it, whatever the names are.
 """
@@ -6,24 +6,32 @@ Nothing is fetched, and only the page's own script may run in it, whatever the n
 import contextlib
 import json
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
 from string import Template
-from typing import Any
+from typing import Any, NamedTuple
+
+import clingo
 
 from mars_asp.asp.trace.document import trace_lines
 from mars_asp.asp.trace.text import traces_text
 from mars_asp.asp.trace.tree import Unexplained
+from mars_asp.cli.layout import counted
 from mars_asp.cli.lines import line_at, lines_of
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.draw import Picture, depict
 from mars_asp.draw.layered import TooLargeError
+from mars_asp.draw.marks import marked, number_findings
 from mars_asp.draw.page import whole_page
+from mars_asp.draw.picture import NumberedFinding
 from mars_asp.draw.svg import svg_text
+from mars_asp.exchange.lift import realised_by, with_own_muxes
 from mars_asp.model.declarations import Configuration
 from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.absences import Absence
 from mars_asp.reasoning.questions.explain import Topic
@@ -40,6 +48,8 @@ _MOST_EVIDENCE = 6
 _SORTS: Mapping[str, tuple[str, ...]] = {
     "Errors": ("error",),
     "Warnings": ("warning",),
+}
+_FURTHER_SORTS: Mapping[str, tuple[str, ...]] = {
     "Other consequences": ("note",),
     "Nodes": ("node",),
     "Atoms": ("atom",),
@@ -50,27 +60,42 @@ def explanation_page(
     project: Project,
     specification: Configuration | None,
     topics: Sequence[Topic],
+    found: Sequence[Consequence],
+    messages: Sequence[Diagnostic],
     absent: Sequence[Absence],
     closing: Iterable[str],
 ) -> str:
     """Return an HTML page of topics, with a picture of the specification where there is one.
 
-    What is `absent` can be asked for on the page; `closing` are sentences on the whole.
+    Topics that are `found` are marked in the picture. `messages` are on reading the files,
+    `closing` are sentences on the whole. The page answers why something is `absent`.
     """
     sources = _Sources(project.configuration.path)
     # The user's own file comes first, and is shown also where nothing is found in it.
     sources.name(project.configuration.path)
     numbers = {topic.name: number for number, topic in enumerate(topics, 1)}
-    told = "\n".join(_sections(project.diagnostics, topics, numbers, sources))
+    findings = number_findings(found)
+    muxes = {} if specification is None else realised_by(specification)
+    finding_of = {consequence.atom: finding for finding, consequence in findings}
+    page = _Topics(topics, numbers, finding_of, muxes, sources)
+    severities = [*(each.severity for each in messages), *(each.severity for each in topics)]
+    notes = [each for each in messages if each.severity == "note"]
+    grave = [each for each in messages if each.severity != "note"]
+    drawn = with_own_muxes(specification or project.configuration)
+    picture = marked(depict(drawn, project.modules), findings)
     asked = {each.module: number for number, each in enumerate(_first_of_each(absent))}
     data = {**_traces(topics, sources), **_answers(project, absent, numbers, sources)}
     title = sources.name(project.configuration.path)
     body = Template(_part("html")).substitute(
         title=escape(title),
         summary="\n".join(f"<p>{_words(line)}</p>" for line in closing),
-        picture=_figure(project, specification, topics, asked),
+        counts=_counts(Counter(severities)),
+        findings="\n".join((*page.sections(_SORTS), *_messages("About the files", grave, sources))),
+        picture=_figure(picture, drawn.kind, _targets(picture, page, asked)),
         absences=_question(absent, asked),
-        topics=told,
+        topics="\n".join(
+            (*page.sections(_FURTHER_SORTS), *_messages("Notes on the files", notes, sources))
+        ),
         files="\n".join(sources.sections()),
     )
     traces = json.dumps(data, separators=(",", ":"))
@@ -141,69 +166,99 @@ class _Sources:
 # ---- Topics --------------------------------------------------------------------------------------
 
 
-def _sections(
-    diagnostics: Sequence[Diagnostic],
-    topics: Sequence[Topic],
-    numbers: Mapping[str, int],
-    sources: _Sources,
-) -> Iterator[str]:
-    if diagnostics:
-        yield '<section aria-labelledby="reading"><h2 id="reading">About the files</h2><ul>'
-        for each in diagnostics:
+def _counts(severities: Mapping[str | None, int]) -> str:
+    """Return the numbers of errors and warnings, each with a sign."""
+    counts = [
+        f'<span class="{severity}"><span class="severity">{sign} '
+        f"{counted(severities[severity], severity)}</span></span>"
+        for severity, sign in (("error", "✖"), ("warning", "▲"))
+        if severities[severity]
+    ]
+    return ", ".join(counts) or '<span class="severity">✔ no errors and no warnings</span>'
+
+
+def _messages(heading: str, messages: Sequence[Diagnostic], sources: _Sources) -> Iterator[str]:
+    if messages:
+        name = heading.partition(" ")[0].lower()
+        yield f'<section aria-labelledby="{name}"><h2 id="{name}">{heading}</h2><ul>'
+        for each in messages:
             place = sources.link(each.span, f"{sources.name(each.span.path)}:{each.span.line}")
             help_text = f"; {_words(each.help)}" if each.help else ""
             yield f"<li>{place} {each.severity}: {_words(each.message)}{help_text}</li>"
         yield "</ul></section>"
-    resolved: dict[str, list[str]] = {}
-    for topic in topics:
-        for name in topic.resolves:
-            resolved.setdefault(name, []).append(topic.name)
-    for heading, sorts in _SORTS.items():
-        chosen = [
-            (number, topic)
-            for number, topic in enumerate(topics, 1)
-            if (topic.severity or topic.sort) in sorts
-        ]
-        if chosen:
-            label = f"h-{sorts[0]}"
-            yield f'<section class="sort" aria-labelledby="{label}">'
-            yield f'<h2 id="{label}">{heading} ({len(chosen)})</h2>'
-            for number, topic in chosen:
-                yield from _topic(number, topic, resolved.get(topic.name, ()), numbers, sources)
-            yield "</section>"
 
 
-def _topic(
-    number: int,
-    topic: Topic,
-    resolved_by: Iterable[str],
-    numbers: Mapping[str, int],
-    sources: _Sources,
-) -> Iterator[str]:
-    severity = f'<span class="severity">{topic.severity}</span> ' if topic.severity else ""
-    answer = topic.account.answer if topic.account is not None else None
-    said = f": {_words(answer.rstrip('.'))}." if answer else ""
-    yield f'<details class="topic {topic.severity or topic.sort}" id="t{number}" name="topic">'
-    yield f"<summary>{severity}<b>{escape(visible(topic.name))}</b>{said}</summary>"
-    if topic.account is not None:
-        yield '<ul class="lines">'
-        for cited in topic.account.cites:
-            label = f" {_words(cited.label)}" if cited.label else ""
-            line = escape(visible(line_at(cited.span)))
-            yield f"<li>{sources.link(cited.span, cited.place)} <code>{line}</code>{label}</li>"
-        yield "</ul>"
-        yield from (f"<p>{_words(note)}</p>" for note in topic.account.notes)
-    elif not isinstance(topic.trace, Unexplained):
-        lines = traces_text([(topic.title, topic.trace)], line_at)
-        shown = "\n".join(escape(visible(line)) for line in list(lines)[1:])
-        yield f"<noscript><pre>{shown}</pre></noscript>"
-    for says, names in (("Resolves", topic.resolves), ("Resolved by", resolved_by)):
-        linked = ", ".join(_linked(name, numbers) for name in names)
-        if linked:
-            yield f"<p>{says} {linked}.</p>"
-    if topic.rule:
-        yield f'<p class="rule">Rule {escape(visible(topic.rule))}</p>'
-    yield "</details>"
+class _Topics(NamedTuple):
+    """The topics of a page with their numbers by name, and the findings by their atoms.
+
+    `muxes` are those of the user, by the names of the nodes that they realise.
+    """
+
+    topics: Sequence[Topic]
+    numbers: Mapping[str, int]
+    findings: Mapping[clingo.Symbol, NumberedFinding]
+    muxes: Mapping[str, str]
+    sources: _Sources
+
+    def sections(self, headings: Mapping[str, tuple[str, ...]]) -> Iterator[str]:
+        """Yield a section for each heading that has topics."""
+        resolved: dict[str, list[str]] = {}
+        for topic in self.topics:
+            for name in topic.resolves:
+                resolved.setdefault(name, []).append(topic.name)
+        for heading, sorts in headings.items():
+            chosen = [
+                (number, topic)
+                for number, topic in enumerate(self.topics, 1)
+                if (topic.severity or topic.sort) in sorts
+            ]
+            if chosen:
+                label = f"h-{sorts[0]}"
+                yield f'<section class="sort" aria-labelledby="{label}">'
+                yield f'<h2 id="{label}">{heading} ({len(chosen)})</h2>'
+                for number, topic in chosen:
+                    yield from self._topic(number, topic, resolved.get(topic.name, ()))
+                yield "</section>"
+
+    def _topic(self, number: int, topic: Topic, resolved_by: Iterable[str]) -> Iterator[str]:
+        finding = self.findings.get(topic.atom) if topic.atom is not None else None
+        kind, mark, sign = topic.severity or topic.sort, "", ""
+        if finding is not None:
+            mark = f' data-finding="{finding.number}"'
+            sign = f'<span class="number">{finding.number}</span> '
+        if topic.severity:
+            sign += f'<span class="severity">{topic.severity}</span> '
+        account = topic.account
+        answer = account.answer if account is not None else None
+        text = f": {_words(answer.rstrip('.'))}." if answer else ""
+        name = f"<b>{escape(visible(topic.name))}</b>"
+        if topic.name in self.muxes:
+            name += f", which <code>{escape(visible(self.muxes[topic.name]))}</code> realises"
+        place = ""
+        if finding is not None and account is not None and account.cites:
+            place = f' <span class="quiet">{escape(visible(account.cites[0].place))}</span>'
+        yield f'<details class="topic {kind}" id="t{number}" name="topic"{mark}>'
+        yield f"<summary>{sign}{name}{text}{place}</summary>"
+        if account is not None:
+            yield '<ul class="lines">'
+            for cited in account.cites:
+                label = f" {_words(cited.label)}" if cited.label else ""
+                line = escape(visible(line_at(cited.span)))
+                link = self.sources.link(cited.span, cited.place)
+                yield f"<li>{link} <code>{line}</code>{label}</li>"
+            yield "</ul>"
+            yield from (f"<p>{_words(note)}</p>" for note in account.notes)
+        elif not isinstance(topic.trace, Unexplained):
+            lines = traces_text([(topic.title, topic.trace)], line_at)
+            shown = "\n".join(escape(visible(line)) for line in list(lines)[1:])
+            yield f"<noscript><pre>{shown}</pre></noscript>"
+        for says, names in (("Resolves", topic.resolves), ("Resolved by", resolved_by)):
+            linked = ", ".join(_linked(name, self.numbers) for name in names)
+            if linked:
+                yield f"<p>{says} {linked}.</p>"
+        if topic.rule:
+            yield f'<p class="rule">Rule {escape(visible(topic.rule))}</p>'
+        yield "</details>"
 
 
 def _linked(name: str, numbers: Mapping[str, int]) -> str:
@@ -327,18 +382,11 @@ def _answers(
 # ---- The picture ---------------------------------------------------------------------------------
 
 
-def _figure(
-    project: Project,
-    specification: Configuration | None,
-    topics: Sequence[Topic],
-    asked: Mapping[str, int],
-) -> str:
-    drawn = specification or project.configuration
-    picture = depict(drawn, project.modules)
+def _figure(picture: Picture, kind: str, targets: Mapping[str | int, str]) -> str:
     svg = None
     if len(picture.boxes) <= MOST_BOXES:
         with contextlib.suppress(TooLargeError):
-            svg = svg_text(picture, _links(picture, topics, asked))
+            svg = svg_text(picture, targets)
     if svg is None:
         return (
             f'<p class="quiet">There is no picture here: {len(picture.boxes)} boxes with '
@@ -348,7 +396,7 @@ def _figure(
     introduced = sum(box.node is not None for box in picture.boxes)
     nodes = f", {introduced} of them introduced" if introduced else ""
     caption = (
-        f"The {drawn.kind}: {len(picture.boxes)} boxes{nodes}. "
+        f"The {kind}: {len(picture.boxes)} boxes{nodes}. "
         "A box that is a link opens what is found there, or what is not."
     )
     return (
@@ -357,24 +405,31 @@ def _figure(
     )
 
 
-def _links(picture: Picture, topics: Sequence[Topic], asked: Mapping[str, int]) -> dict[str, str]:
-    """Return where boxes lead: nodes to themselves, modules to the gravest that is said of them.
+def _targets(picture: Picture, page: _Topics, asked: Mapping[str, int]) -> dict[str | int, str]:
+    """Return the links of findings by their numbers, and of boxes by their names.
 
-    Of a module of which nothing is said one can ask why not.
+    A box leads to its first finding, else to the node that it is or to the gravest topic about it.
+    One without a topic leads to the question why not.
     """
-    shown = {box.name for box in picture.boxes}
-    links: dict[str, str] = {}
-    order = [sort for sorts in _SORTS.values() for sort in sorts]
+    found: dict[str | int, str] = {}
+    order = [sort for sorts in (*_SORTS.values(), *_FURTHER_SORTS.values()) for sort in sorts]
     ranked = sorted(
-        enumerate(topics, 1), key=lambda each: order.index(each[1].severity or each[1].sort)
+        enumerate(page.topics, 1), key=lambda each: order.index(each[1].severity or each[1].sort)
     )
     for number, topic in ranked:
-        name = visible(topic.name)
+        if topic.atom is not None and topic.atom in page.findings:
+            found[page.findings[topic.atom].number] = f"#t{number}"
+    for box in picture.boxes:
+        if box.findings:
+            found[box.name] = found[box.findings[0].number]
+    shown = {box.name for box in picture.boxes}
+    for number, topic in ranked:
+        name = visible(page.muxes.get(topic.name, topic.name))
         if topic.sort == "consequence":
             subject = name.partition("(")[2].removesuffix(")")
-            # What is said of a port is said of its module.
+            # A topic about a port is about its module.
             name = subject if subject in shown else subject.partition(".")[0]
-        links.setdefault(name, f"#t{number}")
+        found.setdefault(name, f"#t{number}")
     for module, number in asked.items():
-        links.setdefault(visible(module), f"#n{number}")
-    return links
+        found.setdefault(visible(module), f"#n{number}")
+    return found

@@ -1,4 +1,4 @@
-"""A run as one page to read: the verdict, the requirements, and who won at each arbiter."""
+"""A run as one page: the verdict, the picture, the requirements, and the winners at arbiters."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -8,6 +8,7 @@ from string import Template
 from typing import Any
 from urllib.parse import quote
 
+from mars_asp.cli.layout import counted
 from mars_asp.cli.winners import Row, in_turn
 from mars_asp.draw.page import whole_page
 from mars_asp.output import visible
@@ -15,6 +16,12 @@ from mars_asp.output import visible
 #: Longer tables are cut, and say so.
 MOST_ROWS = 1_000
 _HOLDS = {True: "holds", False: "violated", None: "not decided"}
+#: Of each verdict: its class, its sign, and the state of the requirements that it names.
+_VERDICTS: Mapping[str, tuple[str, str, bool | None]] = {
+    "pass": ("passed", "✔", True),
+    "fail": ("failed", "✖", False),
+    "not decided": ("undecided", "?", None),
+}
 
 
 def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | None) -> str:
@@ -29,6 +36,7 @@ def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | 
     title = f"{title}: {run['verdict']}"
     body = Template(page).substitute(
         title=_shown(title),
+        verdict=_verdict(run),
         summary=_shown(_summary(run)),
         replay=f'<p><a href="{escape(replay)}">Play it</a></p>' if replay else "",
         sections="\n".join(_sections(run)),
@@ -41,6 +49,20 @@ def replay_seen_from(report: str, replay: str) -> str:
     """Return a link from a report to a replay, both given by their paths."""
     folder = os.path.dirname(os.path.abspath(report))  # noqa: PTH100, PTH120 -- a path of others
     return quote(os.fsencode(os.path.relpath(replay, folder)))
+
+
+def _verdict(run: Mapping[str, Any]) -> str:
+    """Return the verdict with its sign and the requirements that decide it."""
+    kind, sign, state = _VERDICTS[run["verdict"]]
+    names = [each["name"] for each in run["requirements"] if each["holds"] is state]
+    count = len(run["requirements"])
+    holds = "holds" if count == 1 else "hold"
+    which = (
+        f"{len(names)} of {counted(count, 'requirement')} {_HOLDS[state] if not state else holds}"
+    )
+    if not state:
+        which += f": {', '.join(names)}"
+    return f'<p class="verdict {kind}">{sign} {kind.capitalize()}: {_shown(which)}</p>'
 
 
 def _summary(run: Mapping[str, Any]) -> str:

@@ -168,6 +168,8 @@ def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:
 
 
 def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]:
+    from mars_asp.exchange.lift import realised_by
+
     described = {
         **project.modules,
         **{module.name: module for module in project.configuration.declared},
@@ -175,6 +177,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
     configuration = project.configuration
     said = {conversion.transformer: conversion for conversion in configuration.conversions}
     stands_for = {each.node: each.module for each in found.specification.configuration.stand_ins}
+    muxes = realised_by(found.specification.configuration)
     listed: list[dict[str, object]] = []
     for name in (name.text for name in configuration.modules):
         kind = configuration.node_kind(name) if configuration.kind == "specification" else None
@@ -185,6 +188,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
                 "origin": "declared",
                 **_conversion_json(said.get(name)),
                 **({"stands_for": stands_for[name]} if name in stands_for else {}),
+                **({"realised_by": muxes[name]} if name in muxes else {}),
             }
         )
     listed.extend(
@@ -194,6 +198,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
             "origin": "introduced",
             **_conversion_json(node.conversion),
             **({} if node.stands_for is None else {"stands_for": node.stands_for}),
+            **({"realised_by": muxes[node.name]} if node.name in muxes else {}),
         }
         for node in found.specification.nodes
     )

@@ -1,5 +1,6 @@
 """Colours of pictures, after Okabe and Ito: told apart also by those who see few of them."""
 
+from mars_asp.diagnostic import Severity
 from mars_asp.draw.picture import Box, LineKind
 
 LINES: dict[LineKind, str] = {"mount": "#6b6b6b", "data": "#0072b2", "control": "#c04f00"}
@@ -10,13 +11,20 @@ MEANINGS: dict[LineKind, str] = {
     "control": "control flows",
 }
 INK, QUIET = "#1a1a1a", "#5a5a5a"
-_MODULE = ("#ffffff", "#333333")
+#: Of findings: text and outline, and a halo of lines, which is lighter than any line.
+FINDINGS: dict[Severity, tuple[str, str]] = {
+    "error": ("#a80000", "#f6c4c0"),
+    "warning": ("#7a4300", "#fbe3ae"),
+}
+_MODULE, _ALONE = ("#ffffff", "#333333"), ("#f4f4f4", "#9a9a9a")
 _DATA_NODE = ("#dcedf8", "#0072b2")
 _CONTROL_NODE = ("#fce6d6", "#c04f00")
 
 
 def box_colours(box: Box) -> tuple[str, str]:
     """Return the colours of a box's inside and outline."""
+    if box.alone:
+        return _ALONE
     if box.node is None:
         return _MODULE
     inside, outline = _DATA_NODE if box.carries == "data" else _CONTROL_NODE

@@ -1,7 +1,7 @@
 """A picture in the language of Graphviz."""
 
 from mars_asp.draw.colours import LINES, box_colours
-from mars_asp.draw.picture import Box, Line, LineKind, Picture
+from mars_asp.draw.picture import Box, Line, LineKind, Picture, numbers
 
 _STYLES: dict[LineKind, str] = {
     "mount": "penwidth=3, arrowhead=dot",
@@ -15,7 +15,7 @@ def dot_text(picture: Picture) -> str:
     """Return a picture as DOT; names are quoted, so none of them can be read as DOT."""
     parts = [
         "digraph {",
-        f"  label={quoted(picture.title, picture.remark)};",
+        f"  label={quoted(picture.title, picture.remark, *map(str, picture.marks))};",
         '  node [fontname="Helvetica", style=filled];',
         '  edge [fontname="Helvetica", fontsize=10];',
     ]
@@ -32,12 +32,13 @@ def quoted(*lines: str) -> str:
 def _box(box: Box) -> str:
     fill, stroke = box_colours(box)
     shape = "box" if box.node is None else 'box, style="filled,rounded"'
-    return (
-        f'label={quoted(box.name, box.note)}, shape={shape}, fillcolor="{fill}", color="{stroke}"'
-    )
+    label = quoted(box.name, box.note, numbers(box.findings))
+    width = ", penwidth=3" if box.findings else ""
+    return f'label={label}, shape={shape}, fillcolor="{fill}", color="{stroke}"{width}'
 
 
 def _line(line: Line) -> str:
     colour = LINES[line.kind]
-    label = f'label={quoted(line.label)}, fontcolor="{colour}", ' if line.label else ""
+    text = quoted(*line.label.split("\n"), numbers(line.findings))
+    label = f'label={text}, fontcolor="{colour}", ' if text != quoted() else ""
     return f'{label}color="{colour}", {_STYLES[line.kind]}'

@@ -34,11 +34,15 @@ _MOST_PIECES = 60_000
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A link from one box to another, by index, and the size of its label, if it has one."""
+    """A link from one box to another, by index, and the size of its label, if it has one.
+
+    Links with a `rank` reach their head in this order, from left to right.
+    """
 
     tail: int
     head: int
     label: Size | None = None
+    rank: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +91,13 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
     between = [index for index, link in enumerate(links) if link.tail != link.head]
     split = _split(sizes, links, between)
     layers, chains = split.layers, split.chains
-    order_layers(layers, [pair for chain in chains for pair in pairwise(chain)])
+    ranks: dict[int, dict[int, int]] = defaultdict(dict)
+    for index, chain in zip(between, chains, strict=True):
+        rank = links[index].rank
+        if rank is not None and chain[-1] == links[index].head:
+            ranks[chain[-1]] |= dict.fromkeys(chain[:-1], rank)
+    pairs = [pair for chain in chains for pair in pairwise(chain)]
+    order_layers(layers, pairs, [each for each in ranks.values() if len(set(each.values())) > 1])
     place = {vertex: index for layer in layers for index, vertex in enumerate(layer)}
     widths = [width for width, _ in split.sizes]
     ports = _ports(chains, place, widths)

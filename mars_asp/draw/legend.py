@@ -1,15 +1,24 @@
 """What the boxes and lines of a picture mean, said below it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from mars_asp.draw.colours import LINES, MEANINGS, QUIET, box_colours
+from mars_asp.draw.colours import INK, LINES, MEANINGS, QUIET, box_colours
 from mars_asp.draw.layered import Point, Route
-from mars_asp.draw.picture import Box, Line, LineKind, Picture
-from mars_asp.draw.shapes import NOTE, draw_line, draw_outline, draw_text, text_width
+from mars_asp.draw.picture import Box, Line, LineKind, NumberedFinding, Picture
+from mars_asp.draw.shapes import (
+    NOTE,
+    draw_badge,
+    draw_line,
+    draw_outline,
+    draw_sentence,
+    draw_text,
+    text_width,
+)
 
 ROW = 26.0
 _SAMPLE, _SPACE, _APART = 40.0, 12.0, 22.0
+_LEADING = 16.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +37,13 @@ class Item:
 def legend_items(picture: Picture) -> list[Item]:
     """Return what a picture has to explain, and nothing else."""
     items = []
-    if any(box.node is None for box in picture.boxes):
+    if any(box.node is None and not box.alone for box in picture.boxes):
         items.append(Item("module", Box("", "", None)))
-    nodes = {box_colours(box): box for box in picture.boxes if box.node is not None}
+    nodes = {
+        box_colours(box): replace(box, findings=())
+        for box in picture.boxes
+        if box.node is not None and not box.alone
+    }
     for box in sorted(nodes.values(), key=lambda box: box.node or "", reverse=True):
         # What a pack colours is told by its kind.
         kind = (box.node or "").replace("_", " ")
@@ -66,3 +79,43 @@ def draw_row(row: Sequence[Item], corner: Point) -> Iterator[str]:
             yield draw_line(Line(item.sample, 0, 0, "", item.meaning), Route((a, a, b, b), None))
         yield draw_text(item.meaning, (x + _SAMPLE + _SPACE, y), NOTE, QUIET)
         x += item.width
+
+
+def finding_width(finding: NumberedFinding) -> float:
+    """Return the width of a finding in one line, with its number."""
+    return _SAMPLE + _SPACE + text_width(f"{finding.severity}: {finding.text}", NOTE)
+
+
+def finding_lines(
+    findings: Sequence[NumberedFinding], width: float
+) -> Sequence[tuple[tuple[NumberedFinding, ...], str]]:
+    """Return the lines of findings, of this width at most; the first of each has its number."""
+    found: list[tuple[tuple[NumberedFinding, ...], str]] = []
+    for finding in findings:
+        numbered: tuple[NumberedFinding, ...] = (finding,)
+        line = f"{finding.severity}:"
+        for word in finding.text.split():
+            if text_width(f"{line} {word}", NOTE) > width - _SAMPLE - _SPACE:
+                found.append((numbered, line))
+                numbered, line = (), word
+            else:
+                line = f"{line} {word}"
+        found.append((numbered, line))
+    return found
+
+
+def draw_findings(
+    lines: Sequence[tuple[tuple[NumberedFinding, ...], str]], corner: Point
+) -> Iterator[str]:
+    """Yield lines of findings with their upper left corner at a point."""
+    x, y = corner
+    for numbered, line in lines:
+        y += _LEADING + (4 if numbered else 0)
+        if numbered:
+            yield draw_badge(numbered, (x, y))
+        yield draw_sentence(line, (x + _SAMPLE + _SPACE, y), NOTE, INK)
+
+
+def findings_height(lines: Sequence[tuple[tuple[NumberedFinding, ...], str]]) -> float:
+    """Return the height of lines of findings, with the space after them."""
+    return sum((_LEADING + (4 if numbered else 0) for numbered, _ in lines), 8.0 if lines else 0.0)

@@ -1,7 +1,7 @@
 """A picture in the language of Mermaid, which code hosts show in Markdown."""
 
 from mars_asp.draw.colours import LINES, box_colours
-from mars_asp.draw.picture import Box, Line, LineKind, Picture
+from mars_asp.draw.picture import Box, Line, LineKind, Picture, numbers
 
 _ARROWS: dict[LineKind, str] = {"mount": "===", "data": "-->", "control": "-.->"}
 _WIDTHS: dict[LineKind, str] = {"mount": "3px", "data": "1.6px", "control": "1.6px"}
@@ -13,11 +13,14 @@ def mermaid_text(picture: Picture) -> str:
     parts = ["flowchart TD"]
     if picture.remark:
         parts.append(f"  %% {picture.remark}")
+    for each in picture.marks:
+        parts.append(f"  %% {''.join(map(_code, str(each).replace('`', '')))}")
     parts += (f"  n{index}{_box(box)}" for index, box in enumerate(picture.boxes))
     parts += (_line(line) for line in picture.lines)
     for index, box in enumerate(picture.boxes):
         fill, stroke = box_colours(box)
-        parts.append(f"  style n{index} fill:{fill},stroke:{stroke},color:#1a1a1a")
+        width = ",stroke-width:3px" if box.findings else ""
+        parts.append(f"  style n{index} fill:{fill},stroke:{stroke},color:#1a1a1a{width}")
     for index, line in enumerate(picture.lines):
         colour, width = LINES[line.kind], _WIDTHS[line.kind]
         parts.append(f"  linkStyle {index} stroke:{colour},stroke-width:{width},color:{colour}")
@@ -34,10 +37,11 @@ def _code(character: str) -> str:
 
 
 def _box(box: Box) -> str:
-    text = quoted(box.name, box.note)
+    text = quoted(box.name, box.note, numbers(box.findings))
     return f"[{text}]" if box.node is None else f"([{text}])"
 
 
 def _line(line: Line) -> str:
-    label = f"|{quoted(line.label)}|" if line.label else ""
+    text = quoted(*line.label.split("\n"), numbers(line.findings))
+    label = f"|{text}|" if text != quoted() else ""
     return f"  n{line.tail} {_ARROWS[line.kind]}{label} n{line.head}"

@@ -2,7 +2,7 @@
 
 from bisect import bisect_right, insort
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from operator import itemgetter
 
@@ -12,25 +12,31 @@ _SWEEPS, _PATIENCE = 24, 6
 _MOST_SWAPPED = 4000
 
 
-def order_layers(layers: list[list[int]], arcs: Sequence[tuple[int, int]]) -> None:
+def order_layers(
+    layers: list[list[int]],
+    arcs: Sequence[tuple[int, int]],
+    ranks: Sequence[Mapping[int, int]] = (),
+) -> None:
     """Order the vertices of each layer, in place, so that arcs between layers cross rarely.
 
     Arcs lead from one layer to the next. Barycentres and swaps of neighbours, down and up, as in
     Gansner et al., "A technique for drawing directed graphs" (1993), from the order in which a
     search meets the vertices from the first layer, or from the last; the best order is kept.
+    Vertices of a layer that have `ranks` in one mapping stay in the order of these.
     """
     below: dict[int, list[int]] = defaultdict(list)
     above: dict[int, list[int]] = defaultdict(list)
     for upper, lower in arcs:
         below[upper].append(lower)
         above[lower].append(upper)
+    kept = list(_in_layers(layers, ranks))
     tried: list[tuple[int, list[list[int]]]] = []
     ways = list(product((below, above), (False, True)))
     for begin, turning in ways if sum(map(len, layers)) <= _MOST_SWAPPED else ways[:1]:
         start = [list(layer) for layer in (layers if begin is below else layers[::-1])]
         _begin(start, begin)
         start = start if begin is below else start[::-1]
-        tried.append((_sweep(start, below, above, turning), start))
+        tried.append((_sweep(start, below, above, turning, kept), start))
         if not tried[-1][0]:
             break
     layers[:] = min(tried, key=itemgetter(0))[1]
@@ -41,11 +47,13 @@ def _sweep(
     below: Mapping[int, list[int]],
     above: Mapping[int, list[int]],
     turning: bool,
+    kept: Sequence[tuple[int, Mapping[int, int]]],
 ) -> int:
     """Order layers, in place, down and up; return how many crossings are left.
 
     When `turning`, those that tie change places every other time.
     """
+    _keep(layers, kept)
     place = {vertex: index for layer in layers for index, vertex in enumerate(layer)}
     swapping = len(place) <= _MOST_SWAPPED
     best = [list(layer) for layer in layers]
@@ -63,6 +71,7 @@ def _sweep(
         if swapping:
             for layer in layers:
                 _swap(layer, below, above, place)
+        place.update(_keep(layers, kept))
         crossings = _crossings(layers, below, place)
         if crossings < fewest:
             best, fewest, found = [list(layer) for layer in layers], crossings, sweep
@@ -83,6 +92,32 @@ def _begin(layers: list[list[int]], below: Mapping[int, list[int]]) -> None:
                     stack += reversed(below.get(other, []))
     for layer in layers:
         layer.sort(key=met.__getitem__)
+
+
+def _in_layers(
+    layers: Sequence[Sequence[int]], ranks: Sequence[Mapping[int, int]]
+) -> Iterator[tuple[int, Mapping[int, int]]]:
+    """Yield the layers in which several vertices have ranks in one mapping, with those ranks."""
+    layer_of = {vertex: index for index, layer in enumerate(layers) for vertex in layer}
+    for rank in ranks:
+        within: dict[int, dict[int, int]] = defaultdict(dict)
+        for vertex, number in rank.items():
+            within[layer_of[vertex]][vertex] = number
+        yield from ((index, each) for index, each in within.items() if len(each) > 1)
+
+
+def _keep(
+    layers: Sequence[list[int]], kept: Sequence[tuple[int, Mapping[int, int]]]
+) -> Mapping[int, int]:
+    """Put vertices with ranks, in place, into the order of these; return the places of layers."""
+    for number, rank in kept:
+        layer = layers[number]
+        slots = [index for index, vertex in enumerate(layer) if vertex in rank]
+        ordered = sorted((layer[index] for index in slots), key=rank.__getitem__)
+        for index, vertex in zip(slots, ordered, strict=True):
+            layer[index] = vertex
+    changed = {number for number, _ in kept}
+    return {v: index for number in changed for index, v in enumerate(layers[number])}
 
 
 def _sort(layer: list[int], near: Mapping[int, list[int]], place: dict[int, int]) -> None:

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import sqrt
 
 from mars_asp.draw.layered import Drawing, Link, Point, Route, Size, draw_layered
@@ -21,7 +22,7 @@ def draw_graph(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
     for boxes, inside in parts:
         number = {box: index for index, box in enumerate(boxes)}
         own = [links[index] for index in inside]
-        own = [Link(number[link.tail], number[link.head], link.label) for link in own]
+        own = [replace(link, tail=number[link.tail], head=number[link.head]) for link in own]
         drawings.append(draw_layered([sizes[box] for box in boxes], own))
     corners, size = _pack([drawing.size for drawing in drawings])
     centres: dict[int, Point] = {}

@@ -1,11 +1,12 @@
 """What a picture shows: a box for each module and node, a line for each relationship."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from mars_asp.language.print import print_relationship
+from mars_asp.diagnostic import Severity, Span
+from mars_asp.language.print import print_number, print_relationship
 from mars_asp.model.declarations import (
     FOREVER,
     Configuration,
@@ -15,6 +16,7 @@ from mars_asp.model.declarations import (
     Module,
     Mount,
     Relationship,
+    Transformation,
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.ports import inputs, outputs
@@ -25,8 +27,36 @@ LineKind: TypeAlias = Literal["mount", "data", "control"]
 
 
 @dataclass(frozen=True, slots=True)
+class NumberedFinding:
+    """A finding by its number in the picture."""
+
+    number: int
+    severity: Severity
+    text: str
+
+    def __str__(self) -> str:
+        """Return the finding in one line."""
+        return f"{self.number} {self.severity}: {self.text}"
+
+
+def numbers(findings: Sequence[NumberedFinding]) -> str:
+    """Return the gravest severity of findings and their numbers, as in `error 1, 3`."""
+    if not findings:
+        return ""
+    return f"{gravest(findings)} {', '.join(str(each.number) for each in findings)}"
+
+
+def gravest(findings: Iterable[NumberedFinding]) -> Severity:
+    """Return the gravest severity of findings."""
+    return "error" if any(each.severity == "error" for each in findings) else "warning"
+
+
+@dataclass(frozen=True, slots=True)
 class Box:
-    """A module, or a node that was introduced; `note` says what it is or does."""
+    """A module, or a node that was introduced; `note` describes it.
+
+    `alone` is the reason why no line leads to it or from it, empty if one does.
+    """
 
     name: str
     note: str
@@ -34,14 +64,18 @@ class Box:
     #: The colour that a rule pack gives nodes of this kind.
     colour: str | None = None
     carries: str | None = None
+    alone: str = ""
+    findings: tuple[NumberedFinding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
     """A relationship in the direction in which things flow, by the index of its boxes.
 
-    Mounts lead from the mounting module to what carries it. `text` is the relationship as written.
-    `outlet` and `inlet` are the ports of data, which a line need not name where there is only one.
+    Mounts lead from the mounting module to what carries it. A `label` has lines, `text` is the
+    relationship as written. `outlet` and `inlet` are the ports of data, which a line need not name
+    where there is only one. `rank` is the priority of a controller, `span` is the place of the
+    relationship.
     """
 
     kind: LineKind
@@ -51,6 +85,9 @@ class Line:
     text: str
     outlet: str | None = None
     inlet: str | None = None
+    rank: int | None = None
+    span: Span | None = None
+    findings: tuple[NumberedFinding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +102,20 @@ class Picture:
     lines: tuple[Line, ...]
     remark: str = ""
 
+    @property
+    def marks(self) -> tuple[NumberedFinding, ...]:
+        """The findings about its boxes and lines, by their numbers."""
+        parts: tuple[Box | Line, ...] = (*self.boxes, *self.lines)
+        found = {each for part in parts for each in part.findings}
+        return tuple(sorted(found, key=lambda each: each.number))
 
-def depict(configuration: Configuration, modules: Mapping[str, Module]) -> Picture:
+
+def depict(
+    configuration: Configuration, modules: Mapping[str, Module], *, classes: bool = False
+) -> Picture:
     """Return the picture of a configuration, whose modules `modules` and itself describe.
 
-    Names that only relationships mention have boxes, too.
+    Names in relationships alone have boxes as well. With `classes` boxes have those of the paper.
     """
     described = {**modules, **{module.name: module for module in configuration.declared}}
     conversions = {found.transformer: found for found in configuration.conversions}
@@ -77,14 +123,19 @@ def depict(configuration: Configuration, modules: Mapping[str, Module]) -> Pictu
     for relationship in configuration.relationships:
         names |= dict.fromkeys(_ends(relationship))
     introduces = configuration.kind == "specification"
+    joined = {name for line in configuration.relationships for name in _ends(line)}
+    unread = {name.text for name in configuration.opaque}
     boxes = [
         Box(
             _shown(name),
-            _note(described.get(name), conversions.get(name)),
-            *_node(name, configuration),
+            _note(described.get(name), conversions.get(name), classes),
+            *(
+                _node(name, configuration)
+                if introduces and name not in described
+                else (None, None, None)
+            ),
+            "" if name in joined else _reason(described.get(name), name in unread),
         )
-        if introduces and name not in described
-        else Box(_shown(name), _note(described.get(name), conversions.get(name)), None)
         for name in names
     ]
     number = {name: index for index, name in enumerate(names)}
@@ -115,36 +166,60 @@ def _ends(relationship: Relationship) -> tuple[str, str]:
 def _line(
     relationship: Relationship, number: Mapping[str, int], described: Mapping[str, Module]
 ) -> Line:
-    outlet = inlet = None
+    outlet = inlet = rank = None
     tail, head = (number[name] for name in _ends(relationship))
     kind: LineKind
     match relationship:
         case Mount():
             kind = "mount"
             at, on = relationship.mounting_vertex or 0, relationship.mounted_vertex or 0
-            words = [f"vertex {at} on {on}"] if at or on else []
+            label = [f"vertex {at} on {on}"] if at or on else []
             if relationship.transformation is not None:
-                words.append("".join(relationship.transformation.text.split()))
+                label += _in_words(relationship.transformation)
         case Control():
             kind = "control"
-            words = [] if relationship.priority is None else [f"priority {relationship.priority}"]
+            rank = relationship.priority
+            words = [] if rank is None else [f"priority {rank}"]
             if relationship.hold_ms is not None:
                 unit = "" if relationship.hold_ms == FOREVER else " ms"
                 words.append(f"hold {relationship.hold_ms}{unit}")
             if relationship.allocation is not None:
                 words.append(f"allocation {relationship.allocation}")
+            label = [relationship.topic or "", " ".join(words)]
         case Data():
             kind = "data"
             ports = relationship.source_port, relationship.client_port
-            words = [" → ".join(port for port in ports if port is not None)] if any(ports) else []
             outlet = ports[0] or _only_port(described.get(relationship.source), outputs)
             inlet = ports[1] or _only_port(described.get(relationship.client), inputs)
-            if relationship.mode is not None:
-                words.append(relationship.mode.text)
+            label = [" → ".join(dict.fromkeys(port for port in ports if port is not None))]
             if relationship.hz is not None:
-                words.append(_rate(relationship.hz))
-    label, text = _shown(" ".join(words)), _shown(print_relationship(relationship))
-    return Line(kind, tail, head, label, text, outlet, inlet)
+                label.append(_rate(relationship.hz))
+            elif relationship.mode is not None:
+                label.append(relationship.mode.text)
+    text = _shown(print_relationship(relationship))
+    shown = "\n".join(filter(None, map(_shown, label)))
+    return Line(kind, tail, head, shown, text, outlet, inlet, rank, relationship.span)
+
+
+def _in_words(transformation: Transformation) -> list[str]:
+    """Return the turns of a transformation, to hundredths, and its lengths in words."""
+    turns = (
+        f"{print_number(round(turn, 2))}° about {axis.lower()}"
+        for axis, turn in transformation.rotations
+    )
+    lengths = (
+        f"{print_number(length)} mm along {axis}"
+        for axis, length in zip("xyz", transformation.translation, strict=True)
+        if length
+    )
+    return [", ".join(turns), ", ".join(lengths)]
+
+
+def _reason(module: Module | None, is_unread: bool) -> str:
+    """Return why no line leads to a module or from it."""
+    if not is_unread:
+        return "nothing is connected to them"
+    return "not in the catalogue" if module is None else "not all of their topics were read"
 
 
 def _only_port(
@@ -155,12 +230,12 @@ def _only_port(
     return names[0] if len(names) == 1 else None
 
 
-def _note(module: Module | None, conversion: Conversion | None) -> str:
+def _note(module: Module | None, conversion: Conversion | None, classes: bool) -> str:
     if conversion is not None:
         return _shown(f"{conversion.source} → {conversion.target}")
     if module is None:
         return ""
-    words = [name.replace("_", " ") for name in module_classes(module)]
+    words = [name.replace("_", " ") for name in module_classes(module)] if classes else []
     return ", ".join([*words, *(["guard"] if module.guard is not None else [])])
 
 

@@ -2,18 +2,22 @@
 
 import html
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from mars_asp.draw.colours import INK, LINES, QUIET, box_colours
+from mars_asp.draw.colours import FINDINGS, INK, LINES, QUIET, box_colours
 from mars_asp.draw.layered import LOOP, PORT, Point, Route, Size
-from mars_asp.draw.picture import Box, Line, LineKind
+from mars_asp.draw.picture import Box, Line, LineKind, NumberedFinding, gravest
 
 FONT = "'DejaVu Sans', Verdana, 'Liberation Sans', 'Noto Sans', Arial, Helvetica, sans-serif"
 NAME, NOTE, LABEL = 13.0, 10.5, 10.5
+#: From one line of a label to the next.
+_LEADING = 13.0
 #: Longer text would make boxes and gaps too wide to see anything else; titles show it whole.
 _MOST_CHARACTERS = 48
 #: A box is not made wider for more lines than these.
 _MOST_SPREAD = 40
+#: A box shows no more numbers of findings; its attribute has all.
+_MOST_NUMBERS = 5
 #: What XML does not have, though it is no control character.
 _NOT_XML = str.maketrans(dict.fromkeys("\ufffe\uffff", "\ufffd"))
 _NARROW, _WIDE = frozenset("ijlIft.,:;'|!()[] "), frozenset("mwMW@%")
@@ -51,14 +55,26 @@ def plain(number: float) -> str:
 
 def box_size(box: Box, lines: int, loops: int) -> Size:
     """Return how large a box is for what it says, for lines at a side and for those to itself."""
-    wide = max(text_width(_short(box.name), NAME), text_width(_short(box.note), NOTE))
+    badge = badge_width(box.findings)
+    if box.alone:
+        return text_width(_short(box.name), NOTE) + 16 + badge, 22.0
+    wide = max(text_width(_short(box.name), NAME), text_width(_short(box.note), NOTE)) + badge
     spread = (min(lines, _MOST_SPREAD) + 1) * PORT
     return max(64.0, wide + 26, spread), max(46.0 if box.note else 34.0, loops * LOOP)
 
 
-def label_size(label: str) -> Size | None:
-    """Return how large a label is; `None` where nothing is to be said."""
-    return (text_width(_short(label), LABEL) + 10, LABEL + 6) if label else None
+def label_size(line: Line) -> Size | None:
+    """Return the size of a line's label with its findings, None if it has neither."""
+    if not line.label and not line.findings:
+        return None
+    lines = line.label.split("\n")
+    wide = max(text_width(_short(each), LABEL) for each in lines)
+    return wide + 10 + badge_width(line.findings), len(lines) * _LEADING + 3.5
+
+
+def badge_width(findings: Sequence[NumberedFinding]) -> float:
+    """Return the width of the numbers of findings, with the space after them."""
+    return text_width(_numbers(findings), LABEL) + 14 if findings else 0.0
 
 
 def draw_markers() -> Iterator[str]:
@@ -75,45 +91,88 @@ def draw_box(box: Box, centre: Point, size: Size) -> Iterator[str]:
     """Yield a box with its name and note."""
     x, y = centre
     whole = f"{box.name}: {box.note}" if box.note else box.name
-    yield f'<g class="{box.node or "module"}"><title>{escaped(whole)}</title>'
+    if box.alone:
+        whole += f", without lines: {box.alone}"
+    yield f"<g {_classes(box.node or 'module', box.findings)}><title>{escaped(whole)}</title>"
     yield draw_outline(box, (x - size[0] / 2, y - size[1] / 2), size)
-    yield draw_text(box.name, (x, y - 7.5 if box.note else y), NAME, INK, "middle")
-    if box.note:
-        yield draw_text(box.note, (x, y + 8.7), NOTE, QUIET, "middle")
+    x += badge_width(box.findings) / 2
+    if box.alone:
+        yield draw_text(box.name, (x, y), NOTE, QUIET, "middle")
+    else:
+        yield draw_text(box.name, (x, y - 7.5 if box.note else y), NAME, INK, "middle")
+        if box.note:
+            yield draw_text(box.note, (x, y + 8.7), NOTE, QUIET, "middle")
+    if box.findings:
+        yield draw_badge(box.findings, (centre[0] - size[0] / 2 + 7, y))
     yield "</g>"
+
+
+def _classes(kind: str, findings: Sequence[NumberedFinding]) -> str:
+    """Return the attributes of a box or line of a kind with its findings."""
+    if not findings:
+        return f'class="{kind}"'
+    numbers = " ".join(str(each.number) for each in findings)
+    return f'class="{kind} finding {gravest(findings)}" data-finding="{numbers}"'
+
+
+def _numbers(findings: Sequence[NumberedFinding]) -> str:
+    """Return the numbers of findings, shortened where they would make a box too wide."""
+    shown = [str(each.number) for each in findings[:_MOST_NUMBERS]]
+    return ", ".join([*shown, *(["…"] if len(findings) > _MOST_NUMBERS else [])])
+
+
+def draw_badge(findings: Sequence[NumberedFinding], left: Point) -> str:
+    """Return the numbers of findings: on a dark ground for errors, on a light one for warnings."""
+    severity = gravest(findings)
+    colour, _ = FINDINGS[severity]
+    radius, fill, ink = (2, colour, "#ffffff") if severity == "error" else (8, "#ffffff", colour)
+    width = badge_width(findings) - 6
+    style = f'rx="{radius}" fill="{fill}" stroke="{colour}" stroke-width="1.5"'
+    return _rectangle((left[0], left[1] - 8), (width, 16.0), style) + draw_text(
+        _numbers(findings), (left[0] + width / 2, left[1]), LABEL, ink, "middle"
+    )
 
 
 def draw_outline(box: Box, corner: Point, size: Size) -> str:
     """Return a box without text: with square corners for a module, with round ends for a node."""
     fill, stroke = box_colours(box)
     radius = 3.0 if box.node is None else size[1] / 2
+    if box.findings:
+        stroke = f'{FINDINGS[gravest(box.findings)][0]}" stroke-width="3'
     return _rectangle(corner, size, f'rx="{plain(radius)}" fill="{fill}" stroke="{stroke}"')
 
 
 def draw_line(line: Line, route: Route) -> str:
-    """Return a line: a mount ends in a disc, what flows in an arrow's head."""
+    """Return a line with its label: a mount ends in a disc, a flow in an arrow's head."""
     (x, y), *rest = route.points
     curves = "".join(
         f"C{_pair(a)} {_pair(b)} {_pair(c)}"
         for a, b, c in zip(rest[::3], rest[1::3], rest[2::3], strict=True)
     )
     colour = LINES[line.kind]
-    path = (
-        f'<path d="M{_pair((x, y))}{curves}" fill="none" stroke="{colour}" {_STROKES[line.kind]}/>'
-    )
+    way = f'<path d="M{_pair((x, y))}{curves}" fill="none" stroke='
+    path = f'{way}"{colour}" {_STROKES[line.kind]}/>'
+    if line.findings:
+        halo = FINDINGS[gravest(line.findings)][1]
+        path = f'{way}"{halo}" stroke-width="9" stroke-linecap="round"/>{path}'
     if line.kind == "mount":
         x, y = route.points[-1]
         path += f'<circle cx="{plain(x)}" cy="{plain(y)}" r="5" fill="{colour}"/>'
-    return f'<g class="{line.kind}"><title>{escaped(line.text)}</title>{path}</g>'
+    label = "" if route.label is None else _label(line, route.label)
+    classes = _classes(line.kind, line.findings)
+    return f"<g {classes}><title>{escaped(line.text)}</title>{path}{label}</g>"
 
 
-def draw_label(line: Line, at: Point) -> str:
+def _label(line: Line, at: Point) -> str:
     """Return a line's label, which covers the line."""
-    width, height = label_size(line.label) or (0.0, 0.0)
-    corner = at[0] - width / 2, at[1] - height / 2
-    return _rectangle(corner, (width, height), 'fill="#ffffff"') + draw_text(
-        line.label, at, LABEL, LINES[line.kind], "middle"
-    )
+    width, height = label_size(line) or (0.0, 0.0)
+    left, badge = at[0] - width / 2, badge_width(line.findings)
+    label = _rectangle((left, at[1] - height / 2), (width, height), 'fill="#ffffff"')
+    lines = line.label.split("\n") if line.label else []
+    for index, text in enumerate(lines):
+        middle = at[0] + badge / 2, at[1] + (index - (len(lines) - 1) / 2) * _LEADING
+        label += draw_text(text, middle, LABEL, LINES[line.kind], "middle")
+    return label + (draw_badge(line.findings, (left + 3, at[1])) if badge else "")
 
 
 def draw_text(text: str, at: Point, size: float, colour: str, anchor: str = "start") -> str:

@@ -1,21 +1,31 @@
 """A picture as SVG, laid out here: no other program is needed, and the same bytes everywhere."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import inf
 from types import MappingProxyType
+from typing import NamedTuple, TypeAlias
 
 from mars_asp.draw.colours import LINES, QUIET
-from mars_asp.draw.layered import Drawing, Link, Size, TooLargeError
-from mars_asp.draw.legend import ROW, draw_row, legend_items, legend_rows, legend_width
-from mars_asp.draw.packing import draw_graph
+from mars_asp.draw.layered import Drawing, Link, Point, Size, TooLargeError
+from mars_asp.draw.legend import (
+    ROW,
+    draw_findings,
+    draw_row,
+    finding_lines,
+    finding_width,
+    findings_height,
+    legend_items,
+    legend_rows,
+    legend_width,
+)
+from mars_asp.draw.packing import APART, draw_graph
 from mars_asp.draw.picture import Picture
 from mars_asp.draw.shapes import (
     FONT,
     NOTE,
     box_size,
     draw_box,
-    draw_label,
     draw_line,
     draw_markers,
     draw_sentence,
@@ -26,35 +36,52 @@ from mars_asp.draw.shapes import (
 )
 
 _MARGIN = 24.0
-#: A legend makes a narrow picture wider, up to this.
+#: A legend makes a narrow picture wider, up to this, and boxes without lines do.
 _LEGEND_WIDTH = 560.0
-_NOWHERE: Mapping[str, str] = MappingProxyType({})
+_NEAR = 10.0
+_NOWHERE: Mapping[str | int, str] = MappingProxyType({})
+Layout: TypeAlias = Callable[[Sequence[Size], Sequence[Link]], Drawing]
+
+
+class _Arrangement(NamedTuple):
+    """Boxes and lines with their places, and captions of the boxes without lines."""
+
+    sizes: Sequence[Size]
+    drawing: Drawing
+    captions: Sequence[tuple[str, Point]]
 
 
 def drawn_width(picture: Picture) -> float:
     """Return how wide a picture is drawn, in px; without end where it is too large to be drawn."""
     try:
-        return _laid_out(picture)[1].size[0] + 2 * _MARGIN
+        return _laid_out(picture, draw_graph).drawing.size[0] + 2 * _MARGIN
     except TooLargeError:
         return inf
 
 
-def svg_text(picture: Picture, targets: Mapping[str, str] = _NOWHERE) -> str:
+def svg_text(
+    picture: Picture, targets: Mapping[str | int, str] = _NOWHERE, layout: Layout = draw_graph
+) -> str:
     """Return a picture as SVG; its text is escaped, and nothing in it is active.
 
-    Boxes lead to `targets` by their names, for a page that the picture is part of.
+    Boxes lead to `targets` by their names, for a page that the picture is part of, and lines by the
+    numbers of their findings.
 
     Raises:
         TooLargeError: there would be too many lines beside too many boxes.
     """
-    sizes, drawing = _laid_out(picture)
+    sizes, drawing, captions = _laid_out(picture, layout)
     legend = legend_items(picture)
     inside = max(drawing.size[0], min(legend_width(legend), _LEGEND_WIDTH))
     if picture.remark:
         inside = max(inside, text_width(picture.remark, NOTE))
+    longest = max((finding_width(each) for each in picture.marks), default=0.0)
+    inside = max(inside, min(longest, _LEGEND_WIDTH))
     rows = list(legend_rows(legend, inside))
     width, below = inside + 2 * _MARGIN, drawing.size[1] + 2 * _MARGIN
-    height = below + (len(rows) + bool(picture.remark)) * ROW + _MARGIN / 2
+    findings = finding_lines(picture.marks, inside)
+    legend_height = len(rows) * ROW + findings_height(findings)
+    height = below + legend_height + bool(picture.remark) * ROW + _MARGIN * 0.8
     corner = (width - drawing.size[0]) / 2
     # The parts of an image are not announced, so links could not be found there.
     role = "group" if targets else "img"
@@ -69,28 +96,37 @@ def svg_text(picture: Picture, targets: Mapping[str, str] = _NOWHERE) -> str:
         f'<g class="picture" transform="translate({plain(corner)} {plain(_MARGIN)})">',
     ]
     routed = list(zip(picture.lines, drawing.routes, strict=True))
-    # Mounts lie lowest, for they are the widest; labels lie above all lines.
+    # Mounts lie lowest, for they are the widest.
     for kind in LINES:
-        parts += [draw_line(line, route) for line, route in routed if line.kind == kind]
-    parts += [draw_label(line, route.label) for line, route in routed if route.label is not None]
+        for line, route in routed:
+            if line.kind == kind:
+                found = (targets.get(each.number) for each in line.findings)
+                target = next(filter(None, found), None)
+                parts += _linked([draw_line(line, route)], line.text, target)
     for box, centre, size in zip(picture.boxes, drawing.centres, sizes, strict=True):
-        target = targets.get(box.name)
-        if target is not None:
-            parts.append(f'<a href="{escaped(target)}" aria-label="{escaped(box.name)}">')
-        parts += draw_box(box, centre, size)
-        if target is not None:
-            parts.append("</a>")
+        parts += _linked(draw_box(box, centre, size), box.name, targets.get(box.name))
+    parts += (draw_sentence(text, at, NOTE, QUIET) for text, at in captions)
     parts += ["</g>", '<g class="legend">']
     for index, row in enumerate(rows):
         parts += draw_row(row, (_MARGIN, below + index * ROW))
+    parts += draw_findings(findings, (_MARGIN, below + len(rows) * ROW))
     if picture.remark:
-        at = _MARGIN, below + len(rows) * ROW + ROW / 2
+        at = _MARGIN, below + legend_height + ROW / 2
         parts.append(draw_sentence(picture.remark, at, NOTE, QUIET))
     return "\n".join([*parts, "</g>", "</svg>"]) + "\n"
 
 
-def _laid_out(picture: Picture) -> tuple[list[Size], Drawing]:
-    """Return the sizes of boxes, and where these and the lines are drawn.
+def _linked(parts: Iterable[str], name: str, target: str | None) -> Iterator[str]:
+    """Yield parts inside a link to a target, if there is one."""
+    if target is not None:
+        yield f'<a href="{escaped(target)}" aria-label="{escaped(name)}">'
+    yield from parts
+    if target is not None:
+        yield "</a>"
+
+
+def _laid_out(picture: Picture, layout: Layout) -> _Arrangement:
+    """Return the sizes and places of boxes and lines; boxes without lines are below the others.
 
     Raises:
         TooLargeError: there would be too many lines beside too many boxes.
@@ -102,5 +138,34 @@ def _laid_out(picture: Picture) -> tuple[list[Size], Drawing]:
         box_size(box, max(leaving[index], reaching[index]), loops[index])
         for index, box in enumerate(picture.boxes)
     ]
-    links = [Link(line.tail, line.head, label_size(line.label)) for line in picture.lines]
-    return sizes, draw_graph(sizes, links)
+    joined = [index for index, box in enumerate(picture.boxes) if not box.alone]
+    number = {index: place for place, index in enumerate(joined)}
+    links = [
+        Link(number[line.tail], number[line.head], label_size(line), line.rank)
+        for line in picture.lines
+    ]
+    drawing = layout([sizes[index] for index in joined], links)
+    if len(joined) == len(sizes):
+        return _Arrangement(sizes, drawing, ())
+    centres = dict(zip(joined, drawing.centres, strict=True))
+    wide, high = drawing.size
+    most, top = max(wide, _LEGEND_WIDTH), high + (APART if joined else 0.0)
+    captions: list[tuple[str, Point]] = []
+    for reason in dict.fromkeys(box.alone for box in picture.boxes if box.alone):
+        captions.append((f"Without lines: {reason}", (0.0, top + ROW / 2)))
+        wide = max(wide, text_width(captions[-1][0], NOTE))
+        x, top = 0.0, top + ROW
+        for index, box in enumerate(picture.boxes):
+            if box.alone == reason:
+                width, height = sizes[index]
+                if x and x + width > most:
+                    x, top = 0.0, top + height + _NEAR
+                centres[index] = x + width / 2, top + height / 2
+                x += width + _NEAR
+                wide, high = max(wide, x - _NEAR), top + height
+        top = high + _NEAR
+    return _Arrangement(
+        sizes,
+        Drawing((wide, high), tuple(centres[index] for index in range(len(sizes))), drawing.routes),
+        captions,
+    )

@@ -44,7 +44,7 @@ def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
     raised, taken = _numbered(outer, lifted), _numbered(inner, placed)
     numbers = tuple(pair for pair in raised.numbers if pair[0] != slot.priority)
     written = dict(raised.numbers)[slot.priority]
-    within = Inner(inner.span, written, taken.numbers, taken.inner)
+    within = Inner(inner.span, written, taken.numbers, taken.inner, inner.name, slot.topic)
     inputs = [each for each in raised.inputs if each.priority != slot.priority]
     at = [each.priority for each in outer.inputs].index(slot.priority)
     return replace(

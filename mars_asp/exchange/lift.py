@@ -5,7 +5,7 @@ subscribe to it, and the commands of all publishers to whom they are for, where 
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from itertools import count
 
@@ -28,45 +28,144 @@ from mars_asp.output import visible
 def lifted(configuration: Configuration) -> Configuration:
     """Return the specification that other people's wiring is: each mux an ArbitrationNode."""
     nodes = _Nodes({name.text for name in configuration.modules})
-    arbiters = {mux.module: nodes.new("arbitration_node", mux.span) for mux in configuration.muxes}
-    lines: list[Relationship] = [
-        Control(mux.module, arbiters[mux.module], mux.span) for mux in configuration.muxes
-    ]
-    places = {
-        mux.module: dict(_places(mux, arbiters[mux.module], nodes, lines))
-        for mux in configuration.muxes
-        if mux.numbers
-    }
+    arbiters = {mux: nodes.new("arbitration_node", mux.span) for mux in configuration.muxes}
+    lines = _through_muxes(
+        configuration,
+        arbiters,
+        lambda inner: nodes.new("arbitration_node", inner.span),
+    )
+    for change in (_copied, _arbitrated, _commanded):
+        lines = list(change(lines, nodes))
+    number = nodes.in_order(lines, configuration.relationships)
+    return replace(
+        configuration,
+        kind="specification",
+        modules=(*configuration.modules, *nodes.names),
+        relationships=tuple(_with_ends(lines, number)),
+        muxes=tuple(
+            replace(mux, module=number[arbiter], numbers=(), inner=())
+            for mux, arbiter in arbiters.items()
+        ),
+        relays=(),
+    )
+
+
+def _through_muxes(
+    configuration: Configuration,
+    names: Mapping[Muxed, str],
+    name_inner: Callable[[Inner], str],
+) -> list[Relationship]:
+    """Return relationships with the muxes that have names between controllers and modules."""
+    lines: list[Relationship] = []
+    arbiters: dict[str, str] = {}
+    places: dict[str, dict[int | None, tuple[str, int | None]]] = {}
+    for mux, name in names.items():
+        arbiters[mux.module] = name
+        lines.append(Control(mux.module, name, mux.span, topic=mux.topic))
+        if mux.numbers:
+            places[mux.module] = dict(_places(mux, name, name_inner, lines))
     for line in configuration.relationships:
         if isinstance(line, Control) and line.controlled in arbiters:
             here = arbiters[line.controlled], line.priority
             arbiter, number = places.get(line.controlled, {}).get(line.priority, here)
             line = replace(line, controlled=arbiter, priority=number)  # noqa: PLW2901
         lines.append(line)
-    for change in (_copied, _arbitrated, _commanded):
-        lines = list(change(lines, nodes))
-    return replace(
-        configuration,
-        kind="specification",
-        modules=(*configuration.modules, *nodes.names),
-        relationships=tuple(lines),
-        muxes=tuple(
-            Muxed(arbiters[mux.module], mux.engine, mux.span) for mux in configuration.muxes
-        ),
-        relays=(),
-    )
+    return lines
 
 
 def _places(
-    mux: Muxed | Inner, arbiter: str, nodes: "_Nodes", lines: list[Relationship]
+    mux: Muxed | Inner,
+    arbiter: str,
+    name_inner: Callable[[Inner], str],
+    lines: list[Relationship],
 ) -> Iterator[tuple[int | None, tuple[str, int | None]]]:
     """Yield for each number of a cascade its arbiter and what is written; add those within."""
     for number, written in mux.numbers:
         yield number, (arbiter, written)
     for each in mux.inner:
-        within = nodes.new("arbitration_node", each.span)
-        lines.append(Control(arbiter, within, each.span, each.priority))
-        yield from _places(each, within, nodes, lines)
+        within = name_inner(each)
+        lines.append(Control(arbiter, within, each.span, each.priority, topic=each.topic))
+        yield from _places(each, within, name_inner, lines)
+
+
+def _with_ends(lines: Iterable[Relationship], names: Mapping[str, str]) -> Iterator[Relationship]:
+    """Yield lines with other names of their ends; a line from a module to itself is left out."""
+    for line in lines:
+        if not isinstance(line, Control):
+            yield line
+            continue
+        ends = [names.get(each, each) for each in (line.controlled, line.controller)]
+        if ends[0] != ends[1]:
+            yield replace(line, controlled=ends[0], controller=ends[1])
+
+
+def realised_by(specification: Configuration) -> dict[str, str]:
+    """Return the user's mux that each arbiter of a specification is, by the arbiter's name."""
+    return {
+        mux.module: mux.name
+        for mux in specification.muxes
+        if mux.name is not None and specification.node_kind(mux.module) == "arbitration_node"
+    }
+
+
+def with_own_muxes(configuration: Configuration) -> Configuration:
+    """Return a configuration or specification that has the user's muxes as modules of their names.
+
+    In a specification they take the place of the arbiters that they realise. Commands that pass no
+    mux have topics alone, as nothing ranks them.
+    """
+    modules = {name.text: name for name in configuration.modules}
+    if configuration.kind == "specification":
+        commanded = {
+            line.controller: line.controlled
+            for line in configuration.relationships
+            if isinstance(line, Control)
+        }
+        names: dict[str, str] = {}
+        for arbiter, name in realised_by(configuration).items():
+            # A mux that something goes past is a module that its arbiter controls.
+            taken = {*modules, *names.values()} - {commanded.get(arbiter)}
+            names[arbiter] = next(each for each in _name_choices(name) if each not in taken)
+        topics = {names.get(mux.module): mux.topic for mux in configuration.muxes}
+        lines = [
+            replace(line, topic=topics[line.controller])
+            if isinstance(line, Control) and line.controller in topics
+            else line
+            for line in _with_ends(configuration.relationships, names)
+        ]
+        found = (replace(each, text=names.get(each.text, each.text)) for each in modules.values())
+        modules = {name.text: name for name in found}
+    else:
+        own = {
+            mux: _free(mux.name, mux.span, modules)
+            for mux in configuration.muxes
+            if mux.name is not None and mux.name != mux.module
+        }
+        lines = _through_muxes(
+            configuration, own, lambda mux: _free(mux.name or "mux", mux.span, modules)
+        )
+    ranking = {line.controlled for line in lines if isinstance(line, Control)}.difference(
+        name.text for name in configuration.modules
+    ) | {mux.module for mux in configuration.muxes}
+    lines = [
+        replace(line, priority=None)
+        if isinstance(line, Control) and line.topic is not None and line.controlled not in ranking
+        else line
+        for line in lines
+    ]
+    return replace(configuration, modules=tuple(modules.values()), relationships=tuple(lines))
+
+
+def _free(name: str, span: Span, modules: dict[str, Name]) -> str:
+    """Add a module of a name, which is numbered where another module has it; return the name."""
+    free = next(each for each in _name_choices(name) if each not in modules)
+    modules[free] = Name(free, span)
+    return free
+
+
+def _name_choices(name: str) -> Iterator[str]:
+    yield name
+    yield from (f"{name}#{number}" for number in count(2))
 
 
 def has_glue(configuration: Configuration) -> bool:
@@ -94,6 +193,26 @@ class _Nodes:
         first, begin = (stem, 2) if kind == "arbitration_node" else (f"{stem}1", 2)
         yield first
         yield from (f"{stem}{number}" for number in count(begin))
+
+    def in_order(
+        self, lines: Sequence[Relationship], written: Sequence[Relationship]
+    ) -> dict[str, str]:
+        """Rename arbiters in the order in which synthesis names them; return the new names.
+
+        That is the order of the relationships that they arbitrate; one with a single input, which
+        synthesis does not need, comes last.
+        """
+        places = {line.span: place for place, line in reversed(list(enumerate(written)))}
+        into: dict[str, list[int]] = {n.text: [] for n in self.names if self.is_arbiter(n.text)}
+        for line in reversed(lines):
+            if isinstance(line, Control) and line.controlled in into:
+                within = into.get(line.controller, ())
+                into[line.controlled].append(min(within, default=places.get(line.span, -1)))
+        order = sorted(into, key=lambda name: (len(into[name]) < 2, min(into[name], default=0)))
+        number = dict(zip(order, into, strict=True))
+        spans = {number.get(name.text, name.text): name.span for name in self.names}
+        self.names = [Name(name.text, spans[name.text]) for name in self.names]
+        return number
 
     def is_arbiter(self, name: str) -> bool:
         """Whether a name is that of an arbiter that was made."""

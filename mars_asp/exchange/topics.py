@@ -291,28 +291,28 @@ def _commands(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[N
     for topic in sorted(wiring.commands):
         publishers = wiring.published.get(topic, ())
         for controlled in wiring.controlled(topic):
-            direct = [Control("", p.node, p.span, 0) for p in publishers]
+            direct = [Control("", p.node, p.span, 0, topic=topic) for p in publishers]
             for mux in wiring.outputs.get(topic, ()):
                 if wiring.is_contracted(mux):
-                    muxed.append(_muxed(controlled, mux))
+                    muxed.append(_muxed(controlled, mux, topic))
                     direct += _inputs(wiring, mux)
                 else:
-                    direct.append(Control("", mux.name, mux.span, 0))
+                    direct.append(Control("", mux.name, mux.span, 0, topic=topic))
             if direct and topic not in wiring.subscribed:
                 ends.append(Name(controlled, direct[0].span))
             for line in direct:
                 command(controlled, line)
     for mux in wiring.muxes:
         if not wiring.is_contracted(mux):
-            muxed.append(_muxed(mux.name, mux))
+            muxed.append(_muxed(mux.name, mux, mux.output))
             ends.append(Name(mux.name, mux.span))
             for line in _inputs(wiring, mux):
                 command(mux.name, line)
     return list(found.values()), tuple(muxed), ends
 
 
-def _muxed(module: str, mux: Mux) -> Muxed:
-    return Muxed(module, mux.engine, mux.span, mux.numbers, mux.inner)
+def _muxed(module: str, mux: Mux, topic: str) -> Muxed:
+    return Muxed(module, mux.engine, mux.span, mux.numbers, mux.inner, mux.name, topic)
 
 
 def _inputs(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
@@ -331,7 +331,7 @@ def _inputs(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
             behind = [(each.name, each.span)]
         for name, span in behind:
             at = each.span if len(behind) == 1 else span
-            yield Control("", name, at, each.priority, each.hold_ms)
+            yield Control("", name, at, each.priority, each.hold_ms, topic=each.topic)
 
 
 def _wires(wiring: _Wiring, nodes: Sequence[Node]) -> Iterator[Data]:

@@ -65,7 +65,8 @@ _END = r"[ \t]*(?= -- |$)"
 _IMPORTED = rf"(?m)^[ \t]*(?://|#)[ \t]*{IMPORTED}[ \t]+(?P<format>{'|'.join(FOREIGN)}){_END}"
 _ABOUT_IMPORTED = (
     rf"(?m)^[ \t]*(?://|#)[ \t]*(?P<module>{BARE}|{QUOTED}):[ \t]*"
-    rf"(?:{NOT_ALL_READ}|{OF_MUX}[ \t]+(?P<engine>{'|'.join(ENGINES)})){_END}"
+    rf"(?:{NOT_ALL_READ}|{OF_MUX}[ \t]+(?P<engine>{'|'.join(ENGINES)})"
+    rf"(?:,[ \t]*(?P<mux>{BARE}|{QUOTED}))?){_END}"
 )
 
 
@@ -307,7 +308,8 @@ def _with_origin(configuration: Configuration, layout: Layout, blocks: Blocks) -
         if engine is None:
             opaque.append(Name(module, span))
         else:
-            muxes.append(Muxed(module, engine, span))
+            name = plain(match["mux"]) if match["mux"] else engine
+            muxes.append(Muxed(module, engine, span, name=name))
     return replace(
         configuration, origin=imported["format"], opaque=tuple(opaque), muxes=tuple(muxes)
     )

@@ -159,7 +159,8 @@ def _origins(configuration: Configuration) -> Iterator[str]:
     for name in configuration.opaque:
         yield f"// {written(name.text)}: {NOT_ALL_READ}"
     for mux in configuration.muxes:
-        yield f"// {written(mux.module)}: {OF_MUX} {mux.engine}"
+        own = "" if not mux.name or mux.name == mux.engine else f", {written(mux.name)}"
+        yield f"// {written(mux.module)}: {OF_MUX} {mux.engine}{own}"
 
 
 def _packs(configuration: Configuration) -> dict[str, str]:

@@ -163,7 +163,8 @@ class Control:
     """`controlled is_controlled_by controller priority hold allocation`, one for each controller.
 
     `allocation` says who of several carries out an inherited function; `None` is the nearest.
-    `listed` is whether the priority is the controller's place in a list, not a number.
+    `listed` is whether the priority is the controller's place in a list, not a number; `topic` is
+    the name under which a middleware carries the commands, where one does.
     """
 
     controlled: str
@@ -173,6 +174,7 @@ class Control:
     hold_ms: Hold | None = None
     allocation: Allocation | None = None
     listed: bool = False
+    topic: str | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,13 +202,16 @@ FOREIGN = ("urdf", "twist_mux", "rosgraph", "dora", "ros2")
 class Inner:
     """A mux whose output is an input of another, which ranks it at `priority`.
 
-    `numbers` are the priorities of its own inputs in the configuration, each with the one written.
+    `numbers` are the priorities of its own inputs in the configuration, each with the one written;
+    `name` is its own name, `topic` the input.
     """
 
     span: Span
     priority: int
     numbers: tuple[tuple[int, int], ...]
     inner: "tuple[Inner, ...]" = ()
+    name: str | None = None
+    topic: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,6 +219,7 @@ class Muxed:
     """The commands for `module` pass a mux of another robot's making, and what it has within.
 
     `numbers` are as those of an inner one, empty where the configuration has what is written.
+    `name` is its own name, `topic` its output.
     """
 
     module: str
@@ -221,6 +227,8 @@ class Muxed:
     span: Span
     numbers: tuple[tuple[int, int], ...] = ()
     inner: tuple[Inner, ...] = ()
+    name: str | None = None
+    topic: str | None = field(default=None, compare=False)
 
 
 def ends_of(relationship: Relationship) -> tuple[str, str]:

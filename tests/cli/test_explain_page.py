@@ -83,10 +83,13 @@ def test_every_topic_has_its_answer_and_the_lines_that_it_cites(folder: Path) ->
     for number, topic in enumerate(known["topics"], 1):
         shown = ids[f"t{number}"]
         (summary,) = shown.all("summary")
-        assert summary.text.removesuffix(".").endswith(
-            f"{topic['name']}: {plain(topic['answer']).removesuffix('.')}"
-        )
+        answer = f"{topic['name']}: {plain(topic['answer']).removesuffix('.')}"
         links = list(shown.all("a", "place"))
+        if "data-finding" in shown.attributes:
+            assert summary.text.startswith(f"{shown.attributes['data-finding']} ")
+            assert summary.text.endswith(f"{answer}. {links[0].text}")
+        else:
+            assert summary.text.removesuffix(".").endswith(answer)
         cited = [each.removesuffix("\n") for each in lines_of(folder, topic["lines"])]
         found = [ids[each.attributes["href"][1:]].text for each in links]
         assert found == cited
@@ -202,7 +205,11 @@ def test_boxes_of_nodes_lead_to_what_is_said_of_them(folder: Path) -> None:
     page = Page(text)
     ids = page.by_id()
     (svg,) = page.top.all("svg")
-    boxes = {each.attributes["aria-label"]: each for each in svg.all("a")}
+    boxes = {
+        each.attributes["aria-label"]: each
+        for each in svg.all("a")
+        if " is_" not in each.attributes["aria-label"]
+    }
     nodes = {topic["name"] for topic in known["topics"] if topic["sort"] == "node"}
     assert nodes <= boxes.keys()
     for name, box in boxes.items():
@@ -211,6 +218,11 @@ def test_boxes_of_nodes_lead_to_what_is_said_of_them(folder: Path) -> None:
             assert name == target.attributes["value"]
             assert not any(topic["name"].endswith(f"({name})") for topic in known["topics"])
             continue
+        (group,) = (each for each in box.all("g"))
+        if "data-finding" in group.attributes:
+            first, *_ = group.attributes["data-finding"].split()
+            assert target.attributes["data-finding"] == first
+            continue
         summary = next(target.all("summary")).text
         assert f"{name}:" in summary if name in nodes else f"({name})" in summary
 
@@ -218,11 +230,38 @@ def test_boxes_of_nodes_lead_to_what_is_said_of_them(folder: Path) -> None:
 def test_what_is_grave_comes_first(tmp_path: Path) -> None:
     (tmp_path / "config.mars").write_text(IMPOSSIBLE)
     text, _ = told(tmp_path)
-    asked, *headings = [each.text for each in Page(text).top.all("h2")]
-    assert asked == "Why not?"
-    assert headings[0].startswith("Errors (")
+    first, *_ = [each.text for each in Page(text).top.all("h2")]
+    assert first == "Errors (1)"
+    assert text.index("Errors (1)") < text.index("<svg") < text.index("Why not?")
     assert 'class="topic error"' in text
+    assert "✖ 1 error<" in text
     assert "no specification realises this configuration" in text
+
+
+def test_the_head_counts_errors_and_warnings(tmp_path: Path) -> None:
+    text = "@configuration hierarchical\n@modules A, B, C\nA is_controlled_by B 1\n"
+    (tmp_path / "config.mars").write_text(f"{text}A is_controlled_by C 1\n", encoding="utf-8")
+    for folder, counts in (
+        (ROOT / "examples" / "module-conflict", "✖ 3 errors"),
+        (ROOT / "examples" / "level1", "✔ no errors and no warnings"),
+        (tmp_path, "▲ 1 warning"),
+    ):
+        page = Page(told(folder)[0])
+        assert [each.text for each in page.top.all("p", "counts")] == [counts]
+
+
+def test_a_finding_has_one_number_in_the_list_and_the_picture() -> None:
+    page = Page(told(ROOT / "examples" / "module-conflict")[0])
+    numbers = [f"{number}" for number in (1, 2, 3)]
+    topics = [each for each in page.top.all("details") if "data-finding" in each.attributes]
+    assert [each.attributes["data-finding"] for each in topics] == numbers
+    assert [next(each.all("span", "number")).text for each in topics] == numbers
+    (svg,) = page.top.all("svg")
+    marked = [each.attributes for each in svg.all("g") if "data-finding" in each.attributes]
+    assert {each for marks in marked for each in marks["data-finding"].split()} == set(numbers)
+    assert all("finding error" in each["class"] for each in marked)
+    links = {each.attributes["aria-label"]: each.attributes["href"] for each in svg.all("a")}
+    assert links["Laser is_mounted_on Head 1 (_,_,_,_,_,20)"] == f"#{topics[0].attributes['id']}"
 
 
 def test_a_robot_of_which_nothing_is_said_has_a_page(tmp_path: Path) -> None:
@@ -316,6 +355,28 @@ def test_a_click_on_a_box_opens_it_and_its_trace_marks_its_lines(
 
 
 @in_a_browser
+def test_a_finding_is_chosen_in_the_list_and_in_the_picture(
+    browser: Browser, tmp_path: Path
+) -> None:
+    chosen = "[...document.querySelectorAll('.chosen > title')].map((each) => each.textContent)"
+    page_of(browser, ROOT / "examples" / "module-conflict", tmp_path / "page.html")
+    browser.click("details[data-finding='2'] summary")
+    browser.wait("document.querySelector('.chosen')")
+    assert sorted(browser.run(chosen)) == [
+        "Head",
+        "Sonar",
+        "Sonar is_mounted_on Head",
+        "Sonar is_mounted_on UpperPlate",
+        "UpperPlate",
+    ]
+    browser.click("svg a[aria-label='Laser']")
+    browser.wait("document.querySelector('details[data-finding=\\'1\\'][open]')")
+    browser.wait("document.querySelector('a[aria-label=Laser] .chosen')")
+    assert "Sonar" not in browser.run(chosen)
+    assert not browser.complaints
+
+
+@in_a_browser
 def test_names_are_found(browser: Browser, tmp_path: Path) -> None:
     page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html")
     browser.press("Tab")
@@ -376,8 +437,8 @@ def test_hostile_names_stay_text_in_a_browser(browser: Browser, tmp_path: Path) 
 @in_a_browser
 def test_the_files_do_not_cover_what_has_the_focus(browser: Browser, tmp_path: Path) -> None:
     page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html", width=400)
-    # The search, the picture and its 12 boxes come first.
-    browser.press("Tab", 14)
+    # The search, the picture, its 12 boxes and the files come first.
+    browser.press("Tab", 15)
     for _ in range(8):
         browser.press("Tab")
         assert browser.run(

@@ -6,6 +6,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from mars_asp.cli.run_report import MOST_ROWS, replay_seen_from, report_page
 from mars_asp.cli.winners import in_turn
 from mars_asp.output import visible
@@ -80,6 +82,27 @@ def test_no_text_of_others_becomes_markup() -> None:
     assert not names & {"img", "script"}
     assert "\u202e" not in text.replace(escape(HOSTILE), "")
     assert "not decided" in text
+
+
+@pytest.mark.parametrize(
+    ("verdict", "states", "words"),
+    [
+        ("pass", (True, True), "✔ Passed: 2 of 2 requirements hold"),
+        ("pass", (True,), "✔ Passed: 1 of 1 requirement holds"),
+        ("fail", (True, False), "✖ Failed: 1 of 2 requirements violated: r1"),
+        ("not decided", (None, True), "? Undecided: 1 of 2 requirements not decided: r0"),
+    ],
+)
+def test_the_verdict_is_first_and_then_the_picture(
+    verdict: str, states: tuple[bool | None, ...], words: str
+) -> None:
+    requirements = [
+        {"name": f"r{number}", "holds": holds, "message": ""} for number, holds in enumerate(states)
+    ]
+    text = report_page(made(verdict=verdict, requirements=requirements), "<svg></svg>", "t", None)
+    (shown,) = Page(text).top.all("p", "verdict")
+    assert shown.text == words
+    assert text.index(">" + words) < text.index("<svg>") < text.index("<table>")
 
 
 def test_each_robot_of_a_fleet_has_a_row() -> None:

@@ -16,10 +16,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mars_asp.cli import run_here
+from mars_asp.diagnostic import Severity
 from mars_asp.draw import Picture, depict
 from mars_asp.draw.dot import dot_text
 from mars_asp.draw.mermaid import mermaid_text
-from mars_asp.draw.picture import Box, Line, LineKind
+from mars_asp.draw.picture import Box, Line, LineKind, NumberedFinding, numbers
 from mars_asp.draw.svg import svg_text
 from mars_asp.language.print import print_relationship
 from mars_asp.reasoning.project import load_project
@@ -52,22 +53,30 @@ def picture_of(path: str) -> Picture:
 
 def titles(root: Element, *classes: str) -> list[str]:
     picture = next(group for group in root if group.get("class") == "picture")
-    return [group[0].text or "" for group in picture if group.get("class") in classes]
+    return [
+        group[0].text or ""
+        for group in picture
+        if group.get("class", "").partition(" ")[0] in classes
+    ]
 
 
 @st.composite
 def pictures(draw: st.DrawFn) -> Picture:
     text = st.text(st.characters(exclude_categories=("Cc", "Cs", "Cf", "Co", "Zl", "Zp")))
     words = text.map(lambda found: " ".join(found.split()))
+    severities: list[Severity] = ["error", "warning"]
+    finding = st.builds(NumberedFinding, st.integers(1, 9), st.sampled_from(severities), words)
+    findings = st.lists(finding, max_size=2, unique_by=lambda each: each.number).map(tuple)
+    names = words.map(lambda name: f"A{name}")
     boxes = draw(
         st.lists(
-            st.builds(Box, words.map(lambda name: f"A{name}"), words, st.sampled_from(NODES)),
+            st.builds(Box, names, words, st.sampled_from(NODES), findings=findings),
             min_size=1,
             max_size=5,
         )
     )
     box = st.integers(0, len(boxes) - 1)
-    lines = st.builds(Line, st.sampled_from(KINDS), box, box, words, words)
+    lines = st.builds(Line, st.sampled_from(KINDS), box, box, words, words, findings=findings)
     return Picture(draw(words), tuple(boxes), tuple(draw(st.lists(lines, max_size=6))))
 
 
@@ -120,10 +129,10 @@ def test_lines_lead_where_things_flow_and_say_what_was_asked_for() -> None:
     picture = depict(project.configuration, project.modules)
     assert [box.name for box in picture.boxes] == ["A", "B", "C"]
     assert [(line.kind, line.tail, line.head, line.label) for line in picture.lines] == [
-        ("mount", 0, 1, "vertex 1 on 2 (_,_,_,1,2,3)"),
+        ("mount", 0, 1, "vertex 1 on 2\n1 mm along x, 2 mm along y, 3 mm along z"),
         ("control", 2, 1, "priority 4 hold 250 ms"),
         ("data", 0, 2, "NotifyOnMin(300, of=nearest)"),
-        ("data", 0, 1, "NotifyAtFrequency 12.5 Hz"),
+        ("data", 0, 1, "12.5 Hz"),
     ]
 
 
@@ -156,7 +165,7 @@ def test_svg_says_the_text_and_nothing_else(picture: Picture) -> None:
 def test_graphviz_reads_the_names(picture: Picture) -> None:
     graph = pygraphviz.AGraph(string=dot_text(picture))
     for index, box in enumerate(picture.boxes):
-        words = [text for text in (box.name, box.note) if text]
+        words = [text for text in (box.name, box.note, numbers(box.findings)) if text]
         escaped = [text.replace("\\", "\\\\").replace("&", "&amp;") for text in words]
         assert graph.get_node(f"n{index}").attr["label"] == "\\n".join(escaped)
     assert len(graph.edges()) == len(picture.lines)
@@ -175,7 +184,9 @@ def test_graphviz_shows_hostile_names_as_they_are() -> None:
 def test_mermaid_sees_only_letters_digits_and_plain_signs(picture: Picture) -> None:
     body = mermaid_text(picture).partition("\n")[2]
     for line in body.splitlines():
-        if not line.startswith(("  style ", "  linkStyle ")):
+        if line.startswith("  %% "):
+            assert not set('"<>`%\\|&$@!?') & set(line.removeprefix("  %% "))
+        elif not line.startswith(("  style ", "  linkStyle ")):
             before, _, rest = line.partition('"')
             text, _, behind = rest.rpartition('"')
             text = text.replace("<br/>", "")

@@ -10,6 +10,7 @@ from mars_asp.exchange.unread import notes
 from mars_asp.exchange.yaml_document import MOST_BYTES
 from mars_asp.language import Parsed
 from mars_asp.model.declarations import Configuration, Control, Muxed, Name
+from mars_asp.model.names import read_name
 
 
 def import_muxes(files: Sequence[tuple[str, str]]) -> Parsed:
@@ -61,7 +62,8 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
     document = read_document(text, path)
     names: dict[str, Name] = {}
     problems: list[Diagnostic] = []
-    controls, muxed = [], []
+    controls: list[Control] = []
+    muxed: list[Muxed] = []
     for mux in document.muxes:
         # Several muxes of one file may name their inputs alike.
         before = within + (f"{mux.node}/" if len(document.muxes) > 1 and mux.node else "")
@@ -73,10 +75,12 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
             if name in names:
                 problems.append(_named_twice(Name(name, span), names[name]))
             names.setdefault(name, Name(name, span))
-        muxed.append(Muxed(controlled, mux.engine, mux.span))
-        controls += [
-            Control(controlled, before + i.name, i.span, i.priority, i.hold_ms) for i in mux.inputs
-        ]
+        name = mux.node if read_name(mux.node) == mux.node else mux.engine
+        muxed.append(Muxed(controlled, mux.engine, mux.span, name=within + name, topic=mux.output))
+        controls += (
+            Control(controlled, before + i.name, i.span, i.priority, i.hold_ms, topic=i.topic)
+            for i in mux.inputs
+        )
     if problems:
         raise MarsError(problems)
     configuration = Configuration(

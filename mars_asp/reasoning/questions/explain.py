@@ -58,7 +58,7 @@ class Topic:
 
     Its `account` is short, its `trace` complete, and `Unexplained` where none was asked for; an
     atom has a trace alone. `rule` is the id of the rule that gives it, where one is known without
-    the trace. A node `resolves` consequences.
+    the trace. A node `resolves` consequences; a consequence is an `atom`.
 
     >>> topic = load("examples/level0/config.mars").explain("DataSplitter1").topics[0]
     >>> topic.sort, topic.resolves
@@ -75,6 +75,7 @@ class Topic:
     resolves: tuple[str, ...]
     account: Account | None
     trace: Trace
+    atom: clingo.Symbol | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -248,7 +249,9 @@ def _topic(asked: _Asked, accounts: Iterator[tuple[Account, str | None]], trace:
         case Consequence() as found:
             account, rule = next(accounts)
             name, severity = f"{found.kind}({found.subject})", found.severity
-            return Topic(asked.title, name, "consequence", severity, rule, (), account, trace)
+            return Topic(
+                asked.title, name, "consequence", severity, rule, (), account, trace, found.atom
+            )
         case Node() as node:
             account, rule = next(accounts)
             return Topic(asked.title, node.name, "node", None, rule, asked.resolves, account, trace)

@@ -58,7 +58,17 @@ def explain_findings(
         trace = traces.get(each.atom) or Unexplained(title, "no trace was requested")
         account = Account(each.message, tuple(_finding_lines(each, folder)), tuple(_notes(each)))
         topics.append(
-            Topic(title, title, "consequence", each.severity, each.rule.id, (), account, trace)
+            Topic(
+                title,
+                title,
+                "consequence",
+                each.severity,
+                each.rule.id,
+                (),
+                account,
+                trace,
+                each.atom,
+            )
         )
     return Explanation(subject, tuple(topics), analysis, None)
 

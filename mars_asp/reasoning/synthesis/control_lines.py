@@ -125,14 +125,21 @@ class ControlLines:
         controlled = draft.name(line.controlled, derived)
         priority, hold = self._priorities.get(line.line), self._holds.get(line.line)
         allocation = self._allocations.get(line.line)
+        # A line to a splitter is placed as the first line from it is.
+        after = (line, *self._out_of.get(line.controlled, ()))
+        place = next((each.place for each in after if each.place >= 0), None)
+        relationship = None if place is None else draft.relationships[place]
+        # A line from a node represents several relationships, so it has the place of none.
+        is_own = relationship is not None and line.controller not in derived.kinds
         draft.lines.append(
             Control(
                 controlled,
                 controller,
-                draft.span,
+                relationship.span if relationship and is_own else draft.span,
                 None if priority is None else as_symbol(priority).number,
                 None if hold is None else hold_of(as_symbol(hold)),
                 None if allocation is None else _ALLOCATIONS[text(allocation)],
+                topic=relationship.topic if isinstance(relationship, Control) else None,
             )
         )
 

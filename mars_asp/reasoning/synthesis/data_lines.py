@@ -89,7 +89,9 @@ class DataLines:
             None if entry is None else draft.ends.entries[self._derived.string(entry)].port
         )
         ports = client_port, source_port
-        draft.lines.append(Data(client, source, draft.span, mode, hz, *ports))
+        place = self._places.get(line.line)
+        span = draft.span if place is None else draft.relationships[place].span
+        draft.lines.append(Data(client, source, span, mode, hz, *ports))
         if line.line in self._places and line.client not in self._derived.kinds:
             draft.place_of[id(draft.lines[-1])] = self._places[line.line]
 

@@ -14,6 +14,7 @@ from mars_asp.model.declarations import (
     Data,
     Module,
     Mount,
+    Muxed,
     Name,
     Relationship,
     StandIn,
@@ -78,10 +79,26 @@ def specify(project: Project, derived: Derived) -> Specification:
         relationships=configuration.relationships if stays else tuple(draft.lines),
         declared=(),
         conversions=(*configuration.conversions, *conversions),
+        muxes=tuple(_at_arbiters(configuration.muxes, draft.lines, nodes)),
     )
     every = {**project.modules, **{module.name: module for module in configuration.declared}}
     printed = replace(printed, stand_ins=(*printed.stand_ins, *_stand_ins(nodes, printed, every)))
     return Specification(nodes, introduced.resolves, printed)
+
+
+def _at_arbiters(
+    muxes: Iterable[Muxed], lines: Iterable[Relationship], nodes: Iterable[Node]
+) -> Iterator[Muxed]:
+    """Yield muxes, each with the new arbiter of its inputs as its module, if there is one."""
+    new = {node.name for node in nodes if node.kind == "arbitration_node"}
+    arbiters = {
+        line.controlled: line.controller
+        for line in lines
+        if isinstance(line, Control) and line.controller in new and line.controlled not in new
+    }
+    for mux in muxes:
+        arbiter = arbiters.get(mux.module)
+        yield mux if arbiter is None else replace(mux, module=arbiter, numbers=(), inner=())
 
 
 def _stand_ins(
