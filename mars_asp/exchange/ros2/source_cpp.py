@@ -172,15 +172,15 @@ class _File(ScopedCode):
     @cached_property
     def topic_paths(self) -> Sequence[str]:
         """The texts in quotes that look like topics below a namespace."""
-        quoted = (self.string(token) for token in self.tokens if token.text.startswith('"'))
+        quoted = (self.string(self.tokens[at]) for at in self.strings)
         return [text for text in quoted if text and _PATH.fullmatch(text)]
 
     @cached_property
     def callbacks(self) -> Mapping[str, str]:
         """Return the type of the message that each function takes, where it takes one."""
         found: dict[str, str] = {}
-        for at, token in enumerate(self.tokens):
-            end = angle(self.tokens, at + 1) if token.text == "Subscriber" else None
+        for at in self.token_places("Subscriber"):
+            end = angle(self.tokens, at + 1)
             if end is not None and is_word(text_at(self.tokens, end)):
                 # A filter of messages, which hears its topic later.
                 inner = split(self.tokens[at + 2 : min(end - 1, at + _MOST_WORDS)])
@@ -304,8 +304,8 @@ class _File(ScopedCode):
     def publications(self) -> dict[str, list[int]]:
         """The tokens at which publishers publish, by the variables that keep these."""
         found: dict[str, list[int]] = {}
-        for at, token in enumerate(self.tokens):
-            if token.text == "publish" and text_at(self.tokens, at - 1) in (".", "->"):
+        for at in self.token_places("publish"):
+            if text_at(self.tokens, at - 1) in (".", "->"):
                 found.setdefault(text_at(self.tokens, at - 2), []).append(at)
         return found
 
