@@ -253,6 +253,8 @@ class Handles:
 
     def _passed(self, file: CppCode, functions: dict[str, list[_Function]]) -> None:
         """Note the handles that are arguments of functions and constructors."""
+        if file.token_texts.isdisjoint(functions):
+            return
         tokens = file.tokens
         objects: dict[str, str] = {}
         for at, token in enumerate(tokens):
