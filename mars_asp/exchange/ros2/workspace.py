@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
+from fnmatch import fnmatchcase, translate
 from functools import cached_property, partial
 from itertools import chain
 from pathlib import Path, PurePosixPath
@@ -492,21 +492,29 @@ class Workspace:
     def _is_ignored(self, package: Package, inside: str) -> bool:
         """Whether git ignores a path in a package, or a folder of that path."""
         file = Path(os.path.normpath(package.folder / inside[:_MOST_PATH]))
-        return any(
-            _ignores(pattern, file.relative_to(folder).parts)
-            for folder, patterns in self._ignored.items()
-            if folder in file.parents
-            for pattern in patterns
-        )
+        for folder in file.parents:
+            parts = file.relative_to(folder).parts if folder in self._ignored else ()
+            paths = [f"/{'/'.join(parts[:size])}" for size in range(1, len(parts) + 1)]
+            for pattern, is_for_folders in self._ignored.get(folder, ()):
+                if any(map(pattern.match, paths[:-1] if is_for_folders else paths)):
+                    return True
+        return False
 
     @cached_property
-    def _ignored(self) -> Mapping[Path, Sequence[str]]:
-        """The patterns of paths that git ignores, by the folders for which they are."""
+    def _ignored(self) -> Mapping[Path, Sequence[tuple[re.Pattern[str], bool]]]:
+        """The patterns of paths that git ignores, by the folders for which they are.
+
+        Each has whether it is for folders alone.
+        """
         found = {}
         for file in self._ignoring:
             text = "" if self._inside(file) is None else self._readable(file)
             patterns = (line.strip() for line in text.split("\n"))
-            found[file.parent] = [each for each in patterns if each and each[0] not in "#!"]
+            found[file.parent] = [
+                (_pattern_of(each), each.endswith("/"))
+                for each in patterns
+                if each and each[0] not in "#!"
+            ]
         return found
 
     def _contents_of(self, package: Package) -> _Contents:
@@ -630,16 +638,16 @@ class Workspace:
         return self._texts[file]
 
 
-def _ignores(pattern: str, parts: Sequence[str]) -> bool:
-    """Whether a pattern of git ignores a path from its folder, or a folder of that path.
+def _pattern_of(line: str) -> re.Pattern[str]:
+    """Return the pattern of paths from a folder that begin with a slash.
 
-    One with a slash before its end is for whole paths, one that ends with a slash for folders.
+    A line with a slash before its end is for whole paths.
     """
-    inner = pattern.rstrip("/")
+    inner = line.rstrip("/")
     is_whole = "/" in inner and not inner.startswith("**/")
-    form = f"/{inner.lstrip('/')}" if is_whole else f"*/{inner.removeprefix('**/')}"
-    sizes = range(1, len(parts) + (not pattern.endswith("/")))
-    return any(fnmatchcase(f"/{'/'.join(parts[:size])}", form) for size in sizes)
+    return re.compile(
+        translate(f"/{inner.lstrip('/')}" if is_whole else f"*/{inner.removeprefix('**/')}")
+    )
 
 
 def _mentions(text: str, name: str) -> bool:
