@@ -154,6 +154,8 @@ class Workspace:
         self._is_absolute = Path(named).is_absolute()
         self._marked: set[Path] = set()
         self._ignoring: list[Path] = []
+        #: The files below the folder that are no links.
+        self._own: set[Path] = set()
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
         self._contents: dict[Path, _Contents] = {}
@@ -213,13 +215,15 @@ class Workspace:
                 self._note_link(at / name)
             for name in sorted(names):
                 path = at / name
-                if path.is_symlink():
-                    if self._note_link(path):
-                        continue
+                is_link = path.is_symlink()
+                if is_link and self._note_link(path):
+                    continue
                 is_kept = path.suffix.lower() in _KEPT or os.access(path, os.X_OK)
                 # A pipe would be waited for.
                 if is_kept and path.is_file() and not self._is_excluded(path, False):
                     found.append(path)
+                    if not is_link:
+                        self._own.add(path)
             if len(found) > _MOST_FILES:
                 sort = f"files of a folder with more than {_MOST_FILES}, beyond those,"
                 self.unread.append(Unread(sort, self.named, point(self.named, 1, 1)))
@@ -240,6 +244,8 @@ class Workspace:
 
     def _inside(self, path: Path) -> Path | None:
         """Return the path of a regular file or folder that lies in the workspace, without links."""
+        if path in self._own:
+            return path
         try:
             real = path.resolve()
         except (OSError, RuntimeError):
