@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase, translate
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from itertools import chain
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
@@ -156,6 +156,8 @@ class Workspace:
         self._ignoring: list[Path] = []
         #: The files below the folder that are no links.
         self._own: set[Path] = set()
+        # Most folders have many files.
+        self._package_around = cache(self._package_of_folder)
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
         self._contents: dict[Path, _Contents] = {}
@@ -317,7 +319,11 @@ class Workspace:
 
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
-        return next((self._by_folder[f] for f in file.parents if f in self._by_folder), None)
+        return self._package_around(file.parent)
+
+    def _package_of_folder(self, folder: Path) -> Package | None:
+        around = (folder, *folder.parents)
+        return next((self._by_folder[each] for each in around if each in self._by_folder), None)
 
     @cached_property
     def _by_folder(self) -> dict[Path, Package]:
@@ -328,9 +334,9 @@ class Workspace:
         """The files of each package, by its folder."""
         found: dict[Path, list[Path]] = {each.folder: [] for each in self.packages}
         for file in self.files:
-            folder = next((each for each in file.parents if each in found), None)
-            if folder is not None:
-                found[folder].append(file)
+            package = self.package_of(file)
+            if package is not None:
+                found[package.folder].append(file)
         return found
 
     def find(self, path: str, folder: Path) -> Path | None:
