@@ -61,8 +61,8 @@ def tokens(language: str, text: str) -> Iterator[tuple[int, int, str | None]]:
     looks like a string, and `None`, `tag` or `hash` for a string.
     """
     if language not in _NEST:
-        for match in _pattern(language).finditer(text):
-            yield *match.span(), match.lastgroup
+        for each in _pattern(language).finditer(text):
+            yield *each.span(), each.lastgroup
         return
     opening, marks = _NEST[language]
     search = _pattern(language).search

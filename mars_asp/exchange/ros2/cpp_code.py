@@ -3,7 +3,7 @@
 import re
 from bisect import bisect_left
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -142,9 +142,9 @@ class CppCode:
 
     def token_places(self, *words: str) -> Sequence[int]:
         """Return the tokens with one of some texts, in order."""
-        return self.places_of(words)
+        return self.places_of(frozenset(words))
 
-    def places_of(self, words: Collection[str]) -> Sequence[int]:
+    def places_of(self, words: Set[str]) -> Sequence[int]:
         """Return the tokens with one of some texts, in order."""
         used = self.token_texts & words
         return sorted(chain.from_iterable(self._places_by_text[each] for each in used))
@@ -217,7 +217,7 @@ class CppCode:
     @cached_property
     def strings(self) -> Sequence[int]:
         """The tokens that are texts in quotes."""
-        return self.places_of([each for each in self.token_texts if each.startswith('"')])
+        return self.places_of({each for each in self.token_texts if each.startswith('"')})
 
     @cached_property
     def given_texts(self) -> Set[str]:

@@ -4,7 +4,7 @@ A handle puts a prefix before names: `~` if it is private to the node, else a na
 Handles are followed from their constructors through variables, members and arguments of functions.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence, Set
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -426,7 +426,7 @@ def _callee_words(file: CppCode, opening: int) -> set[str]:
     return (found | types) - _MAKERS if found & _MAKERS else found
 
 
-def _objects_of_classes(file: CppCode, classes: Collection[str]) -> Iterator[str]:
+def _objects_of_classes(file: CppCode, classes: Set[str]) -> Iterator[str]:
     """Yield the names of objects and members of some classes."""
     tokens = file.tokens
     for at in file.places_of(classes):

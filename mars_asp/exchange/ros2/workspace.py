@@ -156,6 +156,11 @@ class Workspace:
         self._ignoring: list[Path] = []
         #: The files below the folder that are no links.
         self._own: set[Path] = set()
+        # Many launch files, and many branches of one, name the same files.
+        self.find = cache(self._find)
+        self.catalogued = cache(self._catalogued)
+        self.lacking = cache(self._lacking)
+        self.not_installed = cache(self._not_installed)
         # Most folders have many files.
         self._package_around = cache(self._package_of_folder)
         self._texts: dict[Path, str] = {}
@@ -163,8 +168,6 @@ class Workspace:
         self._contents: dict[Path, _Contents] = {}
         self._shared: dict[Path, list[Installed]] = {}
         self._targets: dict[Path, Targets] = {}
-        #: What paths name, as the defaults of arguments are looked up for each include.
-        self._found: dict[tuple[str, Path], Path | None] = {}
 
     def given(self, path: str, text: str) -> Path:
         """Return the path of a file or folder that the user names, of a file with its text.
@@ -339,14 +342,8 @@ class Workspace:
                 found[package.folder].append(file)
         return found
 
-    def find(self, path: str, folder: Path) -> Path | None:
-        """Return the file that a path of a launch file in a folder names, if it lies here."""
-        key = (path, folder)
-        if key not in self._found:
-            self._found[key] = self._find(path, folder)
-        return self._found[key]
-
     def _find(self, path: str, folder: Path) -> Path | None:
+        """Return the file that a path of a launch file in a folder names, if it lies here."""
         if not path or "\0" in path or len(path) > _MOST_PATH:
             return None
         match = _SHARE.match(path)
@@ -369,7 +366,7 @@ class Workspace:
                 return found
         return None
 
-    def catalogued(self, path: str) -> Path | None:
+    def _catalogued(self, path: str) -> Path | None:
         """Return the catalogued form of a launch file of another package, or None."""
         match = _SHARE.match(path)
         inside = "" if match is None else path[match.end() :]
@@ -392,7 +389,7 @@ class Workspace:
                 return found
         return None
 
-    def lacking(self, path: str, folder: Path) -> tuple[str, str] | None:
+    def _lacking(self, path: str, folder: Path) -> tuple[str, str] | None:
         """Return the package and the path in it of a file that the package does not have.
 
         Return None if the path of a launch file in a folder names no file of one package here, or
@@ -431,7 +428,7 @@ class Workspace:
                 return None
         return package.name, inside
 
-    def not_installed(self, path: str, folder: Path) -> tuple[str, str] | None:
+    def _not_installed(self, path: str, folder: Path) -> tuple[str, str] | None:
         """Return the package and the path in it of a file of ROS 2 that it has and leaves out.
 
         Return None if the path of a launch file in a folder is not one of the shared files of one
