@@ -401,7 +401,10 @@ class Evaluator:
             return value
         before, declared = self.steps, len(self.declarations)
         value = self.called_value(node, names, depth)
-        if _is_immutable(value) and self.steps <= MOST_STEPS:
+        inner = (*value.arguments, *value.named.values()) if isinstance(value, Call) else (value,)
+        # Lists may grow in one of the readings.
+        is_fixed = all(each is None or isinstance(each, Plain) for each in inner)
+        if is_fixed and self.steps <= MOST_STEPS:
             made = value, self.declarations[declared:], self.steps - before
             self.literal_calls[node] = made
         return value
@@ -596,15 +599,10 @@ class Evaluator:
 
 def _is_literal(node: ast.Call) -> bool:
     """Whether a call of a name has literals alone."""
-    values = [*node.args, *(each.value if each.arg else node for each in node.keywords)]
-    is_named = isinstance(node.func, ast.Name)
-    return is_named and all(isinstance(each, ast.Constant) for each in values)
-
-
-def _is_immutable(value: Value) -> bool:
-    """Whether a value is a text, or a call with nothing but texts."""
-    inner = (*value.arguments, *value.named.values()) if isinstance(value, Call) else (value,)
-    return all(each is None or isinstance(each, Plain) for each in inner)
+    if not isinstance(node.func, ast.Name) or any(each.arg is None for each in node.keywords):
+        return False
+    values = (*node.args, *(each.value for each in node.keywords))
+    return all(isinstance(each, ast.Constant) for each in values)
 
 
 def _decorators(function: ast.FunctionDef) -> set[str]:

@@ -161,8 +161,8 @@ class Workspace:
         self.catalogued = cache(self._catalogued)
         self.lacking = cache(self._lacking)
         self.not_installed = cache(self._not_installed)
-        # Most folders have many files.
-        self._package_around = cache(self._package_of_folder)
+        #: The packages around folders.
+        self._around: dict[Path, Package | None] = {}
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
         self._contents: dict[Path, _Contents] = {}
@@ -322,11 +322,11 @@ class Workspace:
 
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
-        return self._package_around(file.parent)
-
-    def _package_of_folder(self, folder: Path) -> Package | None:
-        around = (folder, *folder.parents)
-        return next((self._by_folder[each] for each in around if each in self._by_folder), None)
+        folder = file.parent
+        if folder not in self._around:
+            found = (self._by_folder[each] for each in file.parents if each in self._by_folder)
+            self._around[folder] = next(found, None)
+        return self._around[folder]
 
     @cached_property
     def _by_folder(self) -> dict[Path, Package]:
