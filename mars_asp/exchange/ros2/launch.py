@@ -239,7 +239,11 @@ class Launch:
                 case PushNamespace(namespace, span):
                     pushed = self._plain(namespace, scope, files)
                     if pushed is None:
-                        self.unread.append(Unread("namespaces made at run time", "?", span))
+                        self.unread.append(
+                            Unread(
+                                "namespaces made at run time", self._shown(namespace, scope), span
+                            )
+                        )
                     else:
                         scope.namespace = joined(scope.namespace, pushed)
                 case SetRemap(remap):
