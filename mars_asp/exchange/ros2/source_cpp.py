@@ -453,7 +453,7 @@ def _prefixed(
 
 
 def _aliases_of(files: Sequence["_File"]) -> dict[str, str | None]:
-    """Return the types that names stand for, None where those of two classes differ."""
+    """Return the types of aliases, None where those of two classes differ."""
     found: dict[str, str | None] = {}
     for file in files:
         for name, kind in file.type_aliases.items():
@@ -462,7 +462,7 @@ def _aliases_of(files: Sequence["_File"]) -> dict[str, str | None]:
 
 
 def _aliased(kind: str | None, aliases: Mapping[str, str | None]) -> str | None:
-    """Return the type that a name stands for, or None if it is unknown."""
+    """Return the type of an alias, or None if it is unknown; any other type as it is."""
     for _ in range(_MOST_ALIASES):
         if kind is None or kind not in aliases:
             break
