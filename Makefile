@@ -21,6 +21,7 @@ test: $(VENV)/installed-dev
 	@echo "== ruff"
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
+	@$(BIN)/mars-asp fmt --check examples docs
 	@echo "== mypy"
 	@$(BIN)/mypy
 	@echo "== pytest"
@@ -45,9 +46,11 @@ ifeq ($(TESTS),)
 endif
 
 # The documentation as a static site in `build/site`, in an environment of its own; a warning ends it.
-site: .venv-site/installed
+# Pages about commands, findings, lints, rules and decisions are made beside the committed ones.
+site: .venv-site/installed $(VENV)/installed
 	@echo "== building the site"
 	@rm -rf build/pages && mkdir -p build/pages
+	@$(BIN)/python -m docs.reference.make_reference build/pages
 	@git ls-files -z '*.md' docs examples rules LICENSE ':!tests' | tar -c --null -T - | tar -x -C build/pages
 	@NO_MKDOCS_2_WARNING=1 .venv-site/bin/mkdocs build --strict
 

@@ -1,8 +1,8 @@
-"""Fill in docs/case-study.md: `python benchmarks/case_study.py FOLDER`.
+"""Fill in docs/explanation/case-study.md: `python benchmarks/case_study.py FOLDER`.
 
-Each `sh` block of the page is a campaign, or a sign test of its runs; what it prints is written
-into the `text` block that follows, of a campaign without its worst runs. The runs are kept in
-FOLDER, and those that it has already are not carried out again.
+Each `text` block of the page is a campaign, or a sign test of its runs, and its output, that of a
+campaign without its worst runs and the rows that `LEFT_OUT` matches.
+The runs are kept in FOLDER, and those that it has already are not carried out again.
 """
 
 import re
@@ -12,8 +12,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-PAGE = Path("docs/case-study.md")
-BLOCK = re.compile(r"```sh\n(?P<command>[^\n]*)\n```\n\n```text\n.*?```", re.DOTALL)
+PAGE = Path("docs/explanation/case-study.md")
+#: Rows of a table of a campaign, with the rows of its settings below each.
+LEFT_OUT = re.compile(
+    r"^(?:no_collision|(?:Forward|Turn|Avoid|Forward\+Turn) in control|least clearance|warnings in)"
+    r"\b.*\n(?: .*\n)*",
+    re.MULTILINE,
+)
+BLOCK = re.compile(r"```text\n\$ (?P<command>[^\n]*)\n.*?```", re.DOTALL)
 
 
 def printed(words: Sequence[str], folder: Path) -> str:
@@ -27,7 +33,7 @@ def printed(words: Sequence[str], folder: Path) -> str:
     done = subprocess.run([sys.executable, *command], check=False, capture_output=True, text=True)
     if done.returncode > 1 or done.stderr:
         raise RuntimeError(done.stderr)
-    return re.split(r"^the worst", done.stdout, flags=re.MULTILINE)[0]
+    return LEFT_OUT.sub("", re.split(r"^the worst", done.stdout, flags=re.MULTILINE)[0])
 
 
 def main() -> None:
@@ -37,7 +43,7 @@ def main() -> None:
     def filled(found: re.Match[str]) -> str:
         told = printed(shlex.split(found["command"]), folder)
         print(found["command"], told, sep="\n", flush=True)
-        return f"```sh\n{found['command']}\n```\n\n```text\n{told}```"
+        return f"```text\n$ {found['command']}\n{told}```"
 
     PAGE.write_text(BLOCK.sub(filled, PAGE.read_text(encoding="utf-8")), encoding="utf-8")
 

@@ -1,8 +1,11 @@
 """Reason about modular robots with the MARS model and answer set programming.
 
->>> from mars_asp import Reasoner, load_project, load_rulebook, explain
->>> for topic in explain(Reasoner(load_project("config.mars"), load_rulebook())).topics:
-...     print(topic.title)
+>>> import mars_asp
+>>> robot = mars_asp.load("examples/level0/config.mars")
+>>> [finding.kind for finding in robot.check()]
+[]
+>>> robot.specification.cost["nodes"]
+3
 
 What `__all__` names is public: it changes with the first number of `__version__` alone, as Semantic
 Versioning 2.0 has it. `mars_asp.asp` is an engine for any logic program, and loads nothing of MARS.
@@ -22,31 +25,57 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.questions.why_not import WhyNot, why_not
     from mars_asp.reasoning.rules import load_rulebook
     from mars_asp.reasoning.session import Reasoner
+    from mars_asp.robot import (
+        CanResult,
+        ExplainResult,
+        Finding,
+        RepairResult,
+        Robot,
+        RobotAnswer,
+        RunResult,
+        SpecificationResult,
+        VerifyResult,
+        WhyNotResult,
+        load,
+        loads,
+    )
 
 __version__ = "0.1.0"
 
-#: Where what is public is defined; it is loaded when somebody asks for it.
+#: The module of each public name; it is loaded when the name is used.
 _PLACES = {
     "Absent": "mars_asp.asp.trace.tree",
     "Analysis": "mars_asp.reasoning.analysis",
     "Budget": "mars_asp.reasoning.budget",
+    "CanResult": "mars_asp.robot",
     "Consequence": "mars_asp.reasoning.analysis",
     "Derived": "mars_asp.asp.trace.tree",
     "Diagnostic": "mars_asp.diagnostic",
+    "ExplainResult": "mars_asp.robot",
     "Explanation": "mars_asp.reasoning.questions.explain",
+    "Finding": "mars_asp.robot",
     "Given": "mars_asp.asp.trace.tree",
     "MarsError": "mars_asp.diagnostic",
     "Missing": "mars_asp.asp.trace.tree",
     "Project": "mars_asp.reasoning.project",
     "Reasoner": "mars_asp.reasoning.session",
+    "RepairResult": "mars_asp.robot",
+    "Robot": "mars_asp.robot",
+    "RobotAnswer": "mars_asp.robot",
     "Rulebook": "mars_asp.asp.rules.rulebook",
+    "RunResult": "mars_asp.robot",
     "Span": "mars_asp.diagnostic",
+    "SpecificationResult": "mars_asp.robot",
     "Topic": "mars_asp.reasoning.questions.explain",
     "Trace": "mars_asp.asp.trace.tree",
+    "VerifyResult": "mars_asp.robot",
+    "WhyNot": "mars_asp.reasoning.questions.why_not",
+    "WhyNotResult": "mars_asp.robot",
     "explain": "mars_asp.reasoning.questions.explain",
+    "load": "mars_asp.robot",
     "load_project": "mars_asp.reasoning.project",
     "load_rulebook": "mars_asp.reasoning.rules",
-    "WhyNot": "mars_asp.reasoning.questions.why_not",
+    "loads": "mars_asp.robot",
     "why_not": "mars_asp.reasoning.questions.why_not",
 }
 
@@ -54,30 +83,51 @@ __all__ = [
     "Absent",
     "Analysis",
     "Budget",
+    "CanResult",
     "Consequence",
     "Derived",
     "Diagnostic",
+    "ExplainResult",
     "Explanation",
+    "Finding",
     "Given",
     "MarsError",
     "Missing",
     "Project",
     "Reasoner",
+    "RepairResult",
+    "Robot",
+    "RobotAnswer",
     "Rulebook",
+    "RunResult",
     "Span",
+    "SpecificationResult",
     "Topic",
     "Trace",
+    "VerifyResult",
     "WhyNot",
+    "WhyNotResult",
     "explain",
+    "load",
     "load_project",
     "load_rulebook",
+    "loads",
     "why_not",
 ]
 
 
 def __getattr__(name: str) -> object:
-    """Load what is public when it is asked for: a command loads no more than its verb needs."""
+    """Load the module of a public name: a command loads no more than it needs."""
     place = _PLACES.get(name)
     if place is None:
-        raise AttributeError(f"module `mars_asp` has no attribute `{name}`")
+        from mars_asp.spelling import nearest  # noqa: PLC0415 -- needed for a mistake alone
+
+        near = None if name.startswith("_") else nearest(name, __all__)
+        hint = f": did you mean `{near}`?" if near else ""
+        raise AttributeError(f"module `mars_asp` has no attribute `{name}`{hint}")
     return getattr(importlib.import_module(place), name)
+
+
+def __dir__() -> list[str]:
+    """Return the public names, and those that every module has."""
+    return sorted({*globals(), *__all__})

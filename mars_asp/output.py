@@ -10,8 +10,9 @@ import sys
 import tempfile
 import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 if sys.platform != "win32":
     import fcntl
@@ -23,6 +24,8 @@ _OF_INODE = re.escape(_TEMPORARY) + "[0-9a-f]{16}[.]([0-9a-f]{1,16})"
 #: What opens a link, a picture, HTML, a character or code in Markdown, and a block in a line.
 _SIGN = r"[\\<>\[\]&`]"
 _FIRST = r"(?m)^( {0,3}[0-9]{0,9})([#+=|~*.)-])"
+#: The length of a `repr` at most.
+_LONGEST_REPR = 200
 _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
 
 
@@ -34,6 +37,28 @@ def visible(text: str) -> str:
     if text.isascii() and text.isprintable():
         return text
     return "".join(map(_visible_character, text))
+
+
+def brief_repr(value: Any) -> str:
+    """Return a dataclass value as one line of at most 200 characters; large fields by their type.
+
+    It is the `__repr__` of public values, which may hold a whole robot.
+    """
+    shown = ", ".join(
+        f"{each.name}={_brief(getattr(value, each.name))}" for each in fields(value) if each.repr
+    )
+    text = visible(f"{type(value).__name__}({shown})")
+    return text if len(text) <= _LONGEST_REPR else f"{text[: _LONGEST_REPR - 4]}...)"
+
+
+def _brief(value: object) -> str:
+    if value is None or isinstance(value, bool | int | float):
+        return repr(value)
+    if isinstance(value, str):
+        return repr(value if len(value) <= _LONGEST_REPR else value[:_LONGEST_REPR])
+    if isinstance(value, tuple | list | dict):
+        return f"<{len(value)}>"
+    return f"<{type(value).__name__}>"
 
 
 def listing(texts: Sequence[str]) -> str:

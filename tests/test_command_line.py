@@ -43,7 +43,7 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
             ["analyse", "-", "--sources", "missing"],
             GOOD,
             2,
-            "missing:1:1: error: `missing` is not a file",
+            "mars-asp: error: `missing` is not a file",
         ),
         (["analyse", "-", "--sources", "missing"], GOOD, 2, "paths of `--sources` are relative"),
         (["analyse", "-", "--time-limit", "0"], GOOD, 2, "positive"),
@@ -388,6 +388,6 @@ def test_a_path_is_shown_in_one_line_and_need_be_no_utf_8(
     assert done.returncode in (0, 1, 2)
     printed = os.fsencode(done.stdout + done.stderr)
     assert b"Traceback" not in printed
-    assert b"fault of ours" not in printed
+    assert b"internal error" not in printed
     assert b"\x1b[31mred" not in printed
     assert not [line for line in printed.split(b"\n") if line.startswith(b"lines.mars")]

@@ -1,21 +1,27 @@
-"""Every command in the documentation prints what the documentation shows."""
+"""Documents: commands print what pages show, links resolve, and lines are short."""
 
 import re
 import shlex
+import subprocess
 from pathlib import Path
 from runpy import run_path
 
 import pytest
 
-from docs.make_reference import pages
+from docs.reference.make_reference import EXAMPLES, pages
 from mars_asp.annotations.languages import LANGUAGES
-from tests.support.documents import ROOT, commands, refresh, run
+from tests.support.documents import JSON, ROOT, commands, json_block, refresh, refresh_json, run
 
 #: Its commands are run in an empty folder, step by step.
 TUTORIAL = ROOT / "docs/tutorial/packs.md"
+MADE = pages()
 DOCUMENTS = [
     ROOT / "README.md",
-    *(page for page in sorted(ROOT.glob("docs/**/*.md")) if page != TUTORIAL),
+    *(
+        page
+        for page in sorted(ROOT.glob("docs/**/*.md"))
+        if page != TUTORIAL and page.relative_to(ROOT).as_posix() not in MADE
+    ),
     ROOT / "examples" / "README.md",
     *sorted(ROOT.glob("examples/*/README.md")),
     *sorted(ROOT.glob("examples/packs/*/README.md")),
@@ -32,7 +38,17 @@ def test_commands_print_what_is_shown(document: Path, update_golden: bool) -> No
         assert run(command) == shown, command
 
 
-STUDY = ROOT / "docs" / "case-study.md"
+def test_json_is_what_commands_print(update_golden: bool) -> None:
+    page = ROOT / "docs/reference/json.md"
+    if update_golden:
+        refresh_json(page)
+    blocks = JSON.findall(page.read_text(encoding="utf-8"))
+    assert len(blocks) > 20
+    for command, language, shown in blocks:
+        assert json_block(command, language) == shown, command
+
+
+STUDY = ROOT / "docs" / "explanation" / "case-study.md"
 BLOCK = run_path(str(ROOT / "benchmarks" / "case_study.py"))["BLOCK"]
 SIGN_TEST = run_path(str(ROOT / "benchmarks" / "sign_test.py"))
 
@@ -91,53 +107,129 @@ def test_the_sign_test_is_that_of_fair_coins() -> None:
     assert probability(60, 0) == 2 / 2**60
 
 
-@pytest.mark.parametrize("name", pages())
-def test_the_reference_is_what_parsers_and_rules_make(name: str, update_golden: bool) -> None:
-    path, text = ROOT / "docs" / "reference" / name, pages()[name]()
-    if update_golden:
-        path.write_text(text, encoding="utf-8")
-    assert path.read_text(encoding="utf-8") == text
+# ---- Pages, links and lines ----------------------------------------------------------------------
+
+LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
+FENCE = re.compile(r"^ *```.*?^ *```$", re.MULTILINE | re.DOTALL)
 
 
-def test_each_page_of_the_reference_is_made_or_written() -> None:
-    written = {"glossary.md", "language.md"}
-    found = (ROOT / "docs/reference").rglob("*.md")
-    assert {path.relative_to(ROOT / "docs/reference").as_posix() for path in found} == {
-        *pages(),
-        *written,
-    }
+@pytest.fixture(scope="module")
+def made() -> dict[str, str]:
+    """The pages that the site adds to the committed ones, by their paths."""
+    return {name: text() for name, text in MADE.items()}
 
 
-LINK = re.compile(r"\]\(([^)#]+)[^)]*\)")
+def links(page: str, text: str) -> set[Path]:
+    """Return the files that a page links to, without those of the web."""
+    folder = (ROOT / page).parent
+    targets = LINK.findall(FENCE.sub("", text))
+    return {(folder / target).resolve() for target in targets if "://" not in target}
 
 
-def linked(page: Path) -> set[Path]:
-    """Return the files that a page links to; none of those of the web."""
-    links = LINK.findall(page.read_text(encoding="utf-8"))
-    return {(page.parent / link).resolve() for link in links if "://" not in link}
+def committed() -> list[Path]:
+    """Return the pages of the repository."""
+    words = ["git", "-C", str(ROOT), "ls-files", "-z", "*.md"]
+    found = subprocess.run(words, check=False, capture_output=True, text=True)
+    if found.returncode == 0 and found.stdout:
+        return [ROOT / name for name in found.stdout.split("\0")[:-1] if (ROOT / name).exists()]
+    folders = ("benchmarks", "docs", "editors", "examples", "mars_asp", "rules", "tests")
+    found_in = (page for folder in folders for page in ROOT.glob(f"{folder}/**/*.md"))
+    return [
+        page
+        for page in (*ROOT.glob("*.md"), *found_in)
+        if page.relative_to(ROOT).as_posix() not in MADE
+    ]
 
 
-def test_each_page_is_two_clicks_from_the_readme_and_no_link_is_dead() -> None:
-    first = linked(ROOT / "README.md")
-    pages_of_them = [page for page in first if page.suffix == ".md"]
-    reached = {ROOT / "README.md"}.union(first, *map(linked, pages_of_them))
-    assert not [page for page in reached if not page.exists()]
+def test_no_made_page_is_committed() -> None:
+    assert not {page.relative_to(ROOT).as_posix() for page in committed()} & MADE.keys()
+
+
+def test_docs_hold_their_index_and_the_folders_of_the_site() -> None:
+    names = {path.name for path in (ROOT / "docs").iterdir() if path.name != "__pycache__"}
+    folders = {"tutorial", "how-to", "reference", "explanation", "decisions", "pictures"}
+    assert names == {"README.md", *folders}
+
+
+def test_committed_pages_link_to_committed_files() -> None:
+    absent = {ROOT / name for name in MADE}
+    for page in committed():
+        linked = links(page.relative_to(ROOT).as_posix(), page.read_text(encoding="utf-8"))
+        assert not {path for path in linked if path in absent or not path.exists()}, page
+
+
+def test_made_pages_link_to_pages_and_files(made: dict[str, str]) -> None:
+    known = {ROOT / name for name in MADE}
+    for name, text in made.items():
+        assert not {path for path in links(name, text) if path not in known and not path.exists()}
+
+
+def test_each_page_is_two_clicks_from_the_readme(made: dict[str, str]) -> None:
+    """Decisions are in their list, which is made."""
+    reached = {ROOT / "README.md"}
+    for _ in range(2):
+        for page in [path for path in reached if path.suffix == ".md"]:
+            reached |= links(page.relative_to(ROOT).as_posix(), page.read_text(encoding="utf-8"))
+    listed = "docs/decisions/README.md"
+    reached |= links(listed, made[listed])
     assert not [page for page in (*DOCUMENTS, TUTORIAL) if page.resolve() not in reached]
 
 
 def test_each_page_has_a_place_in_the_site() -> None:
     """Else `make site` ends with a warning, and few run it."""
     listed = set(re.findall(r": (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE))
-    pages_of_site = (path.relative_to(ROOT).as_posix() for path in (*DOCUMENTS, TUTORIAL))
-    assert not set(pages_of_site) - listed
-    assert not [path for path in listed if not (ROOT / path).is_file()]
+    named = {page.relative_to(ROOT).as_posix() for page in (*DOCUMENTS, TUTORIAL)} | MADE.keys()
+    decisions = "docs/decisions/"
+    assert {name for name in named - listed if not name.startswith(decisions)} == set()
+    assert not [name for name in listed if name not in MADE and not (ROOT / name).is_file()]
 
 
-ANNOTATIONS = ROOT / "docs" / "annotations.md"
+def test_each_kind_of_finding_has_a_file_that_a_user_writes(made: dict[str, str]) -> None:
+    """Those of runs are the exception: a scenario of `judge-a-run.md` shows them."""
+    page = made["docs/reference/findings.md"]
+    for kind, text in re.findall(r"(?ms)^## (\w+)$(.*?)(?=^## |\Z)", page):
+        if kind in EXAMPLES:
+            assert f": {kind}: " in " ".join(text.split()), kind
+        else:
+            assert set(re.findall(r"^### (\w+)/", text, re.MULTILINE)) == {"run"}, kind
+
+
+def test_the_repository_has_at_most_10000_lines_of_markdown() -> None:
+    assert sum(len(page.read_text(encoding="utf-8").splitlines()) for page in committed()) <= 10_000
+
+
+def test_lines_end_at_120_columns() -> None:
+    """But for output in a fence, and a link or code that cannot be broken."""
+    long = []
+    for page in committed():
+        for line in FENCE.sub("", page.read_text(encoding="utf-8")).splitlines():
+            if len(line) > 120 and len(UNBROKEN.sub("x", line).split()) > 2:
+                long.append(f"{page.relative_to(ROOT)}: {line}")
+    assert long == []
+
+
+#: A link or code in a line.
+UNBROKEN = re.compile(r"!?\[[^\]]*\]\([^)]*\)|`[^`]*`")
+#: The end of a sentence within a line.
+SENTENCE_END = re.compile(r"[a-z`)]\. +[A-Z`][a-z]")
+
+
+def test_a_line_has_one_sentence() -> None:
+    several = []
+    for page in committed():
+        for line in FENCE.sub("", page.read_text(encoding="utf-8")).splitlines():
+            if not line.startswith(("|", "#", "    ")) and SENTENCE_END.search(
+                UNBROKEN.sub("x", line)
+            ):
+                several.append(f"{page.relative_to(ROOT)}: {line}")
+    assert several == []
+
+
+ANNOTATIONS = ROOT / "docs" / "reference" / "annotations.md"
 SUFFIXES = {
     "c": "c", "cpp": "cpp", "python": "py", "java": "java", "rust": "rs", "go": "go", "matlab": "m"
 }  # fmt: skip
-#: A source, and behind it what is extracted from it.
+#: A source, and the output of `extract` after it.
 SOURCE = re.compile(rf"(?ms)^```({'|'.join(SUFFIXES)})\n(.*?)^```\n\n```text\n(.*?)^```$")
 
 
@@ -168,6 +260,6 @@ def test_examples_of_annotated_sources(
 
 @pytest.mark.parametrize("folder", sorted(ROOT.glob("examples/*/")), ids=lambda path: path.name)
 def test_every_example_shows_a_command(folder: Path) -> None:
-    # Those of the engine are told beside it.
+    # Those of the engine are on its own page.
     place = ROOT / "mars_asp" / "asp" if folder.name == "engine" else folder
     assert list(commands(place / "README.md"))

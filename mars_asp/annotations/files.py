@@ -18,7 +18,7 @@ from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.modules import read_modules
 from mars_asp.annotations.repeated import repeated
 from mars_asp.annotations.sources import Source
-from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span, by_place, point, refusal
+from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span, by_place, refusal, whole_file
 from mars_asp.model.declarations import Module
 from mars_asp.reading import (
     KERNEL,
@@ -182,7 +182,7 @@ def _hidden(file: Path, wrong: Sequence[Diagnostic], place: Span | None) -> Iter
     if wrong:
         severity = min((each.severity for each in wrong), key=("error", "warning", "note").index)
         message = f"mistakes in `{file}` are not shown: {OUTSIDE}"
-        at = place or point(str(file), 1, 1)
+        at = place or whole_file(str(file))
         help_text = "give it by --sources to see them"
         yield Diagnostic("MARS308", severity, message, at, help=help_text)
 
@@ -364,5 +364,5 @@ def _is_utf8(raw: bytes) -> bool:
 def _about(shown: str, code: str, severity: Severity, reason: str, help_text: str) -> Diagnostic:
     # No line of a file shows something about all of it.
     return Diagnostic(
-        code, severity, f"`{shown}` {reason}", point(shown, 1, 1), help=help_text, excerpt=""
+        code, severity, f"`{shown}` {reason}", whole_file(shown), help=help_text, excerpt=""
     )

@@ -27,7 +27,7 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Lack, Resolution
 from mars_asp.asp.solve.optimum import TooCostlyError, UnsatisfiableError
 from mars_asp.asp.solve.term_ids import as_symbol, text
-from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.conflicts import (
     Conflict,
     Conflicts,
@@ -42,7 +42,7 @@ from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.patterns import fits, pattern_in
 from mars_asp.asp.trace.text import WIDTH, Chosen, leaves_of, traces_text
 from mars_asp.asp.trace.tree import Derived, Given, Trace
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 
 #: The stage of a program whose rules stand in no folder.
 _STAGE = "base"
@@ -171,13 +171,13 @@ class Program:
         except UnsatisfiableError:
             resolution = None
         except TooCostlyError as error:
-            place = point(self._file_path, 1, 1)
+            place = whole_file(self._file_path)
             advice = "clingo adds up costs in 32 bits: make the weights smaller"
             found = Diagnostic("costs", "error", str(error), place, help=advice)
             raise MarsError((found,)) from None
         _check_externals(given, grounding.externals, self._file_path)
         if resolution is None or not resolution.answer.exists:
-            place = point(self._file_path, 1, 1)
+            place = whole_file(self._file_path)
             message = "the program has no answer"
             advice = "`why_unsatisfiable` names rules that exclude every answer together"
             found = Diagnostic("unsatisfiable", "error", message, place, help=advice)
@@ -236,7 +236,7 @@ class Program:
                 names = " and ".join(f"`{each}`" for each in known)
                 message, place = (
                     f"`{part}` is not a part of the program",
-                    point(self._file_path, 1, 1),
+                    whole_file(self._file_path),
                 )
                 advice = f"it has {names}; give values for parameters"
                 raise MarsError((Diagnostic("part", "error", message, place, help=advice),))
@@ -438,7 +438,7 @@ class Answer:
         symbol = symbol_in(atom)
         if symbol not in self.atoms or symbol is None:
             message = f"`{atom}` does not hold" if symbol else f"`{atom}` is not an atom"
-            found = Diagnostic("atom", "error", message, point(self._file_path, 1, 1))
+            found = Diagnostic("atom", "error", message, whole_file(self._file_path))
             raise NotDerived((found,))
         trace = self._explainer.why([symbol], every)[symbol]
         return Reason(str(symbol), trace, self._line_at, chosen=self._choice)
@@ -453,9 +453,9 @@ class Answer:
         matching = [] if pattern is None else [each for each in self.atoms if fits(pattern, each)]
         if pattern is None or matching:
             message = f"`{atom}` is not an atom" if pattern is None else f"`{matching[0]}` holds"
-            found = Diagnostic("atom", "error", message, point(self._file_path, 1, 1))
+            found = Diagnostic("atom", "error", message, whole_file(self._file_path))
             raise NotDerived((found,))
-        trace = why_not(self._explainer, pattern, depth)
+        trace = explain_absence(self._explainer, pattern, depth)
         extra, against = self._forced(pattern)
         return Reason(f"no {atom}", trace, self._line_at, extra, against, self._choice)
 
@@ -537,7 +537,7 @@ def _definitions(constants: Constants) -> tuple[str, ...]:
         if symbol_in(str(value)) is None:
             message = f"`{value}` is not a value for the constant `{name}`"
             advice = "give a number, a constant or a string in quotes"
-            place = point("program", 1, 1)
+            place = whole_file("program")
             raise MarsError((Diagnostic("constant", "error", message, place, help=advice),))
     return tuple(f"-c{name}={value}" for name, value in constants.items())
 
@@ -573,7 +573,7 @@ def _externals(values: Externals, path: str) -> dict[clingo.Symbol, bool | None]
     found = {symbol_in(atom): value for atom, value in values.items()}
     if None in found:
         wrong = next(atom for atom in values if symbol_in(atom) is None)
-        place, advice = point(path, 1, 1), "write it as in an answer, such as `open(door)`"
+        place, advice = whole_file(path), "write it as in an answer, such as `open(door)`"
         message = f"`{wrong}` is not an atom"
         raise MarsError((Diagnostic("external", "error", message, place, help=advice),))
     return {atom: value for atom, value in found.items() if atom is not None}
@@ -591,7 +591,7 @@ def _check_externals(
     advice = (
         f"external are {', '.join(names[:_MOST_NAMED])}" if names else "declare it: `#external`"
     )
-    place = point(path, 1, 1)
+    place = whole_file(path)
     wrong = [each for each in given if each not in known]
     if wrong:
         messages = (f"`{each}` is not an external of the program" for each in wrong)

@@ -47,14 +47,23 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
         report_unrealisable(project.configuration.path, reasoner.analysis, arguments)
         return 1
     if is_json:
-        print(encoded({"subject": subject, **_json(found)}))
+        print(encoded(alternatives_json(found, subject)))
     else:
-        for line in _text(found, arguments, columns(sys.stdout)):
-            print(visible(line))
+        for line in alternatives_lines(found, arguments, columns(sys.stdout)):
+            print(line)
     return int(selection.has_errors(project, found.analysis))
 
 
-def _text(found: Alternatives, arguments: argparse.Namespace, width: int) -> Iterator[str]:
+def alternatives_lines(
+    found: Alternatives, arguments: argparse.Namespace, width: int
+) -> Iterator[str]:
+    """Yield the needs, the costs and the alternatives, safe to print."""
+    return map(visible, _alternative_lines(found, arguments, width))
+
+
+def _alternative_lines(
+    found: Alternatives, arguments: argparse.Namespace, width: int
+) -> Iterator[str]:
     yield from wrapped(_head(found), width)
     yield from _table(found.needs[:_MOST_NEEDS], width)
     if len(found.needs) > _MOST_NEEDS:
@@ -236,9 +245,11 @@ def _price(other: Alternative) -> str:
     return f"costs {compared(by_name(other.extra)) or 'the same'}"
 
 
-def _json(found: Alternatives) -> dict[str, object]:
+def alternatives_json(found: Alternatives, subject: str | None = None) -> dict[str, object]:
+    """Return alternatives with the keys of the contract."""
     names = {level: name for name, level in COSTS.items()}
     return {
+        "subject": subject,
         "cost": {name: found.synthesis.cost(level) for name, level in COSTS.items()},
         "proven_minimal": found.synthesis.resolution.proven,
         "optimal_count": found.synthesis.resolution.count,

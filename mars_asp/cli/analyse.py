@@ -13,6 +13,7 @@ from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, publish
 from mars_asp.cli.reason import (
     JUDGING,
     add_file,
+    add_stdin_filename,
     judge_project,
     read_project,
     rulebook_for,
@@ -34,6 +35,7 @@ RESULT_FORMATS = FINDING_FORMATS
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     add_file(parser)
+    add_stdin_filename(parser)
     add_selection(parser)
 
 

@@ -6,7 +6,9 @@ import os
 import re
 import sys
 import textwrap
+import time
 from collections.abc import Mapping, Sequence
+from copy import copy
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
@@ -72,11 +74,11 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
             "diff old.mars new.mars",
         ),
         "draw": Verb("draw it: svg, png, dot or mmd", "draw config.mars -o config.svg"),
-        "fmt": Verb("lay out `.mars` files in one way, comments kept", "fmt config.mars"),
+        "fmt": Verb("format `.mars` files, comments kept", "fmt config.mars"),
     },
     "Exchange it": {
         "import": Verb(
-            "read a robot from files of others, such as `urdf` and `dora`",
+            "read a robot from URDF, ROS, twist_mux or dora files",
             "import urdf robot.urdf -o robot.mars",
         ),
         "export": Verb("write the mount tree as `urdf`", "export urdf config.mars -o robot.urdf"),
@@ -164,6 +166,14 @@ class Parser(argparse.ArgumentParser):
         """Return what is said by words alone."""
         return [action for action in self._actions if not action.option_strings]
 
+    def defaults(self) -> dict[str, Any]:
+        """Return the default of each argument, of those with one name the first."""
+        found: dict[str, Any] = {}
+        for action in self._actions:
+            if action.default is not argparse.SUPPRESS:
+                found.setdefault(action.dest, copy(action.default))
+        return {**found, **self._defaults}
+
     def error(self, message: str) -> NoReturn:
         """Say what is wrong with the words, and what may have been meant; end with status 2."""
         from mars_asp.cli.layout import columns, wrapped
@@ -221,6 +231,15 @@ def parser_of(word: str) -> tuple[ModuleType, Parser]:
     return module, parser
 
 
+def arguments_of(command: str, **values: object) -> argparse.Namespace:
+    """Return the arguments of a command without output on a terminal, called with these values.
+
+    Options without a value have their default.
+    """
+    given = {"quiet": True, "color": "never", "started": time.monotonic(), **values}
+    return argparse.Namespace(**{**parser_of(command)[1].defaults(), **given})
+
+
 def ordered(words: Sequence[str]) -> list[str]:
     """Return the words of a command line with the command first, and the options before it after.
 
@@ -261,10 +280,10 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         metavar="DIR|NAME",
         action="append",
         default=[],
-        type=_rule_pack,
+        type=rule_pack,
         help="a rule pack, a path or one that is installed; repeatable",
     )
-    add("--trust", action="store_true", help="a rule pack may rank its costs above ours")
+    add("--trust", action="store_true", help="a rule pack may rank its costs above built-in ones")
     add(
         "--sources",
         metavar="PATH",
@@ -318,7 +337,7 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
     )
 
 
-def _rule_pack(given: str) -> str:
+def rule_pack(given: str) -> str:
     """Return a path as it is, or the folder of the installed pack if there is no such path."""
     if os.path.exists(given):  # noqa: PTH110 -- never raises
         return given

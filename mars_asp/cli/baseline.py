@@ -15,10 +15,10 @@ from typing import NamedTuple
 from mars_asp.cli.layout import counted
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
 from mars_asp.language.parse import decode, read_bytes
+from mars_asp.language.toml_text import long_number
 from mars_asp.reasoning.analysis import Consequence
-from mars_asp.toml_text import long_number
 
 _FORMAT, _VERSION = "mars-baseline", 1
 #: Some 200,000 findings.
@@ -74,7 +74,7 @@ class Baseline:
                 "note",
                 f"{counted(len(gone), 'finding')} of the baseline {matches} nothing any more: "
                 f"{', '.join(named)}{more}",
-                point(self.path, 1, 1),
+                whole_file(self.path),
                 help=f"write it anew: --write-baseline {self.path}",
                 excerpt="",
             )

@@ -10,7 +10,6 @@ from mars_asp.execution.campaign.summary import (
     MOST_WORST,
     QUANTILES,
     Cell,
-    Share,
     Spread,
     cells,
     control_shares,
@@ -101,8 +100,8 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
     # One cell has what all have.
     yield from _aligned(rows if len(groups) > 1 else [row for row in rows if not row[0]])
     if always:
-        text = f"{Share(passed.of, passed.of).text}: {', '.join(always)}"
-        yield from map(visible, wrapped(text, width, "held in all, ", "  "))
+        head = f"passed in every run ({passed.of} of {passed.of}): "
+        yield from map(visible, wrapped(", ".join(always), width, head, "  "))
     by_count: dict[int, list[str]] = {}
     for name, count in warning_counts(results).items():
         by_count.setdefault(count, []).append(name)

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from collections.abc import Iterator
 
 from mars_asp.asp.trace.document import Document
 from mars_asp.cli.account import account_json, told_lines
@@ -27,35 +28,43 @@ def run(arguments: argparse.Namespace) -> int:
     project = read_project(arguments)
     answer = capability(project, rulebook_for(arguments, ("can", "account")), arguments.query)
     if arguments.format == "json":
-        document = Document()
-        demands = [
-            {
-                "function": v.demand.function,
-                "module": v.demand.module,
-                "can": v.able,
-                "missing": list(v.missing),
-                **account_json(v.account),
-                "traces": [document.trace(trace) for trace in v.traces],
-            }
-            for v in answer.verdicts
-        ]
-        print(encoded({"query": answer.query, "can": answer.able, "demands": demands}))
+        print(encoded(capability_json(answer)))
     else:
-        _print_answer(answer, colours(arguments, sys.stdout))
+        for line in capability_lines(answer, colours(arguments, sys.stdout)):
+            print(line)
     return int(not answer.able)
 
 
-def _print_answer(answer: Answer, coloured: bool) -> None:
-    print(paint("yes" if answer.able else "no", "strong", coloured))
+def capability_json(answer: Answer) -> dict[str, object]:
+    """Return an answer with the keys of the contract."""
+    document = Document()
+    demands = [
+        {
+            "function": v.demand.function,
+            "module": v.demand.module,
+            "can": v.able,
+            "missing": list(v.missing),
+            **account_json(v.account),
+            "traces": [document.trace(trace) for trace in v.traces],
+        }
+        for v in answer.verdicts
+    ]
+    return {"query": answer.query, "can": answer.able, "demands": demands}
+
+
+def capability_lines(answer: Answer, coloured: bool = False) -> Iterator[str]:
+    """Yield the lines of an answer: yes or no, the reason for each demand, help."""
+    yield paint("yes" if answer.able else "no", "strong", coloured)
     for verdict in answer.verdicts:
         demand = f"{verdict.demand.function} of {written(verdict.demand.module)}"
         title, *others = told_lines(
             f"{demand}:", verdict.account, verdict.rule, columns(sys.stdout)
         )
-        print()
-        print(paint(title, "strong", coloured))
-        sys.stdout.writelines(f"{line}\n" for line in others)
+        yield ""
+        yield paint(title, "strong", coloured)
+        yield from others
     missing = dict.fromkeys(text for verdict in answer.verdicts for text in verdict.missing)
     for index, text in enumerate(missing):
-        lines = wrapped(visible(text), columns(sys.stdout), "help: ", "      ")
-        print("\n".join(lines if index else ["", *lines]))
+        if not index:
+            yield ""
+        yield from wrapped(visible(text), columns(sys.stdout), "help: ", "      ")

@@ -9,29 +9,31 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, write_report
-from mars_asp.cli.deliver import file_key, replace_files
+from mars_asp.cli.deliver import file_key, replace_files, write_file
 from mars_asp.cli.excluded import add_exclusion
+from mars_asp.cli.fmt import unified_diff
 from mars_asp.cli.folding import instances_of
 from mars_asp.cli.lines import forget, remember
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import (
     JUDGING,
-    SHOWN_INPUT,
     STANDARD_INPUT,
     add_launch,
+    add_stdin_filename,
     check_inputs,
     judge_project,
     load,
     robots,
     rulebook_for,
+    shown_input,
     unapplied_packs,
 )
-from mars_asp.cli.report import Suggestion
+from mars_asp.cli.report import Suggestion, report
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.schemas import add_schema, check_schema
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, point
+from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, whole_file
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
 from mars_asp.language.text_edits import ConflictError, edited_bytes
 from mars_asp.reading import OUTSIDE, is_hidden
@@ -95,6 +97,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", metavar="OUT", help="write the findings to a file, in any format"
     )
     add_schema(parser, "the document of --format json", check_schema)
+    parser.add_argument(
+        "--diff",
+        action="store_true",
+        help="write nothing; print the changes of --fix as a unified diff; status 1 if there "
+        "are any",
+    )
+    add_stdin_filename(parser)
     add_launch(parser)
     add_exclusion(parser)
     add_selection(parser)
@@ -105,17 +114,49 @@ def run(arguments: argparse.Namespace) -> int:
     if problem := _conflict_of_options(arguments):
         print(f"mars-asp check: {problem}", file=sys.stderr)
         return 2
+    arguments.fix |= arguments.diff
     try:
         checked, remarks = check(arguments)
         status = max((one.status for one in checked), default=0)
+        if arguments.diff:
+            return _show_changes(checked, arguments, status)
     except MarsError as error:
         checked, remarks, status = [], [Result(each) for each in error.diagnostics], error.status
     write_report(checked, remarks, arguments, status)
     return status
 
 
+def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, status: int) -> int:
+    """Print the changes that --fix would make as a unified diff, and errors of the input.
+
+    Returns:
+        2 for bad input, else 1 if there is a change.
+    """
+    changes = [
+        unified_diff(path, decode(old, path), decode(new, path))
+        for one in checked
+        for path, new, old in one.written
+    ]
+    changes += [one.change for one in checked if one.change]
+    text = "".join(changes)
+    if arguments.output is None:
+        print(text, end="")
+    else:
+        write_file(arguments.output, text)
+    if status < 2:
+        return int(bool(changes))
+    results = (each for one in checked for each in one.results)
+    report([each.diagnostic for each in results if each.consequence is None], arguments)
+    return status
+
+
 def _conflict_of_options(arguments: argparse.Namespace) -> str | None:
     """Return why options do not go together, or None if they do."""
+    if arguments.stdin_filename and STANDARD_INPUT not in arguments.files:
+        return "--stdin-filename names the text of `-`: add `-`"
+    if arguments.diff and (arguments.format not in TEXT_FORMATS or arguments.statistics):
+        option = "--statistics" if arguments.statistics else f"`--format {arguments.format}`"
+        return f"--diff prints a unified diff: leave out {option}, or --diff"
     if arguments.fix and arguments.format not in (*TEXT_FORMATS, "json"):
         return f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
     if arguments.statistics and arguments.format not in TEXT_FORMATS:
@@ -151,7 +192,7 @@ def check(
             one.status = 2
         one.append_results(map(Result, robot.notes))
     for one in checked:
-        if one.written:
+        if one.written and not arguments.diff:
             replace_files(one.written)
     remarks = map(Result, selection.end(all(one.status < 2 for one in checked)))
     return checked, list(remarks)
@@ -173,20 +214,42 @@ def _check(
     edited: dict[object, tuple[str, bytes]],
     seen: "_Seen",
 ) -> None:
-    """Check a file; with `--fix`, apply repairs as `_fix` does.
+    """Read and judge a robot.
 
     Raises:
-        MarsError: what is wrong with the file or its sources.
+        MarsError: its files or sources are wrong.
     """
     raw = read_standard_input(MOST_BYTES + 1) if one.path == STANDARD_INPUT else None
-    text = None if raw is None else decode(raw, SHOWN_INPUT)
-    path = SHOWN_INPUT if raw is not None else one.path
+    path = shown_input(arguments) if raw is not None else one.path
+    text = None if raw is None else decode(raw, path)
     project = load(arguments, path, text, one.further)
+    judge(one, project, rules, selection, arguments, raw, edited, seen)
+
+
+def judge(
+    one: Checked,
+    project: "Project",
+    rules: _Rules,
+    selection: Selection,
+    arguments: argparse.Namespace,
+    raw: bytes | None = None,
+    edited: dict[object, tuple[str, bytes]] | None = None,
+    seen: "_Seen" = lambda project, analysis: None,
+    with_participants: bool = False,
+) -> None:
+    """Add the results about a robot; with `--fix`, apply repairs as `_fix` does.
+
+    `raw` is the content of standard input if it was read.
+
+    Raises:
+        MarsError: rule packs, settings or a baseline are wrong.
+    """
+    text = None if raw is None else decode(raw, project.configuration.path)
     one.launch_files = tuple(tree.path for tree in project.trees)
     one.text = text if arguments.fix else None
     analysis = judge_project(project, rules(JUDGING), arguments)
     seen(project, analysis)
-    selected = selection.of(project, analysis, notes=False)
+    selected = selection.of(project, analysis, False, with_participants)
     sole: tuple[Repair, ...] = ()
     is_small = arguments.fix or len(analysis.facts) <= _MOST_FACTS
     shows_repairs = arguments.format != "github"
@@ -195,13 +258,13 @@ def _check(
         found = _sole_repairs(project, rules, arguments)
         sole = tuple(r for r in found if (r.consequence.spans, r.consequence.message) in shown)
     if sole and arguments.fix:
-        fixed = _fix(project, sole, rules, raw, one, arguments, edited)
+        fixed = _fix(project, sole, rules, raw, one, {} if edited is None else edited)
         if fixed is not None:
             project, sole = fixed.project, ()
             for path, text in fixed.texts.items():
                 remember(path, text)
             analysis = judge_project(project, rules(JUDGING), arguments)
-            selected = selection.of(project, analysis, notes=False)
+            selected = selection.of(project, analysis, False, with_participants)
     one.mendable = 0 if arguments.fix else len(sole)
     messages, hidden = selection.messages(project)
     one.hidden.update(hidden)
@@ -253,7 +316,6 @@ def _fix(
     rules: _Rules,
     raw: bytes | None,
     one: Checked,
-    arguments: argparse.Namespace,
     edited: dict[object, tuple[str, bytes]],
 ) -> "Fix | None":
     """Apply repairs to the files; return nothing where none could be applied.
@@ -270,7 +332,7 @@ def _fix(
         return None
     problems: list[Diagnostic] = []
     for path, text in fixed.texts.items():
-        is_input = raw is not None and path == SHOWN_INPUT
+        is_input = raw is not None and path == project.configuration.path
         try:
             old = raw if raw is not None and is_input else Path(path).read_bytes()
             new = edited_bytes(old, [line for line in fixed.lines if line.path == path])
@@ -280,6 +342,7 @@ def _fix(
             problems.append(_unfixed(path, "it is not what was analysed"))
             continue
         if is_input:
+            one.change = unified_diff(path, decode(old, path), decode(new, path))
             one.text = decode(new, path)
         elif is_hidden(path):
             problems.append(_unfixed(path, OUTSIDE))
@@ -292,7 +355,7 @@ def _fix(
     if problems:
         one.status = 2
         one.written.clear()
-        one.text = None if raw is None else decode(raw, SHOWN_INPUT)
+        one.text = None if raw is None else decode(raw, project.configuration.path)
         one.append_results(map(Result, problems))
         return None
     edited.update((file_key(path), (one.path, new)) for path, new, _ in one.written)
@@ -319,4 +382,4 @@ _AGAIN = "run the command again"
 
 def _unfixed(path: str, why: str, help_text: str | None = None) -> Diagnostic:
     message = f"`{path}` was not fixed: {why}"
-    return Diagnostic("unfixed", "error", message, point(path, 1, 1), help=help_text)
+    return Diagnostic("unfixed", "error", message, whole_file(path), help=help_text)

@@ -57,6 +57,8 @@ class Checked:
     written: list[tuple[str, bytes, bytes]] = field(default_factory=list)
     #: The text of standard input after the repairs.
     text: str | None = None
+    #: The changes of standard input as a unified diff.
+    change: str = ""
     #: How many findings a comment or a baseline hides.
     hidden: Counter[str] = field(default_factory=Counter)
     #: The launch files that were judged, each by itself.
@@ -95,10 +97,12 @@ def write_report(
     if arguments.format not in TEXT_FORMATS:
         findings = _document_text(checked, remarks, arguments, status)
     elif arguments.statistics:
-        findings = "".join(_statistics(_findings(_unhidden(checked, remarks))))
+        findings = "".join(_statistics(reported_findings(_unhidden(checked, remarks))))
     else:
-        folded = [each for one in checked for each in fold(_findings(one.results), one.instances)]
-        results = [*folded, *_findings(remarks)]
+        folded = [
+            each for one in checked for each in fold(reported_findings(one.results), one.instances)
+        ]
+        results = [*folded, *reported_findings(remarks)]
         findings = "".join(_diagnostic_text(results, arguments, stream))
     closing = "".join(_closing(checked, remarks, arguments))
     if output is not None:
@@ -118,7 +122,7 @@ def _is_note(result: Result) -> bool:
     return result.diagnostic.severity == "note" and result.consequence is None
 
 
-def _findings(results: Iterable[Result]) -> list[Result]:
+def reported_findings(results: Iterable[Result]) -> list[Result]:
     """Return the results that are reported findings."""
     return [each for each in results if each.hidden is None and not _is_note(each)]
 
@@ -233,11 +237,11 @@ def _document_text(
         robots = [(", ".join((one.path, *one.further)), one.results) for one in checked]
         if remarks:
             robots.append(("mars-asp check", list(remarks)))
-        return junit_suites([(name, _findings(results)) for name, results in robots])
+        return junit_suites([(name, reported_findings(results)) for name, results in robots])
     if arguments.format == "gitlab":
         from mars_asp.cli.gitlab import code_quality_report
 
-        return f"{encoded(code_quality_report(_findings(_unhidden(checked, remarks))))}\n"
+        return f"{encoded(code_quality_report(reported_findings(_unhidden(checked, remarks))))}\n"
     from mars_asp.cli.publish import published_text
 
     every = [*(each for one in checked for each in one.results), *remarks]
@@ -250,15 +254,15 @@ def _check_document(
     from mars_asp.cli.repair import repair_json
 
     shown = _unhidden(checked, remarks)
-    findings, notes = _findings(shown), list(filter(_is_note, shown))
+    findings, notes = reported_findings(shown), list(filter(_is_note, shown))
     if arguments.quiet:
         notes = [each for each in notes if not is_remark(each)]
     severities = Counter(each.diagnostic.severity for each in findings)
     return {
         "format": "mars-check",
         "version": 1,
-        "findings": [_result_json(each) for each in findings],
-        "notes": [_result_json(each) for each in notes],
+        "findings": [result_json(each) for each in findings],
+        "notes": [result_json(each) for each in notes],
         "files": [
             {
                 "path": one.path,
@@ -278,5 +282,6 @@ def _check_document(
     }
 
 
-def _result_json(result: Result) -> dict[str, object]:
+def result_json(result: Result) -> dict[str, object]:
+    """Return a result with the keys of the contract."""
     return diagnostic_json(brief(result.diagnostic), result.suggestion)

@@ -124,7 +124,7 @@ def _zsh(verbs: tuple[_Words, ...]) -> Iterator[str]:
         yield f"        {_quoted(f'{verb.names[0]}:{verb.about}')}"
     yield "    )"
     yield "    if (( CURRENT == 2 )); then"
-    yield "        _describe verb verbs"
+    yield "        _describe command verbs"
     yield "        return"
     yield "    fi"
     yield "    local verb=$words[2]"

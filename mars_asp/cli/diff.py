@@ -38,13 +38,13 @@ def run(arguments: argparse.Namespace) -> int:
         print(encoded(difference_json(found)))
     else:
         coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
-        for line in _text(found, coloured, arguments.quiet, width):
+        for line in difference_lines(found, coloured, arguments.quiet, width):
             print(line)
     return int(found.has_new_errors)
 
 
 def difference_json(found: Difference) -> dict[str, object]:
-    """Return a difference with the keys that `docs/what-if.md` names."""
+    """Return a difference with the keys that `docs/how-to/what-if.md` names."""
     return {
         "consequences": [_change_json(c, consequence_json(c.item)) for c in found.consequences],
         "nodes": [_change_json(c, _node_json(c, found)) for c in found.nodes],
@@ -84,7 +84,8 @@ def _resolves(change: Change[Node], found: Difference) -> tuple[str, ...]:
     return () if synthesis is None else synthesis.specification.resolves[change.item.name]
 
 
-def _text(found: Difference, coloured: bool, quiet: bool, width: int) -> Iterator[str]:
+def difference_lines(found: Difference, coloured: bool, quiet: bool, width: int) -> Iterator[str]:
+    """Yield the lines of a difference: consequences, nodes, and the costs unless `quiet`."""
     for change in found.consequences:
         consequence = change.item
         word = paint(f"{change.how} {consequence.kind}", consequence.severity, coloured)

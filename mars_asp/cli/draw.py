@@ -64,7 +64,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--only",
         metavar="KIND,...",
-        type=_kinds,
+        type=relationship_kinds,
         help=f"draw relationships of these kinds alone: {', '.join(_KINDS)}",
     )
     parser.add_argument(
@@ -105,6 +105,15 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         sys.stdout.buffer.write(content)
     return 0
+
+
+def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str | bytes:
+    """Return a picture of a project in one of the formats.
+
+    Raises:
+        MarsError: there is no such module, or the picture is too large.
+    """
+    return _drawn(_part(project, kind in _PAINTED, arguments), kind, project.configuration.span)
 
 
 def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
@@ -184,7 +193,8 @@ def _depth(text: str) -> int:
     raise argparse.ArgumentTypeError(f"a depth is a number from 0, found `{text}`")
 
 
-def _kinds(text: str) -> "frozenset[LineKind]":
+def relationship_kinds(text: str) -> "frozenset[LineKind]":
+    """Read kinds of relationships, with commas between them."""
     words = [word.strip() for word in text.split(",") if word.strip()]
     unknown = [word for word in words if word not in _KINDS]
     if unknown or not words:

@@ -6,12 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.asp.trace import DEPTH
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.again import command
 from mars_asp.cli.deliver import write_file
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, compared, counted, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
@@ -28,15 +29,17 @@ from mars_asp.cli.reason import (
 from mars_asp.cli.report import colours, paint, report
 from mars_asp.cli.schemas import FORMATS, add_schema, explain_schema
 from mars_asp.cli.selection import Selection, add_selection
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
+from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, Sort, Topic, explain
 from mars_asp.reasoning.questions.stated import Stated, lines_meant, stated
+from mars_asp.reasoning.questions.subject import NothingToExplainError
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
@@ -71,7 +74,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "subject",
         nargs="?",
         metavar="SUBJECT",
-        help="a module, node, consequence kind or atom, or a line: `A uses_data_from B`, FILE:LINE",
+        help="a module, node, consequence kind, rule or atom, or a line: `A uses_data_from B`, "
+        "FILE:LINE",
     )
     question = parser.add_mutually_exclusive_group()
     question.add_argument(
@@ -147,79 +151,102 @@ def run(arguments: argparse.Namespace) -> int:
         from mars_asp.cli.repair import run_repair
 
         return run_repair(project, arguments, subject)
+    found = explained(project, subject, arguments)
+    report(found.messages, arguments)
+    if arguments.output is None:
+        for text in explanation_text(found, arguments):
+            sys.stdout.write(text)
+    elif arguments.output == "-":
+        sys.stdout.write(explanation_html(found, project))
+    else:
+        write_file(arguments.output, explanation_html(found, project))
+    return int(found.has_errors)
+
+
+class Explained(NamedTuple):
+    """The reported topics of an explanation, and the sentences about all of them.
+
+    `messages` are those on reading the robot. Of a page, `absent` are the reasons why there is not
+    more, and `specification` is drawn.
+    """
+
+    subject: str | None
+    topics: tuple[Topic, ...]
+    closing: tuple[str, ...]
+    has_errors: bool
+    messages: tuple[Diagnostic, ...]
+    is_traced: bool
+    specification: Configuration | None = None
+    absent: tuple["Absence", ...] = ()
+
+
+def explained(project: Project, subject: str | None, arguments: argparse.Namespace) -> Explained:
+    """Return why each consequence and node is there, or those that a subject names.
+
+    Raises:
+        MarsError: the subject names nothing, or rules, settings or a baseline are wrong.
+        TimeoutError: no specification was found in time.
+    """
     if (project.trees or project.format == "dora") and arguments.only != "nodes":
-        status = _explain_findings(project, arguments, subject)
-        if status is not None:
-            return status
+        found = _explained_findings(project, subject, arguments)
+        if found is not None:
+            return found
     rulebook = rulebook_for(arguments, ("resolve", "account"))
     selection = Selection(arguments, rulebook)
-    _report_messages(project, selection, arguments)
+    messages = (*selection.messages(project)[0], *one_of_several(project))
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
+    is_page = arguments.output is not None
     traced = _wants_traces(arguments)
     meant = () if subject is None else lines_meant(subject, project)
-    if arguments.output is not None:
+    if is_page:
         traced = subject is not None or len(project.configuration.modules) <= _MOST_TRACED
-    about = None if meant else subject
-    answer = explain(reasoner, about, arguments.every, arguments.only, traced)
-    if meant:
+    is_rule = subject in rulebook.by_id
+    about = None if meant or is_rule else subject
+    try:
+        answer = explain(reasoner, about, arguments.every, arguments.only, traced)
+    except NothingToExplainError as error:
+        has_errors = selection.has_errors(project, reasoner.analysis)
+        return Explained(subject, (), (error.sentence,), has_errors, messages, traced)
+    if is_rule:
+        topics = tuple(topic for topic in answer.topics if topic.rule == subject)
+        answer = replace(answer, subject=subject, topics=topics)
+    elif meant:
         answer = replace(answer, subject=subject, topics=tuple(_resting(answer, meant)))
-    absent = () if arguments.output is None else _absent(reasoner, answer, arguments.only)
-    del reasoner
+    absent = tuple(_absent(reasoner, answer, arguments.only)) if is_page else ()
     topics, has_errors = _reported(answer, selection, project)
-    status = int(has_errors)
-    # What a page says of the whole is no remark beside it.
-    is_told = arguments.output is not None or not arguments.quiet
-    closing = tuple(_closing(answer, arguments)) if is_told else ()
+    closing = tuple(_closing(answer, arguments))
+    if is_page and not traced:
+        closing = (*closing, _TOO_MANY_TRACES)
     synthesis = answer.synthesis
     specified = None if synthesis is None else synthesis.specification.configuration
-    # The traces stand without what was grounded, which takes as much memory.
-    del answer, synthesis
-    if arguments.output is not None:
-        remarks = closing if traced else (*closing, _TOO_MANY_TRACES)
-        _write_page(project, specified, topics, absent, remarks, arguments.output)
-    else:
-        _print_topics(subject, topics, closing, traced, arguments)
-    return status
+    # Traces need no grounding, which takes as much memory, so that is not kept.
+    return Explained(subject, topics, closing, has_errors, messages, traced, specified, absent)
 
 
-def _write_page(
-    project: Project,
-    specified: Configuration | None,
-    topics: Sequence[Topic],
-    absent: Sequence["Absence"],
-    remarks: Sequence[str],
-    output: str,
-) -> None:
+def explanation_html(found: Explained, project: Project) -> str:
+    """Return an explanation as a page of its own."""
     from mars_asp.cli.explain_page import explanation_page
 
-    page = explanation_page(project, specified, topics, absent, remarks)
-    if output == "-":
-        sys.stdout.write(page)
-    else:
-        write_file(output, page)
+    return explanation_page(project, found.specification, found.topics, found.absent, found.closing)
 
 
-def _print_topics(
-    subject: str | None,
-    topics: Sequence[Topic],
-    closing: Sequence[str],
-    traced: bool,
-    arguments: argparse.Namespace,
-) -> None:
-    """Print topics in the format that the user wants; `closing` lines are for text alone."""
-    if arguments.format != "text":
-        from mars_asp.cli.trace_document import write_topics
+def explanation_text(found: Explained, arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield the parts of an explanation in the format of the arguments."""
+    if arguments.format == "text":
+        # Without topics the closing sentence is the answer.
+        closing = () if arguments.quiet and found.topics else found.closing
+        lines = chain(_told(found.topics, found.is_traced, arguments), closing)
+        yield from (f"{line}\n" for line in lines)
+        return
+    from mars_asp.cli.trace_document import topics_text
 
-        write_topics(subject, topics, arguments.format, sys.stdout.write)
-    else:
-        lines = chain(_told(topics, traced, arguments), closing)
-        sys.stdout.writelines(f"{line}\n" for line in lines)
+    yield from topics_text(found.subject, found.topics, arguments.format)
 
 
-def _explain_findings(
-    project: Project, arguments: argparse.Namespace, subject: str | None
-) -> int | None:
-    """Print the findings in launch trees or a dataflow; return None if none has the subject."""
+def _explained_findings(
+    project: Project, subject: str | None, arguments: argparse.Namespace
+) -> Explained | None:
+    """Return the findings in launch trees or a dataflow, or None if none has the subject."""
     from mars_asp.reasoning.questions import launch_trees
 
     rulebook = rulebook_for(arguments, JUDGING)
@@ -234,23 +261,17 @@ def _explain_findings(
     answer = launch_trees.explain_findings(
         project, analysis, rules, subject, every=arguments.every, traced=traced
     )
+    messages = (*selection.messages(project)[0], *unapplied_packs(project, rulebook))
     if answer is None:
+        is_module = subject in {name.text for name in project.configuration.modules}
+        if is_module or subject in rules.by_id or subject in consequence_kinds(rules):
+            sort = "about" if is_module else "of"
+            closing = (f"no finding {sort} `{subject}` in {of}",)
+            return Explained(subject, (), closing, False, messages, traced)
         return None
-    messages, _ = selection.messages(project)
-    report((*messages, *unapplied_packs(project, rulebook)), arguments)
     topics, has_errors = _reported(answer, selection, project)
-    closing = [] if topics or arguments.quiet else [f"nothing found in {of}"]
-    if arguments.output is not None:
-        _write_page(project, None, topics, (), closing, arguments.output)
-    else:
-        _print_topics(answer.subject, topics, closing, traced, arguments)
-    return int(has_errors)
-
-
-def _report_messages(project: Project, selection: Selection, arguments: argparse.Namespace) -> None:
-    """Report the messages on reading a project as one robot, as far as they are selected."""
-    messages, _ = selection.messages(project)
-    report((*messages, *one_of_several(project)), arguments)
+    found_nothing = () if topics else (f"nothing found in {of}",)
+    return Explained(answer.subject, topics, found_nothing, has_errors, messages, traced)
 
 
 def _wants_traces(arguments: argparse.Namespace) -> bool:
@@ -352,26 +373,37 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
     return None
 
 
-def _why_not(project: Project, arguments: argparse.Namespace) -> int:
+def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DEPTH) -> "WhyNot":
+    """Return why there is no atom; a relationship may be stated as a configuration does.
+
+    Raises:
+        MarsError: rules that clingo refuses, or the atom names neither a module nor a kind.
+    """
     from mars_asp.reasoning.questions.why_not import why_not
 
-    depth = getattr(arguments, "depth", ABSENCE_DEPTH)
     levels = _MOST_LEVELS if depth is None else 2 * depth
+    line = stated(atom, reasoner.project)
+    answer = why_not(reasoner, atom if line is None else line.atom, levels)
+    if line is None or line.atom == atom:
+        return answer
+    return replace(answer, subject=line.line, answer=_of_line(answer.answer, line))
+
+
+def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     rulebook = rulebook_for(arguments)
     selection = Selection(arguments, rulebook)
-    _report_messages(project, selection, arguments)
-    reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
-    asked = stated(arguments.why_not, project)
-    subject = arguments.why_not if asked is None else asked.atom
-    answer = why_not(reasoner, subject, levels)
-    if asked is not None and asked.atom != arguments.why_not:
-        answer = replace(answer, subject=asked.line, answer=_of_line(answer.answer, asked))
+    report((*selection.messages(project)[0], *one_of_several(project)), arguments)
+    answer = why_not_answer(
+        Reasoner(project, rulebook, Budget(arguments.time_limit)),
+        arguments.why_not,
+        getattr(arguments, "depth", ABSENCE_DEPTH),
+    )
     if arguments.format == "json":
         from mars_asp.cli.trace_document import why_not_document
 
-        print(why_not_document(answer))
+        print(encoded(why_not_document(answer)))
     else:
-        first, *others = _why_not_text(answer, arguments, project.format)
+        first, *others = why_not_paragraphs(answer, arguments, project.format)
         coloured = colours(arguments, sys.stdout)
         sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
         sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
@@ -386,7 +418,7 @@ def _of_line(answer: str, asked: Stated) -> str:
     return answer.replace(asked.atom, f"`{asked.line}`")
 
 
-def _why_not_text(
+def why_not_paragraphs(
     answer: "WhyNot", arguments: argparse.Namespace, format: str | None
 ) -> Iterator[Sequence[str]]:
     """Yield the lines of the answer, then those that it speaks of and what would give one."""
@@ -449,7 +481,7 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
     elif not answer.topics and arguments.only != "nodes":
         yield "nothing to resolve, so nothing to explain"
     if answer.synthesis is not None and answer.subject is None:
-        yield _summary(answer)
+        yield _summary(answer, arguments)
     elif answer.subject is None and arguments.only is None:
         yield unrealised(answer.analysis)
 
@@ -459,11 +491,12 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
     coloured = colours(arguments, sys.stdout)
     if traced or any(topic.account is None for topic in topics):
         told = [(topic.title, topic.trace) for topic in topics]
-        yield from _lines(told, getattr(arguments, "depth", DEPTH), arguments)
+        yield from _trace_lines(told, getattr(arguments, "depth", DEPTH), arguments)
         return
     width = columns(sys.stdout)
+    repeated = set(_covered_by_nodes(topics))
     for topic in topics:
-        if topic.account is not None:
+        if topic.account is not None and topic.name not in repeated:
             yield ""
             first, *others = account_lines(topic, topic.account, width)
             yield paint(first, "strong", coloured)
@@ -471,7 +504,23 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
     yield ""
 
 
-def _lines(
+def _covered_by_nodes(topics: Sequence[Topic]) -> Iterator[str]:
+    """Yield the consequences whose lines are among those of the node that resolves them.
+
+    The paragraph about the node names them, so they have none of their own. Errors and warnings do.
+    """
+    lines = {
+        topic.name: {each.span[:2] for each in topic.account.cites}
+        for topic in topics
+        if topic.account is not None and topic.severity not in ("error", "warning")
+    }
+    for node in topics:
+        for name in node.resolves:
+            if name in lines and node.name in lines and lines[name] <= lines[node.name]:
+                yield name
+
+
+def _trace_lines(
     topics: Sequence[tuple[str, "Trace"]], depth: int | None, arguments: argparse.Namespace
 ) -> Iterator[str]:
     from mars_asp.asp.trace.text import traces_text
@@ -485,7 +534,7 @@ def _lines(
     yield ""
 
 
-def _summary(answer: Explanation) -> str:
+def _summary(answer: Explanation, arguments: argparse.Namespace) -> str:
     assert answer.synthesis is not None
     nodes = answer.synthesis.cost(NODES)
     resolution = answer.synthesis.resolution
@@ -494,4 +543,6 @@ def _summary(answer: Explanation) -> str:
     proof = "proven: no specification has fewer" if resolution.proven else "best found"
     count = resolution.count
     others = "" if count is None else f"; {count} such specification{'s' * (count != 1)}"
+    if count is not None and count > 1:
+        others += f", listed by {command('explain', arguments, '--alternatives')}"
     return f"{nodes} node{'s' * (nodes > 1)}, {proof}{others}"

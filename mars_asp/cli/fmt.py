@@ -8,10 +8,16 @@ from pathlib import Path
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.excluded import add_exclusion
-from mars_asp.cli.reason import STANDARD_INPUT, is_excluded, robots_in_folder
+from mars_asp.cli.reason import (
+    STANDARD_INPUT,
+    add_stdin_filename,
+    is_excluded,
+    robots_in_folder,
+    shown_input,
+)
 from mars_asp.cli.report import report_error
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language.format import format_text
 from mars_asp.language.parse import decode, read_bytes
@@ -30,6 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a `.mars` file, or a folder, of which each is taken (default: this folder); "
         "`-` is standard input, to output",
     )
+    add_stdin_filename(parser)
     add_exclusion(parser)
     parser.add_argument(
         "--check", action="store_true", help="write nothing; list the files that would change"
@@ -38,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--diff", action="store_true", help="write nothing; print the changes as a unified diff"
     )
     parser.epilog = (
-        "A file with syntax errors is left alone, and the others are laid out all the same. "
+        "A file with syntax errors is left alone, and the others are formatted all the same. "
         "Files are written whole or not at all, as UTF-8 with line feeds."
     )
 
@@ -51,6 +58,9 @@ def run(arguments: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return 2
+    if arguments.stdin_filename and STANDARD_INPUT not in arguments.files:
+        print("mars-asp fmt: --stdin-filename names the text of `-`: add `-`", file=sys.stderr)
+        return 2
     status = 0
     listed: list[dict[str, object]] = []
     names: list[str] = []
@@ -61,10 +71,10 @@ def run(arguments: argparse.Namespace) -> int:
             report_error(error, arguments)
             status = 2
     for name in names:
+        shown = shown_input(arguments) if name == STANDARD_INPUT else name
         try:
-            changed, before, text = _format(
-                name, is_written=not (arguments.check or arguments.diff)
-            )
+            is_written = not (arguments.check or arguments.diff)
+            changed, before, text = _format(name, shown, is_written=is_written)
         except MarsError as error:
             report_error(error, arguments)
             status = 2
@@ -79,11 +89,11 @@ def run(arguments: argparse.Namespace) -> int:
             piped = {"text": text} if name == STANDARD_INPUT else {}
             listed.append({"path": name, "changed": changed, **piped})
         elif arguments.diff:
-            print(_difference(name, before, text), end="")
+            print(unified_diff(shown, before, text), end="")
         elif name == STANDARD_INPUT and not arguments.check:
             sys.stdout.buffer.write(text.encode())
         elif changed:
-            print(visible(name if arguments.check else f"formatted {name}"))
+            print(visible(shown if arguments.check else f"formatted {name}"))
     if arguments.format == "json":
         print(encoded({"files": listed}))
     return status
@@ -101,12 +111,12 @@ def _files_of(path: str, arguments: argparse.Namespace) -> list[str]:
         str(each) for each in robots_in_folder(arguments, path).paths if each.suffix == ".mars"
     ]
     if not found:
-        place = point(path, 1, 1)
+        place = whole_file(path)
         raise MarsError([Diagnostic("usage", "error", "the folder has no `.mars` file", place)])
     return found
 
 
-def _difference(name: str, before: str, after: str) -> str:
+def unified_diff(name: str, before: str, after: str) -> str:
     """Return a unified diff of two texts of a file."""
     lines = difflib.unified_diff(
         before.splitlines(keepends=True), after.splitlines(keepends=True), name, name
@@ -115,18 +125,17 @@ def _difference(name: str, before: str, after: str) -> str:
     return "".join(ended)
 
 
-def _format(name: str, is_written: bool) -> tuple[bool, str, str]:
+def _format(name: str, shown: str, is_written: bool) -> tuple[bool, str, str]:
     """Return whether a file's bytes change, its text and the new one, which may be written."""
     piped = name == STANDARD_INPUT
     raw = read_standard_input() if piped else read_bytes(Path(name))
-    shown = "<stdin>" if piped else name
     before = decode(raw, shown)
     if recognised(before) != "mars":
         message = (
-            f"`{shown}` is a file of {recognised(before)}, and `.mars` files alone are laid out"
+            f"`{shown}` is a file of {recognised(before)}, and `fmt` formats `.mars` files alone"
         )
         help_text = f"`mars-asp import {recognised(before)} FILE` prints it as a `.mars` file"
-        place = point(shown, 1, 1)
+        place = whole_file(shown)
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
     text = format_text(before, shown)
     changed = text.encode() != raw

@@ -20,9 +20,12 @@ def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
         properties: dict[str, object] = {}
         if result.has_file:
             span = found.span
-            properties = {"file": seen_from_root(span.path)[0], "line": span.line}
+            # An annotation of a whole file is shown at its first line.
+            properties = {"file": seen_from_root(span.path)[0], "line": max(1, span.line)}
             # The runner refuses columns of what goes on in another line.
-            if span.line == span.end_line:
+            if not span.line:
+                pass
+            elif span.line == span.end_line:
                 properties["endLine"] = span.end_line
                 properties["col"] = span.column
                 properties["endColumn"] = max(span.column, span.end_column - 1)

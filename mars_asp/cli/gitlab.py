@@ -29,7 +29,7 @@ def _entry(finding: Result, alike: Counter[Known]) -> dict[str, object]:
         "check_name": visible(found.kind or found.code),
         "fingerprint": _fingerprint(finding, alike),
         "severity": severity,
-        "location": {"path": visible(path), "lines": {"begin": found.span.line}},
+        "location": {"path": visible(path), "lines": {"begin": max(1, found.span.line)}},
     }
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from mars_asp.cli.deliver import write_file
@@ -13,6 +14,8 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.foreign import READERS, File, read_foreign
 from mars_asp.language import Parsed, print_configuration
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_bytes
+from mars_asp.model.declarations import Configuration
+from mars_asp.model.graph import LaunchTree
 
 _FORMATS = tuple(READERS)
 
@@ -54,8 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     check_inputs(*arguments.files)
     found, printed = (_urdf if arguments.origin == "urdf" else _foreign)(arguments)
-    if len(found.trees) > 1:
-        raise MarsError([_several(found)])
+    check_one_tree(found.trees, found.configuration)
     report(found.warnings, arguments)
     if arguments.output == "-":
         print(printed, end="")
@@ -73,7 +75,7 @@ def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     from mars_asp.exchange.urdf import MOST_BYTES as MOST_OF_URDF
     from mars_asp.exchange.urdf import import_urdfs
 
-    texts = [_text(name, MOST_OF_URDF) for name in arguments.files[:2]]
+    texts = [_read_text(name, MOST_OF_URDF) for name in arguments.files[:2]]
     found = import_urdfs(texts)
     return found, print_configuration(found.configuration)
 
@@ -84,33 +86,41 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     Raises:
         MarsError: what is wrong with the files.
     """
-    from mars_asp.exchange.lift import has_glue, lifted, with_origins
-
     files = []
     for name in arguments.files:
         if arguments.origin == "ros2" and Path(name).is_dir():
             files.append(File(name, "", "ros2"))
             continue
-        text, shown = _text(name)
+        text, shown = _read_text(name)
         text = plain_lines(text)
         remember(shown, text)
         files.append(File(shown, text, arguments.origin))
     found = read_foreign(files, arguments.launch)
-    contract = arguments.contract or not has_glue(found.configuration)
-    shape = found.configuration if contract else lifted(found.configuration)
-    return found, with_origins(shape)
+    return found, foreign_text(found.configuration, contract=arguments.contract)
 
 
-def _several(found: Parsed) -> Diagnostic:
-    """Return the error that launch files of a folder start several robots, which it lists."""
-    message = f"{len(found.trees)} launch files start a robot each, and one is imported"
-    listed = ", ".join(f"`{tree.path}`" for tree in found.trees)
-    help_text = f"choose with --launch: {listed}"
-    span = found.configuration.span
-    return Diagnostic("launch", "error", message, span, help=help_text, excerpt="")
+def foreign_text(configuration: Configuration, *, contract: bool = False) -> str:
+    """Return the `.mars` text of foreign files; as a `contract` without their muxes as nodes."""
+    from mars_asp.exchange.lift import has_glue, lifted, with_origins
+
+    shape = configuration if contract or not has_glue(configuration) else lifted(configuration)
+    return with_origins(shape)
 
 
-def _text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:
+def check_one_tree(trees: Sequence[LaunchTree], configuration: Configuration) -> None:
+    """Check that the launch files of a folder start one robot.
+
+    Raises:
+        MarsError: they start several, which it lists.
+    """
+    if len(trees) > 1:
+        message = f"{len(trees)} launch files start a robot each, and one is imported"
+        help_text = f"choose with --launch: {', '.join(f'`{tree.path}`' for tree in trees)}"
+        span = configuration.span
+        raise MarsError([Diagnostic("launch", "error", message, span, help=help_text, excerpt="")])
+
+
+def _read_text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:
     """Return the text of a file or of standard input, and how the file is shown.
 
     Raises:

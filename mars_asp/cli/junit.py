@@ -40,9 +40,10 @@ def _add_failure(suite: ElementTree.Element, finding: Result) -> None:
         name=message,
         classname=kind,
         file=visible(span.path),
-        line=str(span.line),
     )
+    if span.line:
+        case.set("line", str(span.line))
     failure = ElementTree.SubElement(case, "failure", type=kind, message=message)
-    place = f"{span.path}:{span.line}:{span.column}: {found.severity}: {found.message}"
+    place = f"{span.location}: {found.severity}: {found.message}"
     parts = (place, found.effect, found.help and f"help: {found.help}")
     failure.text = "\n".join(visible(part) for part in parts if part)

@@ -34,7 +34,7 @@ from mars_asp.lsp.actions import Action, line_edits
 from mars_asp.lsp.mentions import outline
 from mars_asp.lsp.places import Place, Position, Range
 from mars_asp.lsp.questions import Checked, Failed, Question, Sort, Survey
-from mars_asp.lsp.robot import Described, File, Robot, behind
+from mars_asp.lsp.robot import Described, EditorRobot, File, behind
 from mars_asp.lsp.workers import read_pickle, write_pickle
 from mars_asp.model.declarations import Module
 from mars_asp.model.ports import inputs, outputs
@@ -105,7 +105,7 @@ def answer(question: Question, options: argparse.Namespace) -> Any:
     except OSError as error:
         return Failed(error.strerror or "a file cannot be read")
     except Exception as error:  # whatever it is, the next question is to be answered
-        return Failed(f"a fault of ours, please report it: {error!r:.300}")
+        return Failed(f"internal error, please report it: {error!r:.300}")
 
 
 def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespace:
@@ -147,10 +147,10 @@ def _source(question: Question, options: argparse.Namespace) -> Checked:
     text = files.text(question.path)
     own = File(question.path, "", outline(question.path, text.written).mentions if text else ())
     described = {each.name: _described(each, files) for each in found.modules}
-    return Checked(findings, Robot(question.path, (own,), described))
+    return Checked(findings, EditorRobot(question.path, (own,), described))
 
 
-def _robot(project: Project, files: Files) -> Robot:
+def _robot(project: Project, files: Files) -> EditorRobot:
     configuration = project.configuration
     described = {**project.modules, **{each.name: each for each in configuration.declared}}
     own = tuple(_configurations(configuration.path, "", files))
@@ -162,7 +162,7 @@ def _robot(project: Project, files: Files) -> Robot:
         if text is not None:
             found.append(File(path, "", outline(path, text.written).mentions))
     modules = {name: _described(module, files) for name, module in described.items()}
-    return Robot(os.path.abspath(configuration.path), (*own, *found), modules)  # noqa: PTH100
+    return EditorRobot(os.path.abspath(configuration.path), (*own, *found), modules)  # noqa: PTH100
 
 
 def _configurations(path: str, prefix: str, files: Files) -> Iterator[File]:

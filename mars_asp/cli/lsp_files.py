@@ -9,7 +9,7 @@ from mars_asp.annotations.files import MOST_BYTES
 from mars_asp.cli.ignores import decoded
 from mars_asp.diagnostic import Diagnostic, Span, brief
 from mars_asp.lsp.places import Edit, Place, Position, Range, Text
-from mars_asp.lsp.robot import Finding
+from mars_asp.lsp.robot import EditorFinding
 from mars_asp.reading import read_file, unsaved_bytes
 from mars_asp.reasoning.rules import rules_directory
 
@@ -50,13 +50,13 @@ class Files:
 
     def finding(
         self, found: Diagnostic, title: str | None = None, fixes: Iterable[tuple[Span, str]] = ()
-    ) -> Finding:
+    ) -> EditorFinding:
         """Return what is told of a diagnostic; `fixes` are texts for stretches of files."""
         short = brief(found)
         edits = [(self.place(span), text) for span, text in fixes]
         known = tuple(Edit(place, text) for place, text in edits if place is not None)
         placed = ((self.place(span), label) for span, label in short.labels)
-        return Finding(
+        return EditorFinding(
             self.place(short.span) or Place(self.root, _START),
             short.severity,
             short.code,

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from typing import IO, TYPE_CHECKING, cast
 
 from mars_asp.cli.deliver import streamed, write_file
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 
 if TYPE_CHECKING:
     from mars_asp.execution.judgement import Judgement
@@ -38,14 +38,14 @@ def ending(*endings: str) -> Callable[[str], str]:
     """
     suffixes = tuple(each for each in endings if each != "-")
 
-    def check(path: str) -> str:
+    def checked_path(path: str) -> str:
         if path not in endings and not path.endswith(suffixes):
             named = " or ".join(suffixes)
             message = f"cannot tell what to write to `{path}`: end it in {named}"
             raise argparse.ArgumentTypeError(message)
         return path
 
-    return check
+    return checked_path
 
 
 def check_packages(arguments: argparse.Namespace) -> None:
@@ -60,7 +60,7 @@ def check_packages(arguments: argparse.Namespace) -> None:
             if path is not None and path.endswith(ending) and find_spec(package) is None:
                 message = f"`{ending}` needs the package `{package}`, which is not installed"
                 help_text = f"`pip install 'mars-asp[{extra}]'`, or choose another ending"
-                place = point(path, 1, 1)
+                place = whole_file(path)
                 problems.append(Diagnostic("package", "error", message, place, (), help_text))
     if problems:
         raise MarsError(problems)

@@ -55,13 +55,22 @@ def specified(
     project: "Project", arguments: argparse.Namespace
 ) -> "tuple[Configuration, Mapping[str, Module]] | None":
     """Return the specification that is to run, and its modules; where there is none, report it."""
+    specification = _specification(project, arguments)
+    return None if specification is None else runnable(specification, project, arguments)
+
+
+def runnable(
+    specification: "Configuration", project: "Project", arguments: argparse.Namespace
+) -> "tuple[Configuration, Mapping[str, Module]]":
+    """Return a specification of a project with inputs and modes stated, and its modules.
+
+    Raises:
+        MarsError: rule packs are wrong.
+    """
     from mars_asp.model.described import described_modules
     from mars_asp.reasoning.synthesis.carried_modes import state_modes
     from mars_asp.reasoning.synthesis.line_inputs import state_inputs
 
-    specification = _specification(project, arguments)
-    if specification is None:
-        return None
     # A specification that was made here does not repeat the blocks of its configuration.
     modules = described_modules(project.configuration, project.modules)
     rulebook = rulebook_for(arguments)

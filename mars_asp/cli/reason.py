@@ -1,6 +1,7 @@
 """What the verbs that reason have in common: read, load the rules, analyse."""
 
 import argparse
+import os
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,7 +12,7 @@ from mars_asp.cli.progress import detail, stage
 from mars_asp.cli.report import report
 from mars_asp.cli.settings import settings_of
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.folders import IsExcluded, nothing_excluded
 from mars_asp.exchange.foreign import File, read_foreign
 from mars_asp.exchange.recognise import recognised
@@ -55,6 +56,21 @@ def read_input(shown: str) -> str:
     return decode(read_standard_input(MOST_BYTES + 1), shown)
 
 
+def shown_input(arguments: argparse.Namespace) -> str:
+    """Return the path of standard input in locations: `--stdin-filename`, else `<stdin>`."""
+    return getattr(arguments, "stdin_filename", None) or SHOWN_INPUT
+
+
+def add_stdin_filename(parser: argparse.ArgumentParser) -> None:
+    """Add the option that names standard input."""
+    parser.add_argument(
+        "--stdin-filename",
+        metavar="NAME",
+        help="read standard input as the file NAME, which need not exist: locations and settings "
+        "are those of NAME",
+    )
+
+
 def check_inputs(*paths: str) -> None:
     """Check that standard input is read for one file alone.
 
@@ -63,7 +79,7 @@ def check_inputs(*paths: str) -> None:
     """
     if paths.count(STANDARD_INPUT) > 1:
         message = "standard input was read for another file already"
-        place = point(STANDARD_INPUT, 1, 1)
+        place = whole_file(STANDARD_INPUT)
         help_text = "give all files but one by their names"
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
 
@@ -108,7 +124,7 @@ def read_project(
     check_inputs(path, *further)
     text = None
     if path == STANDARD_INPUT:
-        path = SHOWN_INPUT
+        path = shown_input(arguments)
         text = read_input(path)
     path, *further = (only_robot(arguments, each) for each in (path, *further))
     project = load(arguments, path, text, further)
@@ -173,8 +189,8 @@ def _parse(
         return found, first.text, found.configuration.origin
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
-        help_text = "give it alone, or several to `mars-asp check`; only files of others are one"
-        place = point(ours[0].path, 1, 1)
+        help_text = "give it alone, or several to `mars-asp check`; foreign files are one robot"
+        place = whole_file(ours[0].path)
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
     return parse_text(first.text, path), first.text, None
 
@@ -186,7 +202,7 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
         MarsError: it cannot be read.
     """
     if text is None and path == STANDARD_INPUT:
-        path = SHOWN_INPUT
+        path = shown_input(arguments)
         text = read_input(path)
     if text is None and Path(path).is_dir():
         return File(path, "", "ros2")
@@ -223,7 +239,7 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
         help_text = f"name one of them: {named}{rest}; `mars-asp check {path}` judges all"
         if Path(path) in found.paths:
             help_text += f"; `--from ros2` takes `{path}` for a workspace alone"
-        raise MarsError([Diagnostic("usage", "error", message, point(path, 1, 1), help=help_text)])
+        raise MarsError([Diagnostic("usage", "error", message, whole_file(path), help=help_text)])
     return str(first)
 
 
@@ -253,7 +269,7 @@ def _nothing_in(path: str) -> Diagnostic:
         "robots are `.mars` files, packages and launch files of ROS, twist_mux files, "
         "dataflows of dora, dumps of ROS graphs and URDF documents"
     )
-    return Diagnostic("usage", "error", message, point(path, 1, 1), help=help_text)
+    return Diagnostic("usage", "error", message, whole_file(path), help=help_text)
 
 
 class RobotFiles(NamedTuple):
@@ -272,7 +288,8 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
     found: list[RobotFiles] = []
     foreign: list[str] = []
     for path in paths:
-        if arguments.force_exclude and path != STANDARD_INPUT and is_excluded(arguments, path):
+        shown = shown_input(arguments) if path == STANDARD_INPUT else path
+        if arguments.force_exclude and shown != SHOWN_INPUT and is_excluded(arguments, shown):
             continue
         if Path(path).is_dir():
             try:
@@ -357,8 +374,9 @@ def packs_of(arguments: argparse.Namespace) -> list[Path]:
     """
     named = (getattr(arguments, each, None) for each in _FILES)
     first = next((each for each in named if each), ".")
-    path = Path(first if isinstance(first, str) else first[0])
-    folder = path if path.is_dir() else path.parent
+    name = first if isinstance(first, str) else first[0]
+    path = Path(shown_input(arguments) if name == STANDARD_INPUT else name)
+    folder = path if os.path.isdir(path) else path.parent  # noqa: PTH112 -- never raises
     return [*settings_of(arguments, folder).packs(), *map(Path, arguments.rules)]
 
 
@@ -402,7 +420,7 @@ def add_file(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="+",
-        help="a `.mars` file, or files of others that are one robot: URDF, muxes, graphs, "
+        help="a `.mars` file, or several files of one robot: URDF, ROS, muxes, graphs, "
         "dataflows; `-` for standard input",
     )
     add_launch(parser)

@@ -134,14 +134,15 @@ def repair_json(repair: Repair) -> dict[str, object]:
     """Return a repair with the keys of the contract."""
     return {
         "consequence": consequence_json(repair.consequence),
-        "repairs": [_mend_json(mend) for mend in repair.mends],
+        "repairs": [mend_json(mend) for mend in repair.mends],
         "proposed": repair.proposed,
         "tried": repair.tried,
         "complete": repair.complete,
     }
 
 
-def _mend_json(mend: Mend) -> dict[str, object]:
+def mend_json(mend: Mend) -> dict[str, object]:
+    """Return one way to remove a finding with the keys of the contract."""
     return {
         "edits": [_edit_json(edit) for edit in mend.edits],
         "lines": [line_json(line) for line in mend.lines],

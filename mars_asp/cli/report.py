@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, wrapped
 from mars_asp.cli.lines import line_json, line_text, whole_line
-from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span, brief, point
+from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span, brief, whole_file
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def report_unrealisable(path: str, analysis: "Analysis", arguments: argparse.Nam
     message = unrealised(analysis)
     if arguments.format == "json":
         help_text = "`mars-asp check` shows how to resolve it"
-        place = point(path, 1, 1)
+        place = whole_file(path)
         report([Diagnostic("unrealisable", "error", message, place, help=help_text)], arguments)
     else:
         for text in wrapped(visible(f"mars-asp: {message}"), columns(sys.stderr), further=_FURTHER):
@@ -131,15 +131,20 @@ def diagnostic_json(
         "severity": diagnostic.severity,
         "message": diagnostic.message,
         "path": span.path,
-        "line": span.line,
-        "column": span.column,
+        "line": span.line or None,
+        "column": span.column or None,
         "help": diagnostic.help,
-        "end_line": span.end_line,
-        "end_column": span.end_column,
+        "end_line": span.end_line or None,
+        "end_column": span.end_column or None,
         "effect": diagnostic.effect,
         "launch_files": list(diagnostic.launch_files),
         "labels": [
-            {"path": at.path, "line": at.line, "column": at.column, "message": text}
+            {
+                "path": at.path,
+                "line": at.line or None,
+                "column": at.column or None,
+                "message": text,
+            }
             for at, text in diagnostic.labels
         ],
         "fix": None
@@ -155,6 +160,7 @@ def diagnostic_json(
 def concise_text(diagnostic: Diagnostic, coloured: bool = False) -> str:
     """Return `path:line:column: severity: message [name]`; the name is the kind, else the code.
 
+    Without a line it is `mars-asp: severity: path: message`, and the path is not repeated.
     An error of the input has its help in parentheses: it may be all that a log shows.
     """
     if diagnostic.kind is None and diagnostic.severity == "error" and diagnostic.help:
@@ -177,13 +183,17 @@ def diagnostic_text(
 
 
 def _named_message(diagnostic: Diagnostic, coloured: bool) -> str:
+    message = diagnostic.message
+    if not diagnostic.span.line:
+        message = ": ".join(filter(None, (diagnostic.named_location, message)))
+        if diagnostic.severity == "error":
+            return visible(message)
     name = paint(f"[{visible(diagnostic.kind or diagnostic.code)}]", "dim", coloured)
-    return f"{visible(diagnostic.message)} {name}"
+    return f"{visible(message)} {name}"
 
 
 def _place_and_severity(diagnostic: Diagnostic, coloured: bool) -> str:
-    span = diagnostic.span
-    place = visible(f"{span.path}:{span.line}:{span.column}")
+    place = visible(diagnostic.span.location) if diagnostic.span.line else "mars-asp"
     return f"{place}: {paint(diagnostic.severity, diagnostic.severity, coloured)}:"
 
 
@@ -240,13 +250,11 @@ def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[s
         is_first = span is diagnostic.span
         if line is None:
             if not is_first:
-                at = visible(f"{span.path}:{span.line}:{span.column}")
+                at = visible(span.location)
                 yield from wrapped(f"{at}: {visible(label)}".rstrip(": "), width, _INSIDE, _INSIDE)
             continue
         if span.path != last[0]:
-            yield paint(
-                f"{_INSIDE}{visible(f'{span.path}:{span.line}:{span.column}')}:", "dim", coloured
-            )
+            yield paint(f"{_INSIDE}{visible(span.location)}:", "dim", coloured)
         if (span.path, span.line) != last:
             gutter = paint(f"{_INSIDE}{span.line:>{margin}} |", "dim", coloured)
             yield f"{gutter} {line.text}".rstrip()

@@ -1,8 +1,10 @@
 """List, show or check rules, begin a pack of them, or compare what one changes."""
 
 import argparse
+import re
 import sys
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 from mars_asp.asp.lint.found import fixed, titled
@@ -34,13 +36,15 @@ from mars_asp.cli.rules_document import (
     write_pages,
 )
 from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import INPUT_CODES, Diagnostic, InputCode, MarsError, whole_file
 from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import replace_together, visible
 from mars_asp.reasoning.lint import Linted, lint
 from mars_asp.reasoning.packs import installed_packs, with_companions
-from mars_asp.reasoning.rules import STAGES
+from mars_asp.reasoning.rules import STAGES, is_rule_base
 from mars_asp.spelling import nearest
+
+_REPEATED = re.compile(r"^([^/]+/)\1")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -94,7 +98,9 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"mars-asp rules: {wrong}", file=sys.stderr)
         return 2
     if action == "lint":
-        packs = [Path(path) for path in [*arguments.rules, *([what] if what else [])]]
+        given = [Path(path) for path in [*arguments.rules, *([what] if what else [])]]
+        # The built-in rules are no pack beside themselves.
+        packs = [path for path in given if not is_rule_base(path)]
         return _lint(packs, arguments)
     if action == "diff":
         from mars_asp.cli.rules_diff import print_changes
@@ -156,7 +162,7 @@ def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
             print(f"corrected: {mended}")
     report(found.diagnostics, arguments, _suggestions(found, arguments))
     if not found.diagnostics:
-        print("nothing wrong")
+        print("no problems found")
     return 2 if found.errors else 0
 
 
@@ -200,6 +206,9 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
         MarsError: there is none of these.
     """
     found = _named(rulebook, name)
+    if isinstance(found, InputCode):
+        hint = "`--ignore` hides it." if found.can_be_ignored else "It cannot be ignored."
+        return f"## {name}\n\n{found.meaning}\n\n{hint}"
     if isinstance(found, Rule):
         step, lines = _example(found, rulebook)
         summary = rule_summary(found, "##", with_names if step is None else step.with_values)
@@ -221,7 +230,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
 def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
     """Return what `rules show` prints of a kind or of the id of a rule, None if it is neither."""
     rulebook = rulebook_for(arguments, STAGES)
-    if name not in rulebook.by_id and name not in kinds(rulebook):
+    if not (name in rulebook.by_id or name in kinds(rulebook) or name in INPUT_CODES):
         return None
     as_json = arguments.format == "json"
     return encoded(shown_json(rulebook, name)) if as_json else safe(shown(rulebook, name))
@@ -234,6 +243,8 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
         MarsError: there is no such rule, predicate or file.
     """
     found = _named(rulebook, name)
+    if isinstance(found, InputCode):
+        return {"code": name, **asdict(found)}
     if isinstance(found, Rule):
         return rule_json(found)
     if isinstance(found, Kind):
@@ -271,13 +282,16 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
     return None
 
 
-def _named(rulebook: Rulebook, name: str) -> Rule | Kind | tuple[Declaration, ...] | str:
-    """Return the rule of an id, a kind, predicates, or the path of a file.
+def _named(
+    rulebook: Rulebook, name: str
+) -> Rule | Kind | InputCode | tuple[Declaration, ...] | str:
+    """Return the rule of an id, a kind, predicates, the path of a file, or a code of the input.
 
     A file is named by its path or by what its ids begin with, predicates by their name, with or
     without the number of arguments.
     """
-    rule = rulebook.by_id.get(name)
+    # Ids of older versions repeat the name of the file.
+    rule = rulebook.by_id.get(name) or rulebook.by_id.get(_REPEATED.sub(r"\1", name))
     if rule is not None:
         return rule
     files = {file_name(path, stage): path for path, (stage, _) in rulebook.outlines.items()}
@@ -292,9 +306,12 @@ def _named(rulebook: Rulebook, name: str) -> Rule | Kind | tuple[Declaration, ..
     known = kinds(rulebook)
     if name in known:
         return known[name]
-    near = _near(name, (*rulebook.by_id, *files, *(each.name for each in declared), *known))
+    if name in INPUT_CODES:
+        return INPUT_CODES[name]
+    names = (*rulebook.by_id, *files, *(each.name for each in declared), *known, *INPUT_CODES)
+    near = _near(name, names)
     hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
-    where = point("rules", 1, 1)
+    where = whole_file("rules")
     message = f"there is no rule, predicate or kind `{name}`"
     raise MarsError((Diagnostic("rule", "error", message, where, help=hint),))
 

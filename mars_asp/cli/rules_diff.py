@@ -11,7 +11,7 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import lines_of
 from mars_asp.cli.reason import load, only_robot
 from mars_asp.cli.report import report_error
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.packs import with_companions
@@ -71,7 +71,7 @@ def _examples() -> tuple[str, ...]:
     here = Path.cwd()
     found = [p for p in sorted(folder.glob("*/*.mars")) if p.name == "config.mars"]
     if not found:
-        place, advice = point("examples", 1, 1), "name the files of configurations"
+        place, advice = whole_file("examples"), "name the files of configurations"
         message = "this installation has no examples"
         raise MarsError((Diagnostic("usage", "error", message, place, help=advice),))
     return tuple(str(p.relative_to(here) if p.is_relative_to(here) else p) for p in found)

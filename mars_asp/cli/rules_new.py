@@ -6,7 +6,7 @@ from string import Template
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.reasoning.findings import consequence_kinds
 
 _TOPIC = re.compile(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*")
@@ -136,5 +136,5 @@ def new_pack(topic: str, rulebook: Rulebook) -> tuple[str, ...]:
 
 
 def _refused(topic: str, message: str, advice: str) -> MarsError:
-    place = point(topic, 1, 1)
+    place = whole_file(topic)
     return MarsError((Diagnostic("usage", "error", message, place, help=advice),))

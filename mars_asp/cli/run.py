@@ -27,7 +27,7 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import report
 from mars_asp.cli.run_json import run_json
-from mars_asp.cli.run_text import print_run, print_traces, print_winners
+from mars_asp.cli.run_text import print_traces, print_winners, run_text
 from mars_asp.cli.schemas import add_schema
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
@@ -89,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_packages(arguments)
     check_inputs(*arguments.files, arguments.scenario)
     project = read_project(arguments)
-    scenario = _scenario(arguments)
+    scenario = read_run_scenario(arguments)
     if arguments.duration is not None:
         report(_never_begun(scenario), arguments)
     found = specified(project, arguments)
@@ -133,7 +133,7 @@ def run(arguments: argparse.Namespace) -> int:
             result["traces"] = traces_json(trace for _, trace in judgement.traces())
         print(encoded(result))
     else:
-        print_run(trial, judgement, arguments)
+        print(run_text(trial, judgement, arguments), end="")
         if arguments.why:
             print_winners(trial)
         if arguments.explain:
@@ -152,7 +152,12 @@ def _bound_functions(
     return dict(bound_functions(described, scenario, (name.text for name in parts.modules)))
 
 
-def _scenario(arguments: argparse.Namespace) -> "Scenario":
+def read_run_scenario(arguments: argparse.Namespace) -> "Scenario":
+    """Return the scenario with the values of the options.
+
+    Raises:
+        MarsError: it cannot be read, or is wrong.
+    """
     from mars_asp.execution.scenario.read import read_scenario
 
     scenario = read_scenario(*scenario_text(arguments), read_changes(arguments.vary))

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from mars_asp.execution.executor import Link
     from mars_asp.execution.executor.link import Failures
     from mars_asp.execution.judgement import Judgement
-    from mars_asp.execution.scenario.read import Robot
+    from mars_asp.execution.scenario.read import ScenarioRobot
     from mars_asp.execution.simulator import Body
     from mars_asp.execution.trial import Trial
 
@@ -52,7 +52,7 @@ def _millimetres(clearance: float) -> float | None:
     return round(clearance, 3) if clearance < float("inf") else None
 
 
-def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, object]:
+def _robot_json(trial: "Trial", robot: "ScenarioRobot", body: "Body") -> dict[str, object]:
     reached = None if robot.reach is None else trial.reached(robot)
     missing = None if robot.reach is None else trial.nearest(robot)[0]
     return {

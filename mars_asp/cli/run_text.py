@@ -26,8 +26,8 @@ _BELOW_WINNER = " " * 6
 _WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
 
 
-def print_run(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
-    """Print the verdict, the tables and each requirement."""
+def run_text(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> str:
+    """Return the verdict, the tables and each requirement as text; no tables with `--quiet`."""
     from rich.console import Console
 
     colour = {"always": True, "never": False}.get(arguments.color)
@@ -35,7 +35,7 @@ def print_run(trial: "Trial", judgement: "Judgement", arguments: argparse.Namesp
     # Where nobody reads, rich would end the program with a status of its own; `print` does not.
     with console.capture() as captured:
         _print_tables(trial, judgement, arguments, console)
-    print(captured.get(), end="")
+    return captured.get()
 
 
 def _print_tables(

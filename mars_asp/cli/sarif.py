@@ -27,9 +27,7 @@ _SCHEMA = (
 #: What relative paths are relative to, by the name that GitHub and CodeQL use.
 _ROOT = "%SRCROOT%"
 #: Help for what no rule finds.
-_PAGE_OF_CHECKS = "docs/how-to/ci.md explains what is reported"
-#: The page of all findings, which has a heading for each kind.
-_PAGE = "docs/reference/findings.md"
+_HELP_OF_CHECKS = "`mars-asp check --help` explains the options that choose what is reported"
 
 
 def sarif_log(results: Sequence[Result], status: int) -> _Json:
@@ -74,7 +72,7 @@ def _descriptor(code: str, first: Result) -> _Json:
     level = {"defaultConfiguration": {"level": first.diagnostic.severity}}
     if first.consequence is None:
         # GitHub asks for a description and for help of each.
-        short, advice = plain_text(_words(code)), first.diagnostic.help or _PAGE_OF_CHECKS
+        short, advice = plain_text(_words(code)), first.diagnostic.help or _HELP_OF_CHECKS
         return {
             "id": code,
             "shortDescription": {"text": short},
@@ -83,23 +81,22 @@ def _descriptor(code: str, first: Result) -> _Json:
             **level,
         }
     kind, rule = first.consequence.kind, first.consequence.rule
-    page = f"{_PAGE}#{kind}"
     return {
         "id": code,
         "name": kind,
         "shortDescription": {"text": plain_text(_words(kind))},
         "fullDescription": {"text": plain_text(rule.why or _words(kind))},
-        "help": _help(kind, rule, page),
+        "help": _help(kind, rule),
         **level,
-        "properties": {"kind": kind, "page": page},
+        "properties": {"kind": kind, "command": f"mars-asp rules show {kind}"},
     }
 
 
-def _help(kind: str, rule: Rule, page: str) -> _Json:
+def _help(kind: str, rule: Rule) -> _Json:
     """Return what to do, as text and as Markdown, with the words that it fills in left open."""
     what = _unfilled(rule.because) or _words(kind)
     advice = _unfilled(rule.help)
-    show = f"`mars-asp rules show {rule.id}` and {page} explain it."
+    show = f"`mars-asp rules show {rule.id}` explains it."
     hide = f"To hide it: `mars: ignore[{kind}] reason` in a comment at the end of its line."
     parts = [plain_text(what), plain_text(rule.why), plain_text(advice), show, hide]
     return {
@@ -175,10 +172,13 @@ def _linked(span: Span, label: str) -> str:
 
 
 def _location(span: Span, label: str = "") -> _Json:
-    region: _Json = {"startLine": span.line, "startColumn": span.column}
-    if span.end_line:
-        region |= {"endLine": span.end_line, "endColumn": span.end_column}
-    place = {"physicalLocation": {"artifactLocation": _artifact(span.path), "region": region}}
+    physical: _Json = {"artifactLocation": _artifact(span.path)}
+    if span.line:
+        region: _Json = {"startLine": span.line, "startColumn": span.column}
+        if span.end_line:
+            region |= {"endLine": span.end_line, "endColumn": span.end_column}
+        physical["region"] = region
+    place: _Json = {"physicalLocation": physical}
     return place | ({"message": {"text": plain_text(label)}} if label else {})
 
 

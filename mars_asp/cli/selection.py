@@ -24,7 +24,7 @@ from mars_asp.diagnostic import (
     Severity,
     Span,
     is_input_error,
-    point,
+    whole_file,
 )
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
@@ -142,16 +142,25 @@ class Selection:
             check_inputs(*_inputs(arguments), arguments.baseline)
             self._baseline(arguments.baseline)
 
-    def of(self, project: Project, analysis: Analysis, notes: bool = True) -> Selected:
+    def of(
+        self,
+        project: Project,
+        analysis: Analysis,
+        notes: bool = True,
+        with_participants: bool = False,
+    ) -> Selected:
         """Return which findings of a file are reported; without `notes` none that only notes.
+
+        Without notes, participants are read if a baseline is written or the caller needs them.
 
         Raises:
             MarsError: what is wrong with the settings of its folder, or with their baseline.
         """
         choice, ignores = self._said_of(project)
         if not (notes or ignores or choice.baseline) and self._arguments.format != "sarif":
-            # Many robots have thousands of notes, and nobody asks who takes part in a warning.
-            found = read_consequences(analysis, self._arguments.write_baseline is not None, False)
+            # Many robots have thousands of notes, and warnings are printed without participants.
+            with_participants |= self._arguments.write_baseline is not None
+            found = read_consequences(analysis, with_participants, False)
         else:
             found = analysis.consequences
         selected = self._selected(project, choice, ignores, found, notes)
@@ -276,7 +285,7 @@ class Selection:
             return
         if not is_whole:
             message = "no baseline was written, as not every file could be read"
-            yield Diagnostic("baseline", "error", message, point(path, 1, 1), excerpt="")
+            yield Diagnostic("baseline", "error", message, whole_file(path), excerpt="")
             return
         from mars_asp.cli.baseline import baseline_text
 
@@ -286,7 +295,7 @@ class Selection:
             return
         write_file(path, text)
         told = f"the baseline lists {counted(len(self._written), 'finding')}"
-        yield Diagnostic("baseline", "note", told, point(path, 1, 1), excerpt="")
+        yield Diagnostic("baseline", "note", told, whole_file(path), excerpt="")
 
     # ---- What is chosen --------------------------------------------------------------------------
 
@@ -328,7 +337,7 @@ class Selection:
 
     @cached_property
     def _known_names(self) -> frozenset[str]:
-        return _names_in(self._rulebook) | INPUT_WARNINGS
+        return _names_in(self._rulebook) | INPUT_WARNINGS.keys()
 
     @cached_property
     def _launch_names(self) -> frozenset[str]:
@@ -420,7 +429,7 @@ def _inputs(arguments: argparse.Namespace) -> Sequence[str]:
 
 def _in_option(option: str) -> Callable[[int], Span]:
     """Return what stands for the places of kinds that an option names."""
-    return lambda number: point(f"--{option}", 1, 1)
+    return lambda number: whole_file(f"--{option}")
 
 
 def _elsewhere(kind: str, span: Span, found: Iterable[Consequence]) -> str:

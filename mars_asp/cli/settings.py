@@ -17,7 +17,7 @@ from mars_asp.reading import WallError, check_walls
 from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
-    from mars_asp.toml_text import Places
+    from mars_asp.language.toml_text import Places
 
 _OWN, _SHARED = "mars.toml", "pyproject.toml"
 #: Where our keys are in the file that others share.
@@ -92,7 +92,7 @@ NO_SETTINGS = Settings()
 
 @lru_cache(maxsize=1)
 def _positions_in_toml(text: str, path: str) -> "Places":
-    from mars_asp.toml_text import Places
+    from mars_asp.language.toml_text import Places
 
     return Places(text, path)
 
@@ -109,7 +109,7 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
         return settings_for(folder)
     file = Path(arguments.config)
     table = _TABLE if file.name == _SHARED else ()
-    return _read(os.path.relpath(file), _text(file), table)
+    return _read(os.path.relpath(file), _settings_text(file), table)
 
 
 def settings_for(folder: Path) -> Settings:
@@ -122,16 +122,16 @@ def settings_for(folder: Path) -> Settings:
     for place in (here, *here.parents):
         own, shared = place / _OWN, place / _SHARED
         if os.path.isfile(own):  # noqa: PTH113 -- false where a folder may not be entered
-            return _read(os.path.relpath(own), _text(own), ())
+            return _read(os.path.relpath(own), _settings_text(own), ())
         # Most projects have one, and few say anything of robots.
-        if os.path.isfile(shared) and re.search(_NAMED, text := _text(shared)):  # noqa: PTH113
+        if os.path.isfile(shared) and re.search(_NAMED, text := _settings_text(shared)):  # noqa: PTH113
             found = _read(os.path.relpath(shared), text, _TABLE)
             if found is not NO_SETTINGS:
                 return found
     return NO_SETTINGS
 
 
-def _text(path: Path) -> str:
+def _settings_text(path: Path) -> str:
     shown = os.path.relpath(path)
     return decode(read_bytes(Path(shown), _MOST_BYTES), shown, _MOST_BYTES).replace("\r\n", "\n")
 
@@ -139,7 +139,7 @@ def _text(path: Path) -> str:
 @lru_cache(maxsize=8)
 def _read(path: str, text: str, table: tuple[str, ...]) -> Settings:
     """Return the settings of a text; `path` is relative, as people know their files."""
-    from mars_asp.toml_text import read_tables
+    from mars_asp.language.toml_text import read_tables
 
     values: Any = read_tables(text, path, "settings")
     for name in table:

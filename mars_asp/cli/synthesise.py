@@ -6,6 +6,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.limits import seconds_to_search
 from mars_asp.cli.progress import progress_bar, stage
@@ -25,7 +26,7 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.rates import as_number
-from mars_asp.reasoning.analysis import diagnostic
+from mars_asp.reasoning.analysis import Analysis, diagnostic
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import NODES, by_name
@@ -55,24 +56,11 @@ def run(arguments: argparse.Namespace) -> int:
     selected = selection.of(project, analysis, notes=False)
     report(map(diagnostic, selected.shown), arguments)
     report((*selected.remarks, *selection.end()), arguments)
-    with (
-        stage(arguments, "looking for nodes"),
-        progress_bar(arguments, "components") as progress,
-    ):
-        budget = Budget(seconds_to_search(arguments), progress)
-        found = synthesise(project, analysis, rulebook, budget)
+    found = minimal_specification(project, analysis, rulebook, arguments)
     if found is None:
         report_unrealisable(project.configuration.path, analysis, arguments)
         return 1
     printed = found.specification.configuration
-    with stage(arguments, "verifying"):
-        violations = verify(printed, project, rulebook, analysis.grounding)
-    if violations:
-        first = violations[0]
-        if first.rule in rulebook.of_packs:
-            raise MarsError((_at_odds(first),))
-        print(f"mars-asp: a fault of ours, please report it: {first.message}", file=sys.stderr)
-        return 2
     unmet = (
         Diagnostic(
             each.rule.id,
@@ -86,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         text = json.dumps(synthesis_json(project, found)) + "\n"
     else:
-        text = _text(printed, project, arguments)
+        text = specification_text(printed, project, arguments)
     if arguments.output == "-":
         print(text, end="")
     else:
@@ -100,15 +88,47 @@ def run(arguments: argparse.Namespace) -> int:
     return int(selected.has_errors)
 
 
-def _at_odds(violation: Violation) -> Diagnostic:
-    """Return the error that rules of packs refuse what rules of packs made."""
+def minimal_specification(
+    project: Project, analysis: Analysis, rulebook: Rulebook, arguments: argparse.Namespace
+) -> Synthesis | None:
+    """Return the minimal specification, verified, or None if nothing realises the configuration.
+
+    `rulebook` holds the stages `resolve` and `verify`.
+
+    Raises:
+        MarsError: rules that clingo refuses, or rules in `verify` refuse the specification.
+        TimeoutError: no specification was found in time.
+    """
+    with (
+        stage(arguments, "looking for nodes"),
+        progress_bar(arguments, "components") as progress,
+    ):
+        budget = Budget(seconds_to_search(arguments), progress)
+        found = synthesise(project, analysis, rulebook, budget)
+    if found is None:
+        return None
+    with stage(arguments, "verifying"):
+        printed = found.specification.configuration
+        violations = verify(printed, project, rulebook, analysis.grounding)
+    if violations:
+        raise MarsError((_refused_specification(violations[0], rulebook),))
+    return found
+
+
+def _refused_specification(violation: Violation, rulebook: Rulebook) -> Diagnostic:
+    """Return the error that a rule of `verify` refuses the specification."""
+    if violation.rule not in rulebook.of_packs:
+        message = f"internal error, please report it: {violation.message}"
+        return Diagnostic(violation.rule.id, "error", message, violation.rule.span)
     message = f"the rule refuses the specification that was found: {violation.message}"
     advice = "let the rules of packs in `resolve` give what their rules in `verify` ask for"
     return Diagnostic(violation.rule.id, "error", message, violation.rule.span, help=advice)
 
 
-def _text(printed: Configuration, project: Project, arguments: argparse.Namespace) -> str:
-    """Return a specification that stands by itself, with the sources and blocks of its project.
+def specification_text(
+    printed: Configuration, project: Project, arguments: argparse.Namespace
+) -> str:
+    """Return a specification with the sources and blocks of its project.
 
     Raises:
         MarsError: a path to a source cannot be written.

@@ -11,7 +11,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.cases_report import Ran, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.cli.settings import settings_of
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.output import visible
 from mars_asp.reasoning.cases import Found, cases_of, run_case
 from mars_asp.reasoning.cases.configurations import SUFFIX, snapshot
@@ -128,7 +128,7 @@ def _snapshot(found: Sequence[Found], rules: list[Path], arguments: argparse.Nam
     """
     others = [each.path for each in found if each.path.suffix != SUFFIX]
     if others or not found:
-        place = point(str(others[0]) if others else arguments.paths[0], 1, 1)
+        place = whole_file(str(others[0]) if others else arguments.paths[0])
         advice = "name `.mars` files; facts are updated by --update"
         raise MarsError(
             (Diagnostic("case", "error", "a snapshot is of a robot", place, help=advice),)

@@ -1,6 +1,6 @@
 """Explanations for programs: one JSON document, or a line of JSON a step."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from mars_asp.asp.trace.document import FORMAT, VERSION, Document, trace_json, trace_lines
 from mars_asp.cli.account import account_json, line_json
@@ -13,30 +13,26 @@ from mars_asp.reasoning.rules import by_name
 _AT_ONCE = 1000
 
 
-def write_topics(
-    subject: str | None,
-    topics: Sequence[Topic],
-    written: str,
-    write: Callable[[str], object],
-) -> None:
-    """Write topics as `json` or `jsonl`; lines as they are made."""
-    if written == "json":
-        write(f"{encoded(_document(subject, topics))}\n")
+def topics_text(subject: str | None, topics: Sequence[Topic], format: str) -> Iterator[str]:
+    """Yield the parts of topics as `json` or `jsonl`; lines as they are made."""
+    if format == "json":
+        yield f"{encoded(topics_document(subject, topics))}\n"
         return
     lines = trace_lines(subject, ((_topic_json(each), each.trace) for each in topics))
     for part in _batches(lines):
-        write("".join(part))
+        yield "".join(part)
 
 
-def _document(subject: str | None, topics: Sequence[Topic]) -> dict[str, object]:
+def topics_document(subject: str | None, topics: Sequence[Topic]) -> dict[str, object]:
+    """Return topics with the keys of the contract."""
     document = Document()
     traces = [{"title": each.title, **document.trace(each.trace)} for each in topics]
     told = list(map(_topic_json, topics))
     return {**_head(subject), "traces": traces, "topics": told}
 
 
-def why_not_document(answer: WhyNot) -> str:
-    """Return as JSON why something is not there: a document of one topic, with more keys."""
+def why_not_document(answer: WhyNot) -> dict[str, object]:
+    """Return the reason why something is not there: a document of one topic, with more keys."""
     lines = [line_json(span) for span in answer.evidence]
     title, trace = answer.subject, trace_json(answer.trace)
     cited = [{**line, "label": ""} for line in lines]
@@ -52,7 +48,7 @@ def why_not_document(answer: WhyNot) -> str:
         "obstacles": [trace_json(obstacle) for obstacle in answer.obstacles],
     }
     traces = [{"title": title, **trace}]
-    return encoded({**_head(title), **found, "traces": traces, "topics": [topic]})
+    return {**_head(title), **found, "traces": traces, "topics": [topic]}
 
 
 def _head(subject: str | None) -> dict[str, object]:

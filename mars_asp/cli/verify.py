@@ -24,7 +24,7 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import report, report_unrealisable
 from mars_asp.diagnostic import Diagnostic, Span
-from mars_asp.model.declarations import NODE_NAMES, Module
+from mars_asp.model.declarations import NODE_NAMES, Configuration, Module
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -47,7 +47,7 @@ _MOST_LINES = 10
 
 
 @dataclass(frozen=True, slots=True)
-class _Comparison:
+class Comparison:
     """What a specification costs and the least, each by name; `None` where time was over.
 
     `fault` says what cannot be: a specification that costs less than what was called least. It is
@@ -75,6 +75,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--without",
         metavar="NODE",
         help="show what breaks when NODE is taken out of the minimal specification of CONFIG",
+    )
+    parser.epilog = (
+        "Clauses: 1 wiring, 2 the same relationships, 3 data as required, 4 arbitration, 5 "
+        "inherited functions; docs/reference/clauses.md describes them, and "
+        "`mars-asp rules doc --stage verify` prints their rules."
     )
 
 
@@ -107,39 +112,61 @@ def run(arguments: argparse.Namespace) -> int:
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
         print("mars-asp verify: SPEC comes first, then its CONFIG", file=sys.stderr)
         return 2
-    rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
-    verification = judge_specification(specification, project, rulebook, modules=modules)
+    verification, compared = judge_wiring(specification, modules, project, arguments)
     violations = verification.violations
-    compared = _Comparison(None, None, None, in_time=True)
-    if not violations:
-        compared = _compare(arguments, verification, project, rulebook)
     if arguments.format == "json":
-        found = {
-            "realises": not violations,
-            "minimal": compared.minimal,
-            "violations": [
-                {"clause": v.clause, **_finding_json(v), "locations": _locations(v.locations)}
-                for v in violations
-            ],
-            "warnings": [_finding_json(caution) for caution in verification.cautions],
-            "cost": compared.cost,
-            "least": compared.least,
-            **({} if compared.fault is None else {"fault": compared.fault}),
-        }
-        print(encoded(found))
+        print(encoded(verification_json(verification, compared)))
     else:
-        for line in _judged_text(verification, compared, columns(sys.stdout)):
+        for line in verification_lines(verification, compared, columns(sys.stdout)):
             print(line)
     if not compared.in_time:
         print("mars-asp: the time limit ended the proof of what is minimal", file=sys.stderr)
         return 3
     if compared.fault is not None:
-        whose = "of rule packs" if compared.of_packs else "of ours, please report it"
-        print(f"mars-asp: a fault {whose}: {compared.fault}", file=sys.stderr)
+        cause = "a fault of rule packs" if compared.of_packs else "internal error, please report it"
+        print(f"mars-asp: {cause}: {compared.fault}", file=sys.stderr)
     return int(bool(violations) or compared.fault is not None)
 
 
-def _judged_text(verification: Verification, compared: _Comparison, width: int) -> Iterator[str]:
+def judge_wiring(
+    specification: Configuration,
+    modules: Mapping[str, Module],
+    project: Project,
+    arguments: argparse.Namespace,
+) -> tuple[Verification, Comparison]:
+    """Return the violations of a specification and, if there is none, its cost and the minimal one.
+
+    `modules` are those that the sources of the specification describe.
+
+    Raises:
+        MarsError: rule packs are wrong, or rules that clingo refuses.
+    """
+    rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
+    verification = judge_specification(specification, project, rulebook, modules=modules)
+    if verification.violations:
+        return verification, Comparison(None, None, None, in_time=True)
+    return verification, _compare(arguments, verification, project, rulebook)
+
+
+def verification_json(verification: Verification, compared: Comparison) -> dict[str, object]:
+    """Return a verification with the keys of the contract."""
+    return {
+        "realises": not verification.violations,
+        "minimal": compared.minimal,
+        "violations": [
+            {"clause": v.clause, **_finding_json(v), "locations": _locations(v.locations)}
+            for v in verification.violations
+        ],
+        "warnings": [_finding_json(caution) for caution in verification.cautions],
+        "cost": compared.cost,
+        "least": compared.least,
+        **({} if compared.fault is None else {"fault": compared.fault}),
+    }
+
+
+def verification_lines(
+    verification: Verification, compared: Comparison, width: int
+) -> Iterator[str]:
     """Yield what fails and what may be meant otherwise, or that nothing fails."""
     for violation in verification.violations:
         yield from _finding_text(f"clause {violation.clause}", violation, width)
@@ -234,7 +261,7 @@ def _report_own(
 
 def _compare(
     arguments: argparse.Namespace, verification: Verification, project: Project, rulebook: Rulebook
-) -> _Comparison:
+) -> Comparison:
     """Compare what a specification costs with the least that a synthesis finds."""
     seconds = arguments.time_limit
     deadline = None if seconds is None else time.monotonic() + seconds
@@ -244,10 +271,10 @@ def _compare(
         with progress_bar(arguments, "components") as progress:
             best = synthesise(project, analysis, rulebook, Budget(seconds, progress))
     except TimeoutError:
-        return _Comparison(None, None, None, in_time=False)
+        return Comparison(None, None, None, in_time=False)
     cost = by_name(written.cost)
     if best is None:
-        return _Comparison(cost, None, None, in_time=True)
+        return Comparison(cost, None, None, in_time=True)
     least = by_name(best.resolution.cost)
     proven = written.proven and best.resolution.proven
     # Dictionaries keep the order of the levels, in which costs are compared.
@@ -261,13 +288,13 @@ def _compare(
             fault += (
                 f"; no rule in `verify` asks for nodes that packs introduce, such as {brought[0]}"
             )
-        return _Comparison(cost, least, None, in_time=True, fault=fault, of_packs=bool(brought))
+        return Comparison(cost, least, None, in_time=True, fault=fault, of_packs=bool(brought))
     more = list(cost.values()) > list(least.values())
     minimal = not more if proven else False if more and written.proven else None
-    return _Comparison(cost, least, minimal, in_time=minimal is not None)
+    return Comparison(cost, least, minimal, in_time=minimal is not None)
 
 
-def _minimality(compared: _Comparison) -> str:
+def _minimality(compared: Comparison) -> str:
     if compared.minimal is None or compared.cost is None or compared.least is None:
         return ""
     if compared.minimal:

@@ -146,7 +146,7 @@ def _work(
             status = run_plain(run, arguments)
         except Exception as error:  # whatever it is, the worker must not end without a word
             told = f"{error!r:.300}"
-            print(f"mars-asp: a fault of ours, please report it: {told}", file=sys.stderr)
+            print(f"mars-asp: internal error, please report it: {told}", file=sys.stderr)
         deliver.end(status)
         sys.stderr.flush()
     finally:
@@ -301,7 +301,7 @@ def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> 
         say_memory_ended(arguments)
         return 3
     if os.WIFEXITED(status):
-        print("mars-asp: a fault of ours: the worker ended without a result", file=sys.stderr)
+        print("mars-asp: internal error: the worker ended without a result", file=sys.stderr)
         return 2
     number = os.WTERMSIG(status)
     if number == signal.SIGKILL:

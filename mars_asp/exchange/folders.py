@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.recognise import key_pattern, recognised
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language.parse import read_text
@@ -196,7 +196,7 @@ def _entries(
 
 
 def _unread(sort: str, path: Path) -> Unread:
-    return Unread(sort, str(path), point(str(path), 1, 1))
+    return Unread(sort, str(path), whole_file(str(path)))
 
 
 def _is_test(folder: Path, path: Path) -> bool:

@@ -21,7 +21,7 @@ from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.promises import promises
-from mars_asp.execution.scenario.read import Robot
+from mars_asp.execution.scenario.read import ScenarioRobot
 from mars_asp.execution.simulator.approach import least_approach
 from mars_asp.execution.simulator.body import THING, Body
 from mars_asp.execution.trial import Trial
@@ -263,7 +263,7 @@ def _robots(trial: Trial) -> Iterator[Fact]:
                 yield from _missed(trial, robot, robot.reach)
 
 
-def _place_facts(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fact]:
+def _place_facts(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -> Iterator[Fact]:
     """Yield how far the place that a robot is to reach is from fixed things and from its start."""
     x, y = reach["at"]
     radius, place = reach.get("radius", 200.0), _reach_span(trial, robot)
@@ -274,7 +274,7 @@ def _place_facts(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterat
     yield _fact(place, "place_gap", robot.name, _place_text(x, y), *lengths)
 
 
-def _missed(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fact]:
+def _missed(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -> Iterator[Fact]:
     """Yield by when a robot was to come to its place, and how near it came."""
     scenario = trial.scenario
     within = reach.get("within", scenario.duration)
@@ -288,7 +288,7 @@ def _missed(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fa
     yield _seen("came_nearest", robot.name, _place_text(x, y), *told)
 
 
-def _reach_span(trial: Trial, robot: Robot) -> Span:
+def _reach_span(trial: Trial, robot: ScenarioRobot) -> Span:
     return robot.places.get("reach") or trial.scenario.places["reach"]
 
 
@@ -407,7 +407,7 @@ def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterat
                     yield _seen("coincided", name, holder, link.source, *both)
 
 
-def _contacts(trial: Trial, robot: Robot, body: Body) -> Iterator[Fact]:
+def _contacts(trial: Trial, robot: ScenarioRobot, body: Body) -> Iterator[Fact]:
     """Yield when a robot came into contact, with whom, and whom it obeyed up to then."""
     commands = tuple(trial.commands(robot))
     starts = [since for since, *_ in commands]

@@ -20,7 +20,7 @@ from mars_asp.execution.scenario.agreement import disagreements
 from mars_asp.execution.scenario.contradictions import SCATTERED
 from mars_asp.execution.scenario.devices import bind_devices, make_joints
 from mars_asp.execution.scenario.functions import bind_functions, bind_kinds
-from mars_asp.execution.scenario.read import Robot, Scenario
+from mars_asp.execution.scenario.read import Scenario, ScenarioRobot
 from mars_asp.execution.simulator import (
     Body,
     Circle,
@@ -63,7 +63,7 @@ class Trial:
             joint.advance(seconds)
 
     @property
-    def robots(self) -> Iterator[tuple[Robot, Body]]:
+    def robots(self) -> Iterator[tuple[ScenarioRobot, Body]]:
         """Yield each robot of the scenario with its body."""
         return zip(self.scenario.robots, self.bodies, strict=True)
 
@@ -98,7 +98,7 @@ class Trial:
                 times[name] += seconds
         return dict(sorted(times.items()))
 
-    def times_in_control(self, robot: Robot) -> dict[str, float]:
+    def times_in_control(self, robot: ScenarioRobot) -> dict[str, float]:
         """Return for how many seconds a robot obeyed each module."""
         times: defaultdict[str, float] = defaultdict(float)
         for since, until, origin, _ in self.commands(robot):
@@ -133,7 +133,9 @@ class Trial:
                 if command.get(function):
                     yield since, until
 
-    def commands(self, robot: Robot) -> Iterator[tuple[float, float, str, dict[str, float]]]:
+    def commands(
+        self, robot: ScenarioRobot
+    ) -> Iterator[tuple[float, float, str, dict[str, float]]]:
         """Yield from when (s) until when a robot obeyed which module, and its command."""
         effector = self.executor.effectors.get(robot.module)
         if effector is not None:
@@ -144,7 +146,7 @@ class Trial:
         for (since, origin, command), (until, _, _) in pairwise([*effector.applied, end]):
             yield since / SECOND, until / SECOND, origin, command
 
-    def reached(self, robot: Robot) -> float | None:
+    def reached(self, robot: ScenarioRobot) -> float | None:
         """Return when (s) a robot first came to the place that it was to reach, in time."""
         place, radius, within = _to_reach(robot)
         for stretch, until in self._body(robot).stretches:
@@ -155,7 +157,7 @@ class Trial:
                 return at
         return None
 
-    def nearest(self, robot: Robot) -> tuple[float, float]:
+    def nearest(self, robot: ScenarioRobot) -> tuple[float, float]:
         """Return how near (mm) a robot came to the place it was to reach, in time, and when."""
         place, _, within = _to_reach(robot)
         return min(
@@ -164,7 +166,7 @@ class Trial:
             if stretch.since <= within
         )
 
-    def _body(self, robot: Robot) -> Body:
+    def _body(self, robot: ScenarioRobot) -> Body:
         return self.bodies[self.scenario.robots.index(robot)]
 
     def is_active(self, function: str) -> bool:
@@ -210,7 +212,7 @@ class Trial:
         return share(body.motion[0].pose for body in self.bodies), share(passed())
 
 
-def _to_reach(robot: Robot) -> tuple[Point, float, float]:
+def _to_reach(robot: ScenarioRobot) -> tuple[Point, float, float]:
     """Return the place that a robot is to reach, how near (mm) is enough, and until when (s)."""
     asked = robot.reach or {}
     x, y = asked["at"]
@@ -254,7 +256,9 @@ def stage_trial(
     return Trial(scenario, running[0], fleet.bodies, limits, joints, moves, remarks)
 
 
-def _body(robot: Robot, world: World, up: str, limits: Mapping[str, Mapping[str, float]]) -> Body:
+def _body(
+    robot: ScenarioRobot, world: World, up: str, limits: Mapping[str, Mapping[str, float]]
+) -> Body:
     """Return a robot where it starts."""
     ramps = {
         function: Ramp(float(up), float(robot.deceleration.get(function, up)))

@@ -34,7 +34,7 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class Robot:
+class KinematicTree:
     """Mounted modules, each behind the one that carries it.
 
     `carrier` maps a module to what it is mounted on; roots are not in it. `placement` is a
@@ -112,7 +112,7 @@ def mount_matrix(mount: Mount, modules: Mapping[str, Module]) -> Matrix:
     return on @ transformation_matrix(mount.transformation) @ inverse(at) + 0.0
 
 
-def build_robot(mounts: Sequence[Mount], modules: Mapping[str, Module]) -> Robot:
+def build_robot(mounts: Sequence[Mount], modules: Mapping[str, Module]) -> KinematicTree:
     """Return the modules that mounts join; of several mounts of one module the first counts.
 
     Modules that a cycle of mounts carries have no root and are left out.
@@ -127,7 +127,7 @@ def build_robot(mounts: Sequence[Mount], modules: Mapping[str, Module]) -> Robot
     for name in order:  # grows while it is read: breadth first
         order += carries.get(name, ())
     mounted = [name for name in order if name in mount_of]
-    return Robot(
+    return KinematicTree(
         tuple(order),
         {name: mount_of[name].mounted for name in mounted},
         {name: mount_matrix(mount_of[name], modules) for name in mounted},
@@ -163,7 +163,7 @@ def adjoint(pose: Matrix) -> Matrix:
     return matrix + 0.0
 
 
-def take_posture(robot: Robot, values: Mapping[Joint, float] | None = None) -> Posture:
+def take_posture(robot: KinematicTree, values: Mapping[Joint, float] | None = None) -> Posture:
     """Return the forward kinematics of a robot; joints without a value, in degrees or mm, rest."""
     values = values or {}
     poses: dict[str, Matrix] = {}
@@ -183,7 +183,7 @@ def take_posture(robot: Robot, values: Mapping[Joint, float] | None = None) -> P
     return Posture(poses, columns)
 
 
-def generic_posture(robot: Robot, seed: int) -> Posture:
+def generic_posture(robot: KinematicTree, seed: int) -> Posture:
     """Return a posture with random joint values: degrees within a turn, mm within 100."""
     generator = np.random.default_rng(seed)
     joints = [joint for name in robot.order for joint in robot.joints[name]]

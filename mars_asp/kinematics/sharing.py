@@ -9,9 +9,9 @@ import numpy as np
 
 from mars_asp.kinematics.frames import (
     Joint,
+    KinematicTree,
     Matrix,
     Posture,
-    Robot,
     generic_posture,
     jacobian,
     take_posture,
@@ -33,7 +33,7 @@ class Carrying:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: KinematicTree,
         name: str,
         carriers: Sequence[str],
         position: Callable[[str], Mapping[str, float]],

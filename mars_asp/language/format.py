@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Literal, TypeAlias
 
 from mars_asp.annotations.blocks import read_blocks
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.language.layout import QUOTED_OR_COMMENT, Layout, lay_out
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.language.print import fill
@@ -47,7 +47,7 @@ def format_text(text: str, path: str) -> str:
         message = (
             "formatting would change the meaning of this file; this is a bug, please report it"
         )
-        raise MarsError((Diagnostic("format", "error", message, point(path, 1, 1)),))
+        raise MarsError((Diagnostic("format", "error", message, whole_file(path)),))
     return formatted
 
 

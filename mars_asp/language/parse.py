@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from mars_asp.annotations.blocks import Blocks, read_blocks
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
 from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.lines import Read, read_lines
 from mars_asp.language.statements import Builder, Raw, begin_of
@@ -116,7 +116,10 @@ def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) 
         return read_file(path, most, named_in)
     except OSError as error:
         advice = error.advice if isinstance(error, WallError) else None
-        found = _unreadable(str(path), error.strerror or "cannot be read", advice)
+        reason = error.strerror or "cannot be read"
+        if isinstance(error, FileNotFoundError):
+            reason = "no such file"
+        found = _unreadable(str(path), f"{reason[:1].lower()}{reason[1:]}", advice)
         raise MarsError((found,)) from None
 
 
@@ -356,6 +359,6 @@ def _about_nobody(
 
 
 def _unreadable(shown: str, reason: str, advice: str | None = None) -> Diagnostic:
-    place = point(shown, 1, 1)
+    place = whole_file(shown)
     # To quote a line all of it would be read.
-    return Diagnostic("unreadable", "error", f"`{shown}`: {reason}", place, help=advice, excerpt="")
+    return Diagnostic("unreadable", "error", reason, place, help=advice, excerpt="")

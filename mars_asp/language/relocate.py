@@ -9,7 +9,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.language.layout import COMMENT
 from mars_asp.model.declarations import Configuration, Name
 
@@ -27,7 +27,7 @@ def sources_seen_from(
         MarsError: a path from there has a character that `@sources` cannot say.
     """
     stated = [(Path(name.span.path).parent, name) for name in configuration.sources]
-    given = [(Path(), Name(path, point(path, 1, 1))) for path in arguments]
+    given = [(Path(), Name(path, whole_file(path))) for path in arguments]
     moved = [
         Name(relocated(name.text, origin, folder), name.span) for origin, name in (*stated, *given)
     ]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.lsp.places import Edit, Place, Position, Range, Text
-from mars_asp.lsp.robot import Finding
+from mars_asp.lsp.robot import EditorFinding
 from mars_asp.spelling import nearest
 
 _MEANT = re.compile(r"did you mean `([^`\n]+)`\?")
@@ -28,8 +28,8 @@ class Action(NamedTuple):
 
 
 def actions_at(
-    actions: Iterable[Action], found: Iterable[Finding]
-) -> Iterator[tuple[Finding, Action]]:
+    actions: Iterable[Action], found: Iterable[EditorFinding]
+) -> Iterator[tuple[EditorFinding, Action]]:
     """Yield the changes that remove findings, each with its finding."""
     by_title: dict[str, list[Action]] = {}
     for action in actions:
@@ -39,7 +39,7 @@ def actions_at(
             yield finding, action
 
 
-def mended(found: Iterable[Finding]) -> Iterator[tuple[Finding, Action]]:
+def mended(found: Iterable[EditorFinding]) -> Iterator[tuple[EditorFinding, Action]]:
     """Yield the changes that are known to mend findings, such as `rules lint --fix` makes."""
     for finding in found:
         if finding.fixes:
@@ -48,7 +48,7 @@ def mended(found: Iterable[Finding]) -> Iterator[tuple[Finding, Action]]:
             yield finding, Action(title, finding.fixes, finding.code, True)
 
 
-def respelt(text: Text, found: Iterable[Finding]) -> Iterator[tuple[Finding, Action]]:
+def respelt(text: Text, found: Iterable[EditorFinding]) -> Iterator[tuple[EditorFinding, Action]]:
     """Yield the changes of a word into the one that is meant, where a finding stands at it."""
     for finding in found:
         match = _MEANT.search(finding.help or "")

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from mars_asp.lsp.actions import Action
 from mars_asp.lsp.mentions import is_configuration, outline
 from mars_asp.lsp.questions import Survey
-from mars_asp.lsp.robot import Finding, Robot, Scene
+from mars_asp.lsp.robot import EditorFinding, EditorRobot, Scene
 from mars_asp.lsp.rule_text import RuleText, is_rules, rule_text
 from mars_asp.lsp.rules import Rules
 from mars_asp.reading import read_file
@@ -18,8 +18,8 @@ class Desk:
 
     def __init__(self) -> None:
         self.texts: dict[str, str] = {}
-        self.robots: dict[str, Robot] = {}
-        self.found: dict[str, tuple[Finding, ...]] = {}
+        self.robots: dict[str, EditorRobot] = {}
+        self.found: dict[str, tuple[EditorFinding, ...]] = {}
         self.rules: dict[str, Rules] = {}
         #: Repairs of robots, and traces of their findings, as long as nothing is changed.
         self.repairs: dict[str, tuple[Action, ...]] = {}
@@ -43,12 +43,12 @@ class Desk:
         text = self.texts.get(path)
         return None if text is None or not is_rules(path) else rule_text(path, text)
 
-    def robots_of(self, path: str) -> tuple[Robot, ...]:
+    def robots_of(self, path: str) -> tuple[EditorRobot, ...]:
         """Return the robots that a file is part of, its own first."""
         found = [robot for robot in self.robots.values() if path in robot.paths]
         return tuple(sorted(found, key=lambda robot: robot.path != path))
 
-    def findings(self, path: str) -> tuple[Finding, ...]:
+    def findings(self, path: str) -> tuple[EditorFinding, ...]:
         """Return what was found in a file, by whatever robot."""
         every = (each for found in self.found.values() for each in found)
         return tuple(dict.fromkeys(each for each in every if each.place.path == path))
@@ -69,7 +69,9 @@ class Desk:
             self.traces.pop(each, None)
         return asked
 
-    def take(self, asked: str, found: tuple[Finding, ...], robot: Robot | None) -> set[str]:
+    def take(
+        self, asked: str, found: tuple[EditorFinding, ...], robot: EditorRobot | None
+    ) -> set[str]:
         """Keep what was found when a file was asked about; return the files to be told of it.
 
         They are those with findings, now or before, and those of the robot that are open.

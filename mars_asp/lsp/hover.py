@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from mars_asp.lsp.mentions import Mention, is_configuration
 from mars_asp.lsp.places import Position, Range, Text
-from mars_asp.lsp.robot import Described, Finding, Scene, behind
+from mars_asp.lsp.robot import Described, EditorFinding, Scene, behind
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
 from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, Word
@@ -47,7 +47,7 @@ def hover(scene: Scene, position: Position, traces: Mapping[str, str]) -> Hover 
 
 
 def hover_rules(
-    here: RuleText, rules: Rules, position: Position, found: list[Finding]
+    here: RuleText, rules: Rules, position: Position, found: list[EditorFinding]
 ) -> Hover | None:
     """Return what is told of a place in a file of rules."""
     parts = [finding_text(each, {}) for each in found]
@@ -71,7 +71,7 @@ def word_text(word: Word) -> str:
     return f"{fenced(word.written, 'text')}\n\n{word.meaning}"
 
 
-def finding_text(finding: Finding, traces: Mapping[str, str]) -> str:
+def finding_text(finding: EditorFinding, traces: Mapping[str, str]) -> str:
     """Return a finding with its short trace, where that is known."""
     lines = [f"**{finding.severity}**: {markdown(finding.message)} `[{finding.code}]`"]
     texts = (finding.effect, finding.help and f"help: {finding.help}")

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from mars_asp.lsp.mentions import is_configuration
 from mars_asp.lsp.places import Range
-from mars_asp.lsp.robot import Robot, Scene, behind
+from mars_asp.lsp.robot import EditorRobot, Scene, behind
 
 #: So many nodes are named; of others there is their number.
 _MOST_NAMED = 3
@@ -40,7 +40,7 @@ def lenses(scene: Scene) -> Iterator[Lens]:
             break
 
 
-def _told(robot: Robot, name: str) -> str:
+def _told(robot: EditorRobot, name: str) -> str:
     parts = []
     about = len(robot.consequences.get(name, ()))
     if about:
@@ -52,7 +52,7 @@ def _told(robot: Robot, name: str) -> str:
     return "; ".join(parts)
 
 
-def _summary(scene: Scene, robot: Robot) -> str:
+def _summary(scene: Scene, robot: EditorRobot) -> str:
     """Return how much was found in the robot, and how many nodes its specification adds."""
     found = {title for titles in robot.consequences.values() for title in titles}
     parts = [f"{len(found)} consequence{'s' * (len(found) != 1)}"]

@@ -86,6 +86,7 @@ class Text:
 
     def position(self, line: int, column: int) -> Position:
         """Return the position of a line and column, or the nearest that there is."""
+        line, column = max(1, line), max(1, column)
         if line > len(self.lines):
             line, column = len(self.lines), len(self.lines[-1]) + 1
         text = self.lines[line - 1][: column - 1]

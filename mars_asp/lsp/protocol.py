@@ -11,7 +11,7 @@ from mars_asp.lsp.actions import Action
 from mars_asp.lsp.completion import Completions
 from mars_asp.lsp.hover import Hover
 from mars_asp.lsp.places import Edit, Place, Position, Range
-from mars_asp.lsp.robot import Finding
+from mars_asp.lsp.robot import EditorFinding
 from mars_asp.lsp.symbols import Symbol
 
 _SEVERITIES = {
@@ -45,7 +45,7 @@ class Protocol:
         """Return where several things are."""
         return [self.location(each) for each in places]
 
-    def diagnostic(self, finding: Finding) -> types.Diagnostic:
+    def diagnostic(self, finding: EditorFinding) -> types.Diagnostic:
         """Return what an editor shows of a finding."""
         parts = (finding.message, finding.effect, finding.help and f"help: {finding.help}")
         return types.Diagnostic(
@@ -60,7 +60,7 @@ class Protocol:
             ],
         )
 
-    def action(self, finding: Finding, action: Action) -> types.CodeAction:
+    def action(self, finding: EditorFinding, action: Action) -> types.CodeAction:
         """Return the change that an editor offers for a finding."""
         return types.CodeAction(
             action.title,

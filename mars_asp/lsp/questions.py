@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Literal, NamedTuple, TypeAlias
 
-from mars_asp.lsp.robot import Finding, Robot
+from mars_asp.lsp.robot import EditorFinding, EditorRobot
 from mars_asp.lsp.rules import Rules
 
 #: `check`, `source` and `lint`: what is found in a robot, in a source of no robot, in rules;
@@ -24,14 +24,14 @@ class Question(NamedTuple):
 class Checked(NamedTuple):
     """What is found in a robot or a source; the robot, if it could be read."""
 
-    findings: tuple[Finding, ...]
-    robot: Robot | None
+    findings: tuple[EditorFinding, ...]
+    robot: EditorRobot | None
 
 
 class Linted(NamedTuple):
     """What is found in a file of rules, and the rules around it."""
 
-    findings: tuple[Finding, ...]
+    findings: tuple[EditorFinding, ...]
     rules: Rules
 
 

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from mars_asp.lsp.mentions import Mention, is_configuration
 from mars_asp.lsp.places import Place, Position, Range
-from mars_asp.lsp.robot import File, Robot, Scene, behind
+from mars_asp.lsp.robot import EditorRobot, File, Scene, behind
 
 #: What several mentions have in common: a robot and a name in it, or the module of a source.
 _Key: TypeAlias = tuple[str, str]
@@ -72,7 +72,7 @@ def same_module(scene: Scene, mention: Mention) -> tuple[tuple[Place, Mention], 
 
 
 def _keys(
-    robot: Robot, file: File, mention: Mention, annotated: set[str], blocks: set[str]
+    robot: EditorRobot, file: File, mention: Mention, annotated: set[str], blocks: set[str]
 ) -> Iterator[_Key]:
     """Yield what a mention has in common with others."""
     name = mention.name
@@ -84,10 +84,10 @@ def _keys(
             yield _SOURCES, name
 
 
-def _alone(scene: Scene) -> Robot:
+def _alone(scene: Scene) -> EditorRobot:
     """Return the robot of a file that was not analysed yet."""
     here = scene.here
-    return Robot(here.text.path, (File(here.text.path, "", here.mentions),), {})
+    return EditorRobot(here.text.path, (File(here.text.path, "", here.mentions),), {})
 
 
 def _ports(scene: Scene, mention: Mention) -> Iterator[Place]:

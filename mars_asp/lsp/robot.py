@@ -15,7 +15,7 @@ from mars_asp.lsp.places import Edit, Place, Position
 _NONE: Mapping[str, tuple[str, ...]] = {}
 
 
-class Finding(NamedTuple):
+class EditorFinding(NamedTuple):
     """Something that was found: what `check` and `rules lint` print of it, and where.
 
     `title` is what `explain` calls it, `kind(subject)`, of those that have an explanation; `fixes`
@@ -53,7 +53,7 @@ class File(NamedTuple):
     mentions: tuple[Mention, ...]
 
 
-class Robot(NamedTuple):
+class EditorRobot(NamedTuple):
     """The robot of a configuration: its files, the first its own, and its modules by name.
 
     `consequences` are the titles of those that are about each module, `nodes` what synthesis adds
@@ -77,11 +77,11 @@ class Scene:
     """What a question is about: an open text, the robots that it is part of, and open texts."""
 
     here: Outline
-    robots: tuple[Robot, ...] = ()
+    robots: tuple[EditorRobot, ...] = ()
     texts: Mapping[str, str] = field(default_factory=dict)
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[EditorFinding, ...] = ()
 
-    def files(self, robot: Robot) -> Iterator[File]:
+    def files(self, robot: EditorRobot) -> Iterator[File]:
         """Yield the files of a robot, open ones as they are now."""
         for file in robot.files:
             written = self.texts.get(file.path)
@@ -90,7 +90,7 @@ class Scene:
             else:
                 yield file._replace(mentions=outline(file.path, written).mentions)
 
-    def found_at(self, position: Position) -> Iterator[Finding]:
+    def found_at(self, position: Position) -> Iterator[EditorFinding]:
         """Yield the findings at a position."""
         return (each for each in self.findings if each.place.range.holds(position))
 

@@ -40,7 +40,7 @@ from mars_asp.lsp.protocol import (
 from mars_asp.lsp.questions import Checked, Failed, Linted, Question, Sort, Survey
 from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename, renamed_range
-from mars_asp.lsp.robot import Finding, Robot
+from mars_asp.lsp.robot import EditorFinding, EditorRobot
 from mars_asp.lsp.rule_text import is_rules
 from mars_asp.lsp.rules import Rules, predicate_definition, predicate_mentions
 from mars_asp.lsp.symbols import module_symbols, predicate_symbols
@@ -155,7 +155,7 @@ class _Server(LanguageServer):
             self._refuse(ClientError(None, types.ErrorCodes.ParseError, message))
         # Where a request is refused, it was answered so.
         elif not isinstance(error, JsonRpcException):
-            told = f"a fault of ours, please report it: {error!r:.300}"
+            told = f"internal error, please report it: {error!r:.300}"
             print(f"mars-asp lsp: {told}", file=sys.stderr, flush=True)
 
     def _refuse(self, error: ClientError) -> None:
@@ -269,7 +269,7 @@ class _Server(LanguageServer):
         await asyncio.sleep(delay)
         sort: Sort = "check" if is_configuration(asked) else "lint" if is_rules(asked) else "source"
         answer = await self._workers.ask(Question(sort, asked, self._desk.unsaved()))
-        robot: Robot | None = None
+        robot: EditorRobot | None = None
         match answer:
             case Checked():
                 found, robot = answer
@@ -277,7 +277,7 @@ class _Server(LanguageServer):
                 found, self._desk.rules[asked] = answer
             case _:
                 told = f"this was not analysed: {getattr(answer, 'reason', answer)}"
-                found = (Finding(Place(asked, _START), "warning", "lsp", told),)
+                found = (EditorFinding(Place(asked, _START), "warning", "lsp", told),)
         self._stale.discard(asked)
         self._publish(self._desk.take(asked, found, robot))
         if robot is not None and sort == "check":

@@ -33,6 +33,7 @@ from mars_asp.asp.solve.grounding import Grounding, unsolved
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
+from mars_asp.output import brief_repr
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.findings import (
     CONSEQUENCE,
@@ -64,13 +65,19 @@ class LaunchCondition:
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Consequence:
     """One consequence; `spans` are the places it concerns, in the order of the file.
 
     `labels` say something of some of these places, where they were asked for; `effect` is what will
     happen; `trees` are the launch files in which it holds.
+
+    >>> found = load("examples/level0/config.mars").analyse().consequences[0]
+    >>> found.kind, found.subject, found.spans[0].line
+    ('data_divergence', 'SonarMap', 6)
     """
+
+    __repr__ = brief_repr
 
     kind: str
     severity: Severity
@@ -89,13 +96,19 @@ class Consequence:
     is_usual: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Analysis:
     """What the rules derive from facts.
 
     Consequences are read from the grounding when somebody asks, as not every question does. With
     a `subject`, only those that it names are.
+
+    >>> analysis = load("examples/level0/config.mars").analyse()
+    >>> analysis.has_errors, len(analysis.consequences)
+    (False, 3)
     """
+
+    __repr__ = brief_repr
 
     grounding: Grounding
     facts: tuple[Fact, ...]

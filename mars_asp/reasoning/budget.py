@@ -11,7 +11,11 @@ Progress: TypeAlias = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Budget:
-    """What each search gets: so many `seconds`, without end where there is no such number."""
+    """What each search gets: so many `seconds`, without end where there is no such number.
+
+    >>> load("examples/level0/config.mars", budget=Budget(seconds=30)).specification.proven_minimal
+    True
+    """
 
     seconds: float | None = None
     progress: Progress | None = None

@@ -22,11 +22,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mars_asp import __version__
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.language.parse import decode, read_bytes
+from mars_asp.language.toml_text import Places, read_tables
 from mars_asp.model.declarations import NODE_NAMES, PackKind
 from mars_asp.spelling import nearest
-from mars_asp.toml_text import Places, read_tables
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoints
@@ -126,9 +126,7 @@ def find_packs(given: Iterable[Path], problems: list[Diagnostic]) -> tuple[Pack,
             problems += _empty(path)
         elif path.name == MANIFEST and path.is_file():
             message, advice = f"`{path}` is a manifest", f"give its folder, `{path.parent}`"
-            problems.append(
-                Diagnostic(_CODE, "error", message, point(str(path), 1, 1), help=advice)
-            )
+            problems.append(Diagnostic(_CODE, "error", message, whole_file(str(path)), help=advice))
         elif path.is_file():
             if _is_new(path, seen):
                 loose.setdefault(path.parent, []).append(PackFile(path, "base"))
@@ -239,7 +237,7 @@ def _missing_path(path: Path) -> Diagnostic:
     advice = f"did you mean the installed pack `{near}`?" if near else None
     if known and advice is None:
         advice = f"installed packs are {', '.join(f'`{each}`' for each in known)}"
-    return Diagnostic("rules-missing", "error", message, point(str(path), 1, 1), help=advice)
+    return Diagnostic("rules-missing", "error", message, whole_file(str(path)), help=advice)
 
 
 def _empty(folder: Path) -> Iterator[Diagnostic]:
@@ -254,7 +252,7 @@ def _empty(folder: Path) -> Iterator[Diagnostic]:
         advice = f"folders such as `{named[0]}` need a manifest beside them, `{MANIFEST}`"
     else:
         advice = f"a pack is a folder of `.lp` files, or has a manifest, `{MANIFEST}`"
-    place = point(str(folder), 1, 1)
+    place = whole_file(str(folder))
     yield Diagnostic("rules-missing", "error", f"`{folder}` holds no rules", place, help=advice)
 
 
@@ -276,7 +274,7 @@ def _stray(folder: Path) -> Iterator[Diagnostic]:
             near = nearest(each.name, FOLDERS)
             known = f"did you mean `{near}`?" if near else f"one of {', '.join(FOLDERS)}"
             message = f"the rules in `{each.name}` belong to no stage"
-            yield Diagnostic(_CODE, "error", message, point(str(each), 1, 1), help=known)
+            yield Diagnostic(_CODE, "error", message, whole_file(str(each)), help=known)
 
 
 def _manifest(path: Path, problems: list[Diagnostic]) -> Manifest | None:

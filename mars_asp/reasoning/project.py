@@ -1,5 +1,6 @@
 """A configuration together with the sources that describe its modules."""
 
+import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.atoms import Atom, Fact
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, whole_file
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import plain_lines, read_text
 from mars_asp.model.declarations import (
@@ -25,7 +26,7 @@ from mars_asp.model.described import described_modules
 from mars_asp.model.graph import LaunchTree
 from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
-from mars_asp.output import encodable
+from mars_asp.output import brief_repr, encodable
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.index import Lookup
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
 _HERE = Path()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Project:
     """A configuration, the modules described for it, and what is noteworthy about their files.
 
@@ -54,7 +55,13 @@ class Project:
     are the texts of the configuration's own module blocks. `brought` is what rule packs bring
     besides rules, `None` until they are known; `attributes` are facts that they have names for.
     `included` are the texts of included files by path, `trees` those of launch files.
+
+    >>> project = load_project("examples/level0/config.mars")
+    >>> len(project.configuration.modules)
+    8
     """
+
+    __repr__ = brief_repr
 
     configuration: Configuration
     modules: Mapping[str, Module]
@@ -73,7 +80,11 @@ class Project:
         return self.configuration.format
 
 
-def load_project(path: str, sources: Sequence[str] = (), text: str | None = None) -> Project:
+def load_project(
+    path: str | os.PathLike[str],
+    sources: Sequence[str | os.PathLike[str]] = (),
+    text: str | None = None,
+) -> Project:
     """Read a `.mars` file and the annotated sources that it and `sources` name.
 
     `text` replaces the file's content, as it does for standard input. Paths of `@sources` are
@@ -81,9 +92,12 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
 
     Raises:
         MarsError: syntax errors of the file, and sources that are missing or wrongly annotated.
+
+    >>> load_project("examples/level0/config.mars").configuration.architecture
+    'hierarchical'
     """
     text = read_text(Path(path)) if text is None else plain_lines(text)
-    return described(parse_text(text, path), text, sources)
+    return described(parse_text(text, os.fspath(path)), text, [os.fspath(s) for s in sources])
 
 
 def described(
@@ -121,7 +135,7 @@ def described(
         paths += matches
     for argument in sources:
         advice = "paths of `--sources` are relative to the current folder"
-        place = point(argument, 1, 1)
+        place = whole_file(argument)
         given = _found(argument, _missing(argument, place, advice), problems)
         named_at = {path: place for path, place in named_at.items() if path not in given}
         paths += given

@@ -122,6 +122,9 @@ def load_rulebook(
     Raises:
         MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and
             packs that derive or mean what is not theirs.
+
+    >>> load_rulebook().by_id["data/divergence"].because
+    '`{S}` delivers data to {N} receivers{T}'
     """
     problems: list[Diagnostic] = []
     following = (FOLLOWING[stage] for stage in stages if stage in FOLLOWING)
@@ -293,6 +296,15 @@ def _read(file: _File, strict: bool) -> _Read:
 def _named(text: str) -> tuple[tuple[Signature, ...], frozenset[str]]:
     """Return the predicates that a text declares, and the names of its constants."""
     return tuple(sorted(defined(text))), frozenset(constant_names(text))
+
+
+def is_rule_base(path: Path) -> bool:
+    """Whether a path is the folder of the built-in rules, a copy of it, or in it."""
+    root = rules_directory()
+    if path.resolve().is_relative_to(root.resolve()):
+        return True
+    pairs = ((path / each.relative_to(root), each) for each in root.rglob("*.lp"))
+    return all(one.is_file() and one.read_bytes() == own.read_bytes() for one, own in pairs)
 
 
 def _files(stages: Iterable[str]) -> list[_File]:

@@ -5,7 +5,7 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -13,9 +13,11 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Resolution
 from mars_asp.model.declarations import Configuration
+from mars_asp.output import brief_repr
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.project import Project, project_facts, with_brought
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis import Derived, Introduced
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 
@@ -57,17 +59,23 @@ class Evidence:
         return "explainer" in self.__dict__
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Reasoner:
     """A project and the rules that it is judged by; everything is found once, when it is needed.
 
     When the `budget` is spent the best specification so far is taken. What explains asks for no
     more answers on its grounding, so consequences that were explained are grounded anew where a
     specification is wanted, once.
+
+    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
+    >>> len(reasoner.synthesis.specification.nodes)
+    3
     """
 
+    __repr__ = brief_repr
+
     project: Project
-    rulebook: Rulebook
+    rulebook: Rulebook = field(default_factory=load_rulebook)
     budget: Budget = ENDLESS
 
     def __post_init__(self) -> None:

@@ -89,7 +89,7 @@ def test_a_template_passes_its_lint_and_its_cases(
     assert run_here(["test", "wheel-slip", "--coverage", "--mutate", "--jobs", "1"]) == 0
     told = capsys.readouterr().out.splitlines()
     assert told[-4:] == [
-        "nothing wrong",
+        "no problems found",
         "4 passed, 0 failed",
         "coverage of wheel-slip: 4 of 4 rules fire in a case",
         "mutants of wheel-slip: 4 of 4 are noticed by a case",

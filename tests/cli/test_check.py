@@ -69,9 +69,10 @@ def test_json_keeps_each_finding_of_instances(capsys: pytest.CaptureFixture[str]
 
 
 def heads(told: str) -> list[str]:
-    """Return the lines of diagnostics that name a place, up to their severity."""
-    lines = (line for line in told.splitlines() if re.match(r"\S+:\d+:\d+: ", line))
-    return [": ".join(line.split(": ")[:2]) for line in lines]
+    """Return the diagnostics up to their severity; those without a line up to their path."""
+    lines = (line for line in told.splitlines() if re.match(r"(\S+:\d+:\d+|mars-asp): ", line))
+    parts = (line.split(": ") for line in lines)
+    return [": ".join(each[: 3 if each[0] == "mars-asp" else 2]) for each in parts]
 
 
 def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
@@ -83,10 +84,10 @@ def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
     shown = capsys.readouterr()
     assert heads(shown.out) == [
         "bad.mars:2:12: error",
-        "missing.mars:1:1: error",
+        "mars-asp: error: missing.mars",
         "twice.mars:4:1: warning",
         "twice.mars:7:1: warning",
-        "empty:1:1: error",
+        "mars-asp: error: empty",
         "choice.mars:3:1: error",
     ]
     assert shown.err == (
@@ -375,7 +376,7 @@ def test_findings_go_to_standard_error_where_the_output_is_a_text_or_a_baseline(
     assert heads(done.stderr) == ["<stdin>:3:1: error"]
     done = mars("check", "-", "--write-baseline", "-", text=BAD)
     assert (done.returncode, done.stdout) == (2, "")
-    assert heads(done.stderr) == ["<stdin>:2:12: error", "-:1:1: error"]
+    assert heads(done.stderr) == ["<stdin>:2:12: error", "mars-asp: error: -"]
     done = mars("check", "--fix", "-", "--format", "json", text=TWICE)
     document = json.loads(done.stdout)
     assert document["files"][0]["text"] == ONCE
@@ -450,3 +451,55 @@ def test_statistics_are_a_line_a_kind(robots: Path, capsys: pytest.CaptureFixtur
     assert capsys.readouterr().out == "1 syntax\n"
     assert run_here([*words, "--format", "json"]) == 2
     assert "leave out `--format json`" in capsys.readouterr().err
+
+
+def test_standard_input_has_the_locations_and_settings_of_a_name(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (robots / "sub").mkdir()
+    (robots / "sub" / "mars.toml").write_text('ignore = ["duplicate_relationship"]\n')
+    done = mars("check", "-", "--stdin-filename", "sub/new.mars", text=TWICE, folder=robots)
+    assert "duplicate_relationship" not in done.stdout
+    done = mars("check", "-", "--stdin-filename", "new.mars", text=TWICE, folder=robots)
+    assert done.stdout.startswith("new.mars:4:1: warning: ")
+    done = mars("fmt", "--check", "-", "--stdin-filename", "new.mars", text=BAD, folder=robots)
+    assert done.stderr.startswith("new.mars:2:12: error: ")
+    assert run_here(["check", "clean.mars", "--stdin-filename", "new.mars"]) == 2
+    assert "add `-`" in capsys.readouterr().err
+
+
+def test_a_difference_shows_repairs_and_writes_nothing(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", "--diff", "twice.mars", "clean.mars"]) == 1
+    output = capsys.readouterr()
+    assert output.out.startswith("--- twice.mars\n+++ twice.mars\n@@ ")
+    removed = [line for line in output.out.splitlines()[3:] if line.startswith("-")]
+    assert removed == ["-Base is_controlled_by B 1", "-B uses_data_from C"]
+    assert output.err == ""
+    assert (robots / "twice.mars").read_text() == TWICE
+    assert run_here(["check", "--diff", "clean.mars"]) == 0
+    assert capsys.readouterr().out == ""
+    assert run_here(["check", "--diff", "bad.mars", "twice.mars"]) == 2
+    output = capsys.readouterr()
+    assert output.out.startswith("--- twice.mars\n")
+    assert output.err.startswith("bad.mars:2:12: error: ")
+    done = mars("check", "--diff", "-", text=TWICE)
+    assert (done.returncode, done.stdout[:12]) == (1, "--- <stdin>\n")
+    assert run_here(["check", "--diff", "--format", "json", "twice.mars"]) == 2
+    assert "--diff prints a unified diff" in capsys.readouterr().err
+
+
+def test_an_error_without_a_line_names_its_file_once(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", "nope.mars"]) == 2
+    assert capsys.readouterr().out == "mars-asp: error: nope.mars: no such file\n"
+    assert run_here(["check", "nope.mars", "--format", "full"]) == 2
+    assert capsys.readouterr().out == "mars-asp: error: nope.mars: no such file\n"
+    assert run_here(["check", "nope.mars", "--format", "json"]) == 2
+    found = json.loads(capsys.readouterr().out)["findings"][0]
+    assert (found["path"], found["line"], found["column"]) == ("nope.mars", None, None)
+    for name in ("sarif", "junit", "gitlab", "github"):
+        assert run_here(["check", "nope.mars", "--format", name]) == 2
+        assert ":1:1" not in capsys.readouterr().out

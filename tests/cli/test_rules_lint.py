@@ -40,7 +40,7 @@ def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 def test_lint_has_nothing_against_our_own_rules(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["rules", "lint"]) == 0
-    assert capsys.readouterr().out == "nothing wrong\n"
+    assert capsys.readouterr().out == "no problems found\n"
 
 
 def test_a_wrong_declaration_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -61,7 +61,7 @@ def test_fixes_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     pack = tmp_path / "pack.lp"
     pack.write_text("% größer\nodd(M) :- class(M, sensr), guard(M), guard(M). #show odd/1.\n")
     assert run_here(["rules", "lint", "--fix", str(pack)]) == 0
-    assert capsys.readouterr().out == "corrected: 2\nnothing wrong\n"
+    assert capsys.readouterr().out == "corrected: 2\nno problems found\n"
     assert pack.read_text() == "% größer\nodd(M) :- class(M, sensor), guard(M). #show odd/1.\n"
     assert run_here(["rules", "lint", "--fix"]) == 2
     assert "`--fix` has an effect only on `lint` with a pack" in capsys.readouterr().err
@@ -118,7 +118,7 @@ def test_what_a_pack_needs_is_found_beside_it(
     top = pack_in(tmp_path, "top", '"base"', "near(M) :- module(M), not far(M).\n#show near/1.\n")
     # Of the pack that is needed itself nothing is told.
     assert run_here(["rules", "lint", str(top)]) == 0
-    assert capsys.readouterr().out == "nothing wrong\n"
+    assert capsys.readouterr().out == "no problems found\n"
     assert run_here(["rules", "doc", str(top)]) == 0
     assert run_here(["rules", "lint", str(tmp_path / "base")]) == 0
     assert "never `sensr`" in capsys.readouterr().err

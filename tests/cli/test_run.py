@@ -154,11 +154,11 @@ def test_a_violated_requirement_is_status_1(
     assert run_command(words) == 1
     out = " ".join(capfd.readouterr().out.split())
     assert "VIOLATED clearance" in out
-    assert "mm, and 3 m is required [run/run/clearance]" in out
+    assert "mm, and 3 m is required [run/clearance]" in out
     assert f"s.toml:{len(text.splitlines())} clearance = 3000" in out
     assert run_command([*words, "--format", "json"]) == 1
     trace, *_ = json.loads(capfd.readouterr().out)["traces"]
-    assert trace["rule"]["id"] == "run/run/clearance"
+    assert trace["rule"]["id"] == "run/clearance"
     asked, observed = trace["premises"]
     assert (asked["atom"], asked["kind"]) == ("asked(clearance)", "given")
     assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", 0.0, None)

@@ -10,7 +10,7 @@ import pytest
 
 from mars_asp.cli import run_command, run_here
 from mars_asp.cli.schemas import explain_schema
-from mars_asp.cli.trace_document import write_topics
+from mars_asp.cli.trace_document import topics_text
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import Explanation, explain
 from mars_asp.reasoning.rules import load_rulebook
@@ -28,7 +28,7 @@ def explained(path: str, every: bool) -> Explanation:
 
 def written(answer: Explanation, form: str) -> str:
     parts: list[str] = []
-    write_topics(answer.subject, answer.topics, form, parts.append)
+    parts += topics_text(answer.subject, answer.topics, form)
     return "".join(parts)
 
 

@@ -28,6 +28,8 @@ from tests.support.documents import ROOT
 PICTURES = ROOT / "docs" / "pictures"
 #: Pictures that were looked at, with what they show.
 GOLDEN = {
+    "figure04": "examples/figure04-divergence/config.mars",
+    "figure05": "tests/specifications/figure04-divergence.mars",
     "level0": "examples/level0/config.mars",
     "level0-specification": "tests/specifications/level0.mars",
     "mobile-camera": "examples/mobile-camera/config.mars",

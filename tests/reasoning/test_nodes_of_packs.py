@@ -1,7 +1,8 @@
 """Nodes that rule packs bring: specifications written by hand, and what is wrong with others.
 
 Each case of `tests/node_kinds` is a configuration with the specification that it should give,
-beside it, written from the meaning of `docs/writing-rules.md`. Its first line names its packs.
+beside it, written from the meaning of `docs/how-to/writing-rules.md`. Its first line names its
+packs.
 """
 
 from collections.abc import Iterator

@@ -207,7 +207,7 @@ def test_a_synthesis_is_judged_without_packs(
     assert run_here(["synthesise", ROBOT]) == 2
     printed, told = capsys.readouterr()
     assert not printed
-    assert "a fault of ours, please report it: " in told
+    assert "internal error, please report it: " in told
     project = load_project(ROBOT)
     analysis = analyse(project_facts(project), lying, project.configuration.span)
     assert verify(project.configuration, project, lying, analysis.grounding)

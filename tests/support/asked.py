@@ -13,7 +13,7 @@ from mars_asp.cli import run_here
 from mars_asp.cli.arguments import parser_of
 from mars_asp.cli.lsp_answers import answer
 from mars_asp.lsp.questions import Question, Sort
-from mars_asp.lsp.robot import Finding
+from mars_asp.lsp.robot import EditorFinding
 
 #: Where something is, in lines and UTF-16 units from 0, and what is told of it.
 Told: TypeAlias = tuple[
@@ -76,7 +76,7 @@ def _units(path: str, line: int, column: int) -> tuple[int, int]:
     return line - 1, sum(2 if ord(each) > 0xFFFF else 1 for each in before)
 
 
-def told_of(found: tuple[Finding, ...]) -> list[Told]:
+def told_of(found: tuple[EditorFinding, ...]) -> list[Told]:
     """Return what a worker finds, in the same form."""
     return sorted(
         (

@@ -107,7 +107,7 @@ def _counted(lines: Sequence[str], sentence: str, cited: Set[int]) -> frozenset[
 def uncited(text: str, path: str = "config.mars") -> Iterator[str]:
     """Yield the causes to which an answer does not lead, with the answer.
 
-    `docs/explanation/traces.md` defines causes, and when an answer leads to a line.
+    `docs/decisions/traces.md` defines causes, and when an answer leads to a line.
     """
     lines = text.splitlines(keepends=True)
     before, _ = _answers(text, path)

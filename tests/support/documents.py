@@ -1,6 +1,7 @@
 """Commands in Markdown: what stands behind `$ ` in a `console` block, and what it prints."""
 
 import io
+import json
 import os
 import re
 import shlex
@@ -8,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
+from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -78,6 +80,57 @@ def _run_script(words: list[str], folder: Path) -> str:
         text=True,
     )
     return done.stdout + done.stderr
+
+
+#: A command whose output is JSON, and the block below it.
+JSON = re.compile(r"^`(mars-asp [^`]+)`:\n\n```(jsonl?)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def json_block(command: str, language: str) -> str:
+    """Return the JSON that a command prints, laid out for a page; JSON lines as they are."""
+    from mars_asp.cli import run_here
+
+    words = shlex.split(command)[1:]
+    output, errors = io.StringIO(), io.StringIO()
+    both = words[-1] == "2>&1"
+    here = Path.cwd()
+    try:
+        os.chdir(ROOT)
+        with redirect_stdout(output), redirect_stderr(output if both else errors):
+            run_here(words[:-1] if both else words)
+    finally:
+        os.chdir(here)
+    text = output.getvalue()
+    return text if language == "jsonl" else f"{_laid_out(json.loads(text), 0)}\n"
+
+
+def _laid_out(value: object, indent: int, width: int = 150) -> str:
+    """Return JSON with as many elements in a line as fit, containers that do not on their own."""
+    flat = json.dumps(value, ensure_ascii=False)
+    if len(flat) + indent <= width or not isinstance(value, dict | list) or not value:
+        return flat
+    keys = [f"{json.dumps(key, ensure_ascii=False)}: " for key in value if isinstance(value, dict)]
+    elements = value.values() if isinstance(value, dict) else value
+    text, room = "{" if isinstance(value, dict) else "[", width - indent - 1
+    for key, element in zip_longest(keys, elements, fillvalue=""):
+        part = f"{key}{_laid_out(element, indent + 1)}"
+        first = part.partition("\n")[0]
+        if len(text) == 1 or ("\n" not in part and len(part) + 2 <= room):
+            text += part if len(text) == 1 else f", {part}"
+        else:
+            text, room = f"{text},\n{' ' * (indent + 1)}{part}", width - indent - 1
+        room = -1 if "\n" in part else room - len(first) - 2
+    return text + ("}" if isinstance(value, dict) else "]")
+
+
+def refresh_json(document: Path) -> None:
+    """Write the real output of every command that prints JSON into a document."""
+
+    def block(match: re.Match[str]) -> str:
+        return f"`{match[1]}`:\n\n```{match[2]}\n{json_block(match[1], match[2])}```"
+
+    text = document.read_text(encoding="utf-8")
+    document.write_text(JSON.sub(block, text), encoding="utf-8")
 
 
 def refresh(document: Path) -> None:

@@ -24,9 +24,7 @@ from tests.support.documents import ROOT
 SECRET = "hunter2"
 #: Megabytes and seconds that no command may need.
 MEMORY, SECONDS = 1500, 60
-_WRONG = re.compile(
-    rb"Traceback|fault of ours|internal error|[A-Z][a-z]{1,20}Error\(|reasoner crashed"
-)
+_WRONG = re.compile(rb"Traceback|internal error|[A-Z][a-z]{1,20}Error\(|reasoner crashed")
 FLAT = "@configuration flat\n@modules A, B\nA is_controlled_by B 1\n"
 SCENARIO = (
     'seed = 1\nduration = 1\n[robot]\nmodule = "MobilePlatform"\nradius = {}\n'

@@ -175,7 +175,7 @@ def converse(number: int, seed: int) -> tuple[list[str], float]:
         printed = errors.read()
     if b"Traceback" in printed or b"fault" in printed:
         wrong.append(printed[:3000].decode(errors="replace"))
-    wrong += [f"answered {each[:300]!r}" for each in answers if b"fault of ours" in each][:3]
+    wrong += [f"answered {each[:300]!r}" for each in answers if b"internal error" in each][:3]
     if any(b"hunter2" in each for each in answers):
         wrong.append("printed a secret")
     if used > MEMORY:

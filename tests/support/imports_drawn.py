@@ -45,8 +45,11 @@ def imports_between(folder: Path) -> dict[str, set[str]]:
 def drawing(folder: Path) -> str:
     """Return the rooms of a package and what they import, in the language of Mermaid."""
     imports = imports_between(folder)
-    lines = [f"  {room} --> {other}" for room, other in sorted(_direct(imports))]
-    drawn = {name for line in lines for name in line.split() if name != "-->"}
+    below: dict[str, list[str]] = {}
+    for room, other in sorted(_direct(imports)):
+        below.setdefault(room, []).append(other)
+    lines = [f"  {room} --> {' & '.join(others)}" for room, others in below.items()]
+    drawn = below.keys() | {other for others in below.values() for other in others}
     alone = [f"  {room}" for room in sorted(imports.keys() - drawn)]
     return "\n".join(("flowchart TD", *lines, *alone, ""))
 

@@ -79,8 +79,8 @@ def contained(name: str, options: tuple[str, ...], said: str, seconds: float) ->
         took = time.monotonic() - begun
     last = (told.strip().splitlines() or [f"status {command.returncode}"])[-1]
     end = f"{took:.1f} s, {last:.100}"
-    if "fault of ours" in told or "Traceback" in told:
-        return end, "a fault of ours"
+    if "internal error" in told or "Traceback" in told:
+        return end, "an internal error"
     if took > seconds:
         return end, f"took more than {seconds} s"
     if command.returncode == _ENDED and said not in told and "memory limit" not in told:

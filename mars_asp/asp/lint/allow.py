@@ -26,9 +26,8 @@ def allowed(rules: Iterable[Rule], told: Sequence[Found]) -> Iterator[Found]:
             if allow.code not in CODES:
                 near = nearest(allow.code, CODES)
                 message = f"`{allow.code}` is not a lint"
-                advice = (
-                    f"did you mean `{near}`?" if near else "`docs/reference/lints.md` lists them"
-                )
+                listed = f"the lints are {', '.join(sorted(CODES))}"
+                advice = f"did you mean `{near}`?" if near else listed
                 yield found(ALLOW, message, allow.span, None, advice)
             elif not allow.reason:
                 message = f"`{allow.code}` is allowed without a reason"

@@ -356,7 +356,7 @@ def _reserved(
         message = f"`{signature}` is given, and nothing derives it"
     else:
         message = f"`{name}` has {seal.arities[name]} arguments, not {signature.arity}"
-        advice = "`docs/writing-rules.md` explains each of them"
+        advice = "`mars-asp rules list --predicates` lists those that may be derived"
     elsewhere = seal.elsewhere(signature, stage)
     if elsewhere is not None and not stages:
         advice += f"; this one belongs to `{_folder(elsewhere)}`"

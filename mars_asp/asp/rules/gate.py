@@ -209,8 +209,8 @@ def _closed(text: str, at: int) -> int:
     return len(text) if depth else at
 
 
-def _refused(shown: str, what: str, advice: str, line: int = 1) -> MarsError:
-    return MarsError((_refusal(shown, line, 1, what, advice),))
+def _refused(shown: str, what: str, advice: str, line: int = 0) -> MarsError:
+    return MarsError((_refusal(shown, line, min(line, 1), what, advice),))
 
 
 def _refusal(shown: str, line: int, column: int, what: str, advice: str) -> Diagnostic:

@@ -33,9 +33,9 @@ _CONTINUED = re.compile(r"%!\s{4,}(\S.*)")
 
 
 def file_name(shown: str, stage: str) -> str:
-    """Return what the ids of the rules in a file begin with."""
+    """Return the first part of the ids of the rules in a file, which repeats no name."""
     stem = Path(shown).stem
-    return stem if stage == "base" else f"{stage}/{stem}"
+    return stem if stage in ("base", stem) else f"{stage}/{stem}"
 
 
 def rules_of(

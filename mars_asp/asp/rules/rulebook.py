@@ -15,6 +15,7 @@ from mars_asp.asp.rules.premises import fragment_of, premises_of
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import renamed, replaced
 from mars_asp.asp.signature import SPACE, Signature, plain
+from mars_asp.output import brief_repr
 
 #: The stage of what follows from the facts alone.
 BASE = "base"
@@ -22,14 +23,19 @@ BASE = "base"
 _Text: TypeAlias = tuple[str, str]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Rulebook:
     """All rules, in the order of their files, and the texts that clingo is given.
 
     The stage of a file in `rules/` is `base`, in a folder below it the folder's name. The last
     `packs` texts and `pack_rules` rules are from elsewhere. `paths` are those of
     the texts, as they are shown. `documented` says of each what it declares of predicates.
+
+    >>> load_rulebook().by_id["data/divergence"].span.path
+    'rules/data.lp'
     """
+
+    __repr__ = brief_repr
 
     rules: tuple[Rule, ...]
     texts: tuple[_Text, ...]

@@ -26,7 +26,7 @@ from mars_asp.asp.solve.optimum import (
     optimise,
 )
 from mars_asp.asp.solve.term_ids import Labelled, TermId, as_symbol, labelled, state
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 
 # What is least is found component by component; the whole is never minimised.
 _OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined", "--opt-mode=ignore")
@@ -239,7 +239,7 @@ class Grounding:
             "rules-refused",
             "error",
             f"clingo refuses the rules: {details}",
-            point("rules", 1, 1),
+            whole_file("rules"),
             help="run `mars-asp rules lint` on your rule files",
         )
         return MarsError(found or (whole,))

@@ -18,7 +18,7 @@ from mars_asp.asp.trace.tree import Absent, Attempt, Missing, Trace, bindings_of
 Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
 
 
-def why_not(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing | Absent:
+def explain_absence(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing | Absent:
     """Return what keeps an atom from holding; holes of the pattern are any value.
 
     Each level below is one more grounding, or two; at most `depth` of them are asked for.

@@ -16,6 +16,7 @@ from mars_asp.asp.solve.atoms import Atom
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
 from mars_asp.asp.trace.sentences import Sentences, Told
 from mars_asp.diagnostic import Span
+from mars_asp.output import brief_repr
 
 
 class Words(NamedTuple):
@@ -36,12 +37,18 @@ class Words(NamedTuple):
         return Atom(name, tuple(map(term_of, symbol.arguments)))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Given:
     """A fact and where it comes from; no place where nobody knows it.
 
     What was computed has the place of what it was computed from.
+
+    >>> trace = Given("edge(a,b)", Span("graph.lp", 12, 1, 12, 11))
+    >>> trace.span.line
+    12
     """
+
+    __repr__ = brief_repr
 
     atom: str
     span: Span | None
@@ -74,12 +81,17 @@ class Given:
         return instant / 1000 if isinstance(instant, int) else None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Absent:
     """A premise `not atom` that holds because the atom does not; `_` stands for anything.
 
     Of an external, `external` is the place of its statement.
+
+    >>> Absent("edge(b,a)").atom
+    'edge(b,a)'
     """
+
+    __repr__ = brief_repr
 
     atom: str
     words: Words | None = field(default=None, compare=False, repr=False)
@@ -108,7 +120,7 @@ def _absence(atom: str, words: Words | None) -> str:
     return words.sentences.unless(pattern) or f"no {name}{of}"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Derived:
     """An atom that one firing of a rule gives.
 
@@ -119,7 +131,14 @@ class Derived:
     `others` are the other derivations of the atom, where they were asked for: all firings of which
     the premises stand without the atom. Premises alone never lead back to the atom; those of
     `others` can, for each has a derivation without it, but the one of least height may be another.
+
+    >>> from mars_asp.asp import Program
+    >>> trace = Program.from_text("edge(a,b). reach(Y) :- edge(a,Y).").solve().why("reach(b)").trace
+    >>> trace.atom, trace.premises[0].atom
+    ('reach(b)', 'edge(a,b)')
     """
+
+    __repr__ = brief_repr
 
     head: TermId
     rule: Rule
@@ -181,12 +200,19 @@ class Attempt:
     held: tuple["Trace", ...] = ()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Missing:
     """An atom that does not hold, with the nearest that each rule comes; `_` is any value.
 
     `followed` is false where no more was asked, as beyond a depth.
+
+    >>> from mars_asp.asp import Program
+    >>> answer = Program.from_text("edge(a,b). reach(Y) :- edge(a,Y).").solve()
+    >>> answer.why_not("reach(c)").trace.atom
+    'reach(c)'
     """
+
+    __repr__ = brief_repr
 
     atom: str
     attempts: tuple[Attempt, ...]

@@ -7,7 +7,7 @@ from functools import cache, partial
 from itertools import chain, takewhile
 from pathlib import Path
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
 from mars_asp.exchange.graph import joined, united
 from mars_asp.exchange.recognise import is_launch, recognised
@@ -498,7 +498,7 @@ class _Robot:
                 near = nearest(name, names)
                 message = f"`{name}` is not a launch file of `{self.workspace.named}`"
                 help_text = f"did you mean `{near}`?" if near else "`check -v` lists them"
-            place = point("--launch", 1, 1)
+            place = whole_file("--launch")
             problems.append(
                 Diagnostic("launch", "error", message, place, help=help_text, excerpt="")
             )

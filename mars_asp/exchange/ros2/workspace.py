@@ -14,7 +14,7 @@ from itertools import chain
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
 from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
 from mars_asp.exchange.ros2.cmake import (
     Installed,
@@ -178,7 +178,7 @@ class Workspace:
         if len(text) > MOST_BYTES:
             message = f"the file has more than {MOST_BYTES} characters, which no launch file needs"
             help_text = "name the launch file that starts the robot"
-            place = point(path, 1, 1)
+            place = whole_file(path)
             raise MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
         there = Path(path).exists()
         # What the user names is read, wherever it is linked to.
@@ -231,7 +231,7 @@ class Workspace:
                         self._own.add(path)
             if len(found) > _MOST_FILES:
                 sort = f"files of a folder with more than {_MOST_FILES}, beyond those,"
-                self.unread.append(Unread(sort, self.named, point(self.named, 1, 1)))
+                self.unread.append(Unread(sort, self.named, whole_file(self.named)))
                 break
         return tuple(found)
 
@@ -243,7 +243,7 @@ class Workspace:
         """Whether a path is a link that leads out of the workspace, or nowhere; it is noted."""
         if not path.is_symlink() or self._inside(path) is not None:
             return False
-        place = point(self.shown(path), 1, 1)
+        place = whole_file(self.shown(path))
         self.unread.append(Unread("links out of the workspace", path.name, place))
         return True
 

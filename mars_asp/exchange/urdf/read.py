@@ -8,7 +8,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 from mars_asp.exchange.unread import notes
 from mars_asp.exchange.urdf.angles import (
     QUARTER,
@@ -92,7 +92,7 @@ def import_urdfs(files: Sequence[tuple[str, str]]) -> Parsed:
     (text, path), *others = files
     if others:
         message = f"`{others[0][1]}` is a second document, and a robot has one in URDF"
-        place = point(others[0][1], 1, 1)
+        place = whole_file(others[0][1])
         raise MarsError((Diagnostic("usage", "error", message, place, help="give one at a time"),))
     found = import_urdf(text, path)
     configuration = replace(found.configuration, architecture="hierarchical")

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.urdf.angles import OPEN, roll_pitch_yaw
-from mars_asp.kinematics.frames import Matrix, Robot, build_robot
+from mars_asp.kinematics.frames import KinematicTree, Matrix, build_robot
 from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Function, Module, Mount
 
 _AXES = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
@@ -51,7 +51,7 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
 
 
 def _obstacles(
-    configuration: Configuration, mounts: Sequence[Mount], body: Robot, roots: Sequence[str]
+    configuration: Configuration, mounts: Sequence[Mount], body: KinematicTree, roots: Sequence[str]
 ) -> Iterator[Diagnostic]:
     """Yield what keeps mounts from being one tree."""
     seen: set[str] = set()

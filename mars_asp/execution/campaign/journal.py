@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.execution.campaign.grid import Run, run_name
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED, PASS
-from mars_asp.toml_text import unusable_part
+from mars_asp.language.toml_text import unusable_part
 
 FORMAT, VERSION = "mars-campaign", 1
 #: What else of a run is compared and counted.

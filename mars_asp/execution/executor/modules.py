@@ -97,7 +97,7 @@ class Algorithm:
             latest.append(None)
         if pulled:
             self.pulled.append((index, link))
-            return lambda message: self.answer(index, message)
+            return lambda message: self.keep_pulled(index, message)
         queue, run, unread, dropped = self.queue, self.run, self.unread, link.dropped
 
         def keep(message: Message) -> None:
@@ -116,7 +116,7 @@ class Algorithm:
 
         return trigger if self.triggered else keep
 
-    def answer(self, index: int, message: Message) -> None:
+    def keep_pulled(self, index: int, message: Message) -> None:
         """Keep what was pulled; go on with the run that waited for it."""
         self.latest[index] = message.value
         self.unheard.discard(index)

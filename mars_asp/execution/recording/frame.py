@@ -10,7 +10,7 @@ from mars_asp.draw.shapes import text_width
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.schedule import SECOND
 from mars_asp.execution.judgement import Judgement
-from mars_asp.execution.scenario.read import Robot
+from mars_asp.execution.scenario.read import ScenarioRobot
 from mars_asp.execution.trial import Trial
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666")
@@ -109,7 +109,7 @@ class Frame:
         """Return from when until when (s) a robot obeyed whom."""
         return tuple(span for robot in self.trial.scenario.robots for span in self.held_by(robot))
 
-    def held_by(self, robot: Robot) -> Iterator[tuple[float, float, str]]:
+    def held_by(self, robot: ScenarioRobot) -> Iterator[tuple[float, float, str]]:
         """Yield from when until when (s) one robot obeyed whom."""
         for since, until, name, _ in self.trial.commands(robot):
             if name:

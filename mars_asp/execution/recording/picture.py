@@ -8,7 +8,7 @@ from mars_asp.execution.judgement import Judgement
 from mars_asp.execution.recording.frame import MARGIN, SIZE, TEXT, Frame
 from mars_asp.execution.recording.lanes import draw_lanes
 from mars_asp.execution.recording.signs import Signs, draw_goals, draw_head, draw_list, draw_signs
-from mars_asp.execution.scenario.read import Robot
+from mars_asp.execution.scenario.read import ScenarioRobot
 from mars_asp.execution.simulator import Body
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
@@ -70,7 +70,7 @@ def _circle(frame: Frame, cx: float, cy: float, radius: float, look: str) -> str
     return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius * frame.scale:.1f}" {look}/>'
 
 
-def _way(frame: Frame, robot: Robot, body: Body) -> Iterator[str]:
+def _way(frame: Frame, robot: ScenarioRobot, body: Body) -> Iterator[str]:
     """Yield a line for each stretch of the way in which a robot obeyed one module."""
     left = frame.held_by(robot)
     span = next(left, None)

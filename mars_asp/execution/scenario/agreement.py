@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.scenario.functions import bound_functions, converting
-from mars_asp.execution.scenario.read import Robot, Scenario
+from mars_asp.execution.scenario.read import Scenario, ScenarioRobot
 from mars_asp.execution.scenario.vary import CHANGED
 from mars_asp.model.declarations import MOTION_FUNCTIONS, node_kind
 from mars_asp.spelling import nearest
@@ -89,7 +89,7 @@ def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[
     return None
 
 
-def _unfit(plan: Plan, robot: Robot) -> Iterator[Diagnostic]:
+def _unfit(plan: Plan, robot: ScenarioRobot) -> Iterator[Diagnostic]:
     """Yield what is wrong with a robot that cannot move: a plan knows a module's own kind."""
     name = robot.module
     kind = plan.kind(name).replace("_", " ")

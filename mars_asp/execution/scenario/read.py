@@ -12,14 +12,14 @@ from mars_asp.execution.scenario.schema import mistakes
 from mars_asp.execution.scenario.vary import CHANGED, UNCHANGED, Changes, changed, switched_off
 from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.language.parse import decode, read_bytes
-from mars_asp.toml_text import Places, read_tables
+from mars_asp.language.toml_text import Places, read_tables
 
 #: Whoever mends these reads no more.
 _MOST_PROBLEMS = 200
 
 
 @dataclass(frozen=True, slots=True)
-class Robot:
+class ScenarioRobot:
     """A robot: the effector that moves it, and what is asked of it; mm, degrees, s.
 
     `start` is forward, side and heading; `acceleration` and `deceleration` are by function.
@@ -52,14 +52,14 @@ class Scenario:
     up: str = "y"
     command_timeout: float = 500.0
     world: Mapping[str, Any] = field(default_factory=dict)
-    robots: tuple[Robot, ...] = ()
+    robots: tuple[ScenarioRobot, ...] = ()
     devices: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     bindings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     faults: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     requirements: Mapping[str, Any] = field(default_factory=dict)
     places: Mapping[str, Span] = field(default_factory=dict)
 
-    def called(self, robot: Robot) -> str:
+    def called(self, robot: ScenarioRobot) -> str:
         """Return what a sentence calls a robot: one of several by its name."""
         return "the robot" if len(self.robots) == 1 else f"`{robot.name}`"
 
@@ -131,7 +131,7 @@ def _robot(
     reach: Mapping[str, Any] | None,
     placed: Callable[..., Span],
     path: tuple[str | int, ...],
-) -> Robot:
+) -> ScenarioRobot:
     """Return a checked robot; `name` is that of one without a name of its own."""
     settings = {key: value for key, value in table.items() if key not in ("name", "start")}
     x, y, heading = map(float, table.get("start", (0, 0, 0)))
@@ -139,7 +139,7 @@ def _robot(
     for key in ("limits", "acceleration", "deceleration"):
         stated = table.get(key, ())
         places |= {f"{key}.{function}": placed(*path, key, function) for function in stated}
-    return Robot(
+    return ScenarioRobot(
         table.get("name", name),
         span=placed(*path),
         start=(x, y, heading),
@@ -149,7 +149,7 @@ def _robot(
 
 
 def _unclear(
-    robots: Sequence[Robot], reach: bool, places: Mapping[str, Span]
+    robots: Sequence[ScenarioRobot], reach: bool, places: Mapping[str, Span]
 ) -> Iterator[Diagnostic]:
     """Yield what leaves open which robot is meant."""
     for key in ("name", "module"):
@@ -169,7 +169,7 @@ def _unclear(
         yield _problem(places["reach"], message, "remove one of them")
 
 
-def _unmoved(robots: Sequence[Robot], up: str) -> Iterator[Diagnostic]:
+def _unmoved(robots: Sequence[ScenarioRobot], up: str) -> Iterator[Diagnostic]:
     """Yield the accelerations of functions that no platform carries out."""
     able = planar_functions(up)
     for robot in robots:

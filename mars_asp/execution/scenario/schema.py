@@ -1,4 +1,4 @@
-"""What may stand in a scenario, as a JSON Schema; `docs/scenarios.md` says what it means."""
+"""The JSON Schema of scenarios; `docs/reference/scenarios.md` gives the meaning of each key."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping

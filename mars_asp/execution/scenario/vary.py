@@ -13,18 +13,18 @@ from math import inf, isfinite
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
-from mars_asp.diagnostic import MarsError, point, refusal
+from mars_asp.diagnostic import MarsError, refusal, whole_file
 from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import Mistake, mistakes
+from mars_asp.language.toml_text import unusable_part
 from mars_asp.output import encodable
 from mars_asp.spelling import nearest
-from mars_asp.toml_text import unusable_part
 
 #: Values by their dotted keys.
 Changes: TypeAlias = Mapping[str, Any]
 UNCHANGED: Changes = MappingProxyType({})
 #: Where values are stated that stand in no scenario.
-CHANGED = point("--vary", 1, 1)
+CHANGED = whole_file("--vary")
 #: What a module is switched by; it is no key of a scenario.
 MODULES = "modules"
 ON, OFF = "on", "off"

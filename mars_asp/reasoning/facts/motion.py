@@ -11,9 +11,9 @@ from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.kinematics.frames import (
     TOLERANCE,
     Joint,
+    KinematicTree,
     Matrix,
     Posture,
-    Robot,
     build_robot,
     generic_posture,
     inverse,
@@ -77,7 +77,7 @@ def frames(
     return {name: (root[name], poses[name][:3]) for name in sorted(robot.order)}
 
 
-def postures(robot: Robot) -> tuple[Posture, tuple[Posture, ...]]:
+def postures(robot: KinematicTree) -> tuple[Posture, tuple[Posture, ...]]:
     """Return a robot at rest, and in the generic postures that are tried."""
     return take_posture(robot), tuple(generic_posture(robot, seed) for seed in _SEEDS)
 
@@ -97,7 +97,7 @@ def scene(
 
 
 def observations(
-    robot: Robot,
+    robot: KinematicTree,
     name: str,
     rest: Posture,
     generic: tuple[Posture, ...],
@@ -175,7 +175,7 @@ def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str
             yield functions[index], tuple(joints[column].function for column in shared)
 
 
-def _supports(robot: Robot, name: str, free: Matrix, alone: Set[str]) -> Iterator[Atom]:
+def _supports(robot: KinematicTree, name: str, free: Matrix, alone: Set[str]) -> Iterator[Atom]:
     """Add the sets of fewest and nearest carriers that give together what none does alone."""
     distance = {ancestor: n for n, ancestor in enumerate(robot.ancestors(name), 1)}
     providers = [ancestor for ancestor in distance if robot.joints[ancestor]]
@@ -200,7 +200,7 @@ def _supports(robot: Robot, name: str, free: Matrix, alone: Set[str]) -> Iterato
                 yield Atom("shares", (name, function, number, joint.module, joint.function))
 
 
-def _circuits(robot: Robot, name: str, free: Matrix, function: str) -> Iterator[Atom]:
+def _circuits(robot: KinematicTree, name: str, free: Matrix, function: str) -> Iterator[Atom]:
     """Add which motions of several carriers together give a function, with none to spare."""
     joints = [joint for ancestor in robot.ancestors(name) for joint in robot.joints[ancestor]]
     if function not in MOTION_FUNCTIONS:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from mars_asp.asp.solve.atoms import Atom
-from mars_asp.kinematics.frames import Joint, Robot, build_robot
+from mars_asp.kinematics.frames import Joint, KinematicTree, build_robot
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.reasoning.facts.motion import observations, postures, scene
 
@@ -43,7 +43,9 @@ def otherwise(
                 yield from _differences(name, without, kept, then[name])
 
 
-def _changed(robot: Robot, carrier: str) -> Iterator[tuple[Atom, Robot, Set[Joint]]]:
+def _changed(
+    robot: KinematicTree, carrier: str
+) -> Iterator[tuple[Atom, KinematicTree, Set[Joint]]]:
     """Yield a robot without each motion and the mount of a module, and the joints it lacks."""
     joints = robot.joints[carrier]
     for joint in joints:
@@ -56,7 +58,7 @@ def _changed(robot: Robot, carrier: str) -> Iterator[tuple[Atom, Robot, Set[Join
         yield Atom("cut", (carrier,)), replace(robot, carrier=carriers), beyond
 
 
-def _joint_sets(robot: Robot, names: Iterable[str]) -> Mapping[str, _Parts]:
+def _joint_sets(robot: KinematicTree, names: Iterable[str]) -> Mapping[str, _Parts]:
     """Return the motions that make up each function: the first support, which rules choose."""
     rest, generic = postures(robot)
     result = {}

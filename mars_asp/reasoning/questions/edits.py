@@ -1,6 +1,7 @@
 """Edits of a project, as the rules of `rules/repair` propose them, written into its texts.
 
-An edit is a term such as `drop(3)` or `rename("Sonr","Sonar")`; `docs/what-if.md` lists them.
+An edit is a term such as `drop(3)` or `rename("Sonr","Sonar")`; `docs/how-to/what-if.md` lists
+them.
 """
 
 import re

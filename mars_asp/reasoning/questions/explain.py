@@ -19,6 +19,7 @@ from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace.tree import Trace, Unexplained
 from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.described import described_modules
+from mars_asp.output import brief_repr
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import consequence_kinds
@@ -51,14 +52,20 @@ from mars_asp.spelling import nearest
 Sort: TypeAlias = Literal["consequences", "nodes"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Topic:
     """One thing that is explained: a node, a consequence or an atom, which is called `name`.
 
     Its `account` is short, its `trace` complete, and `Unexplained` where none was asked for; an
     atom has a trace alone. `rule` is the id of the rule that gives it, where one is known without
     the trace. A node `resolves` consequences.
+
+    >>> topic = load("examples/level0/config.mars").explain("DataSplitter1").topics[0]
+    >>> topic.sort, topic.resolves
+    ('node', ('data_divergence(SonarMap)',))
     """
+
+    __repr__ = brief_repr
 
     title: str
     name: str
@@ -70,9 +77,16 @@ class Topic:
     trace: Trace
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Explanation:
-    """The answer to a question; `synthesis` is `None` where not all was or could be resolved."""
+    """The answer to a question; `synthesis` is `None` where not all was or could be resolved.
+
+    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
+    >>> len(explain(reasoner).topics)
+    6
+    """
+
+    __repr__ = brief_repr
 
     subject: str | None
     topics: tuple[Topic, ...]
@@ -109,6 +123,10 @@ def explain(
     Raises:
         MarsError: the subject is nothing that could be explained, or does not hold.
         TimeoutError: no specification was found in time.
+
+    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
+    >>> explain(reasoner, "ArbitrationNode").topics[0].resolves
+    ('control_convergence(MobilePlatform)',)
     """
     *others, subject = [None] if subject is None else spaced_subjects(subject, reasoner.rulebook)
     for each in others:

@@ -64,8 +64,8 @@ def explain_findings(
 
 
 def _is_about(finding: Consequence, subject: str) -> bool:
-    """Whether a finding has a kind, subject, participant or place."""
-    names = {finding.kind, f"{finding.kind}({finding.subject})", str(finding.atom)}
+    """Whether a finding has a kind, rule, subject, participant or place."""
+    names = {finding.kind, finding.rule.id, f"{finding.kind}({finding.subject})", str(finding.atom)}
     names |= {finding.subject, *finding.participants}
     places = {f"{span.path}:{span.line}" for span in finding.spans}
     return subject in names or any(

@@ -89,7 +89,7 @@ def _together(steps: Sequence[str]) -> str:
 def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
     resolved = is_resolved(reasoner.rulebook, signature_of(pattern))
     explainer = reasoner.evidence(resolved and reasoner.synthesis is not None).explainer
-    trace: Trace = absence.why_not(explainer, pattern, MOST_LEVELS)
+    trace: Trace = absence.explain_absence(explainer, pattern, MOST_LEVELS)
     attempt: Attempt | None = None
     seen: set[int] = set()
     while isinstance(trace, Missing) and trace.attempts and id(trace) not in seen:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence, Set
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import SPACE
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
@@ -15,6 +15,16 @@ from mars_asp.spelling import nearest
 _MOST_NAMES = 5
 _PREDICATE = re.compile(r"(-?)([a-z_]\w*'*)(?=\()")
 _STRING_OR_VARIABLE = re.compile(r'"(?:[^"\\]|\\.)*"|\b[A-Z_]\w*')
+
+
+class NothingToExplainError(MarsError):
+    """A subject is named rightly, and nothing is there to explain: an answer, and no mistake."""
+
+    @property
+    def sentence(self) -> str:
+        """The answer in one line."""
+        found = self.diagnostics[0]
+        return f"{found.message}; {found.help}" if found.help else found.message
 
 
 def quoted(subject: str, names: Set[str]) -> str:
@@ -65,11 +75,11 @@ def absent_subject(
     if about and about not in names:
         near = nearest(about, names)
         help_text = f"did you mean `{kind}({near})`?" if near else f"write `{kind}(NAME)`"
-        return wrong_subject(project, f"there is no module `{about}`", help_text)
+        return wrong_subject(project, f"unknown module `{about}`", help_text)
     asked = f"`--why-not '{kind}({about or 'NAME'})'`"
     if is_kind:
         message = f"there is no `{subject}` in this configuration"
-        return wrong_subject(project, message, f"{asked} shows why")
+        return _nothing_to_explain(project, message, f"{asked} shows why")
     message = f"`{subject}` is not the name of a node"
     return wrong_subject(project, message, f"{asked} shows why there is one or none")
 
@@ -86,18 +96,22 @@ def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:
 
 
 def unconcerned(subject: str, project: Project) -> MarsError:
-    """Return the error that a module takes part in nothing that could be explained."""
+    """Return the answer that a module takes part in no consequence."""
     help_text = "it takes part in no consequence"
     if project.configuration.kind == "specification":
         help_text += "; a specification resolves them, so ask about the configuration"
-    return wrong_subject(project, f"nothing concerns `{subject}`", help_text)
+    return _nothing_to_explain(project, f"nothing concerns `{subject}`", help_text)
 
 
 def unapplied(converter: str, project: Project) -> MarsError:
-    """Return the error that a converter is declared, and no DataTransformer applies it."""
+    """Return the answer that a converter is declared, and no DataTransformer applies it."""
     message = f"no DataTransformer of the minimal specification applies `{converter}`"
     help_text = "`--alternatives` shows other specifications, which may apply it"
-    return wrong_subject(project, message, help_text)
+    return _nothing_to_explain(project, message, help_text)
+
+
+def _nothing_to_explain(project: Project, message: str, help_text: str) -> MarsError:
+    return NothingToExplainError(wrong_subject(project, message, help_text).diagnostics)
 
 
 def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:
@@ -107,5 +121,5 @@ def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:
 
 def wrong_question(path: str, message: str, help_text: str) -> MarsError:
     """Return an error of a question about a file; no line is quoted, for none shows it."""
-    place = point(path, 1, 1)
+    place = whole_file(path)
     return MarsError((Diagnostic("subject", "error", message, place, help=help_text, excerpt=""),))

@@ -20,7 +20,7 @@ from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import node_names
-from mars_asp.output import listing
+from mars_asp.output import brief_repr, listing
 from mars_asp.reasoning.analysis import Analysis, read_consequences
 from mars_asp.reasoning.findings import CONSEQUENCE, kinds_of
 from mars_asp.reasoning.project import Project, port_names
@@ -66,7 +66,7 @@ MOST_TRIED = 100
 _MOST_NAMED = 4
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class WhyNot:
     """The answer, one sentence: why it is absent, or that it is `present` after all.
 
@@ -76,7 +76,13 @@ class WhyNot:
     cheapest realisation with `offered` costs more, by level; `None` where no realisation has such
     an atom, or where it is nothing that is chosen. `choosable` tells these two apart. `obstacles`
     are the traces of what stands against every specification, where that is why there is nothing.
+
+    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
+    >>> why_not(reasoner, "DataSplitter(Turn)").present
+    False
     """
+
+    __repr__ = brief_repr
 
     subject: str
     answer: str
@@ -105,6 +111,10 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     Raises:
         MarsError: the subject names no predicate, kind, node or constant that there is.
         TimeoutError: no specification was found in time.
+
+    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
+    >>> why_not(reasoner, "DataSplitter(Turn)").to_get
+    'two lines `... uses_data_from Turn`...'
     """
     subject = spaced_subjects(subject, reasoner.rulebook)[-1]
     vocabulary = Vocabulary(reasoner)
@@ -173,7 +183,7 @@ def _answer(reasoner: Reasoner, question: Question, depth: int) -> WhyNot:
     found = _blame(reasoner, question, evidence)
 
     def trace() -> Trace:
-        return _of_named_kind(absence.why_not(evidence.explainer, pattern, depth), pattern)
+        return _of_named_kind(absence.explain_absence(evidence.explainer, pattern, depth), pattern)
 
     start = f"No {question.shown}"
     if question.kind in _CIRCLES and _goes_round(question, evidence.analysis):

@@ -9,7 +9,7 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import NoAnswerError, Resolution
 from mars_asp.asp.solve.optimum import MOST_COST, TooCostlyError
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.project import Project
@@ -123,7 +123,7 @@ def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
             "costs-too-large",
             "error",
             f"costs on level {error.level} that {together}",
-            point("rules", 1, 1),
+            whole_file("rules"),
             help="state smaller weights in the `#minimize` statements of your rule files",
         )
     dearest = max(stated, key=lambda fact: int(str(fact.atom.arguments[4])))

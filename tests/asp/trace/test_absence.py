@@ -4,7 +4,7 @@ import clingo
 import pytest
 
 from mars_asp.asp.trace import Attempt, Missing
-from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.patterns import hole
 from tests.support.programs import explainer_of
 
@@ -12,7 +12,7 @@ from tests.support.programs import explainer_of
 def attempts(program: str, atom: str) -> list[Attempt]:
     found = explainer_of(program)
     assert found is not None
-    trace = why_not(found[0], clingo.parse_term(atom), 9)
+    trace = explain_absence(found[0], clingo.parse_term(atom), 9)
     assert isinstance(trace, Missing)
     return list(trace.attempts)
 
@@ -82,6 +82,6 @@ def test_absence_is_followed_through_rules_and_ends_where_it_turns_in_a_circle()
 def test_holes_of_one_name_are_one_value() -> None:
     found = explainer_of("q(1,2). p(X,Y) :- q(X,Y).")
     assert found is not None
-    trace = why_not(found[0], clingo.Function("p", [hole("X"), hole("X")]), 3)
+    trace = explain_absence(found[0], clingo.Function("p", [hole("X"), hole("X")]), 3)
     assert isinstance(trace, Missing)
     assert trace.attempts[0].fails == "X = Y"

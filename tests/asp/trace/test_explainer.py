@@ -18,7 +18,7 @@ import pytest
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.term_ids import TermId, as_term
 from mars_asp.asp.trace import Absent, Derived, Given
-from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.document import trace_json
 from mars_asp.asp.trace.text import traces_text, wrapped
 from mars_asp.diagnostic import Span
@@ -59,7 +59,7 @@ def wrong_explanations(text: str, facts: Iterable[str], rng: random.Random) -> l
     ]
     absent = [clingo.parse_term(atom) for atom in atoms_besides(map(str, true))]
     for atom in rng.sample(absent, min(_ASKED, len(absent))):
-        missing = why_not(explainer, atom, _LEVELS)
+        missing = explain_absence(explainer, atom, _LEVELS)
         wrong += faults([missing], given, true)
         said = {id(attempt.rule) for attempt in getattr(missing, "attempts", ())}
         wrong += [

@@ -19,7 +19,7 @@ from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from tests.support.documents import ROOT
 from tests.support.trials import BASE
 
-DOCUMENT = ROOT / "docs" / "scenario.schema.json"
+DOCUMENT = ROOT / "docs" / "reference" / "scenario.schema.json"
 SCENARIOS = sorted(ROOT.glob("examples/*/*.toml"))
 GOOD: dict[str, Any] = {"duration": 3, "robot": {"module": "P"}}
 
@@ -43,7 +43,7 @@ def test_examples_are_as_the_schema_says(path: Path) -> None:
 
 
 def test_every_key_is_explained() -> None:
-    text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "scenarios.md").read_text(encoding="utf-8")
     functions = {*MOTION_FUNCTIONS, GRASP}
     assert [key for key in keys(SCHEMA) if f"{key}" not in text and key not in functions] == []
 

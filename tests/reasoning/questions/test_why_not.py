@@ -221,7 +221,7 @@ def test_what_would_give_it_is_a_key_of_json() -> None:
         ),
         (
             "data_divergence(Felforce)",
-            "there is no module `Felforce`",
+            "unknown module `Felforce`",
             "did you mean `data_divergence(FeelForce)`?",
         ),
         (

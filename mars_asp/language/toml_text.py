@@ -1,0 +1,187 @@
+"""TOML texts: their tables, and the locations of keys and of list entries.
+
+Python's own reader keeps no places; another one finds them, in texts that are wrong somewhere.
+"""
+
+import re
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+
+if TYPE_CHECKING:
+    from tree_sitter import Node
+
+#: Keys of tables and numbers of entries, from the top of a text.
+Path: TypeAlias = tuple[str | int, ...]
+_TABLES = ("table", "table_array_element")
+#: No key of ours has more parts.
+_DEEPEST = 4
+#: One escape of a key in double quotes.
+_ESCAPE = r"\\(?:u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|(.))"
+_CONTROL = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r"}
+#: As many bits as a whole number of TOML has, and a depth that no file of ours reaches.
+_MOST_BITS, _MOST_NESTING = 64, 100
+_DIGITS = re.compile(r"[0-9][0-9_]{4300}")
+_NESTED = re.compile(r"[\[{](?:[^\[{\]}\n]*+[\[{]){100}")
+#: A key of so many parts is none of ours, and takes its reader a time that grows as their square.
+_DEEP = re.compile(r"(?<![\w.\"'-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}")
+
+
+def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
+    """Return the tables of a TOML text; `code` is that of its errors.
+
+    Raises:
+        MarsError: the text is not TOML.
+    """
+    import tomllib  # noqa: PLC0415 -- most commands read no TOML
+
+    deep = _DEEP.search(text)
+    if deep is not None:
+        line = text.count("\n", 0, deep.start()) + 1
+        raise _wrong(point(path, line, 1), "a key with more than 100 parts", code)
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
+        line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
+        raise _wrong(point(path, line, column), str(error).split(" (at")[0], code) from None
+    except RecursionError:
+        where = _match_span(text, _NESTED, path)
+        raise _wrong(where, "its lists and tables are nested too deep", code) from None
+    except ValueError:  # more digits than Python reads
+        where = long_number(text, path)
+        raise _wrong(where, "a number with more than 4300 digits", code) from None
+    if (unusable := unusable_part(tables)) is not None:
+        raise _wrong(Places(text, path).of(*unusable[0]), unusable[1], code)
+    return tables
+
+
+def unusable_part(value: object) -> tuple[Path, str] | None:
+    """Return the location of an unusable value of TOML or JSON and the reason, or None."""
+    waiting: list[tuple[Path, object]] = [((), value)]
+    while waiting:
+        path, each = waiting.pop()
+        if isinstance(each, int) and each.bit_length() > _MOST_BITS:
+            return path, f"a whole number with more than {_MOST_BITS} bits"
+        if len(path) > _MOST_NESTING:
+            return path[:_MOST_NESTING], "its lists and tables are nested too deep"
+        if isinstance(each, dict):
+            waiting += (((*path, key), inner) for key, inner in reversed(each.items()))
+        elif isinstance(each, list):
+            waiting += [((*path, number), inner) for number, inner in enumerate(each)][::-1]
+    return None
+
+
+def long_number(text: str, path: str) -> Span:
+    """Return the place of the first number with more digits than Python reads."""
+    return _match_span(text, _DIGITS, path)
+
+
+def _match_span(text: str, pattern: re.Pattern[str], path: str) -> Span:
+    """Return the place of the first match; of none the begin of the text."""
+    found = pattern.search(text)
+    at = found.start() if found else 0
+    return point(path, text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at))
+
+
+class Places:
+    """Locations are found on demand; the text is known to be TOML."""
+
+    def __init__(self, text: str, path: str) -> None:
+        """Read the text; of its tables only the headers and the keys."""
+        # Most texts are right, and need no places.
+        import tree_sitter_toml  # noqa: PLC0415
+        from tree_sitter import Language, Parser  # noqa: PLC0415
+
+        self._lines, self._path = text.split("\n"), path
+        self._stands: dict[Path, Node] = {}
+        #: Values that were not looked into yet.
+        self._closed: dict[Path, Node] = {}
+        #: How many tables each header in double brackets has begun.
+        self._begun: dict[Path, int] = {}
+        root = Parser(Language(tree_sitter_toml.language())).parse(text.encode()).root_node
+        self._pairs(root, ())
+        for table in root.named_children:
+            if table.type in _TABLES:
+                self._table(table)
+
+    def of(self, *path: str | int) -> Span:
+        """Return the location of a key or list entry; else of the table that would hold it."""
+        for count in range(len(path), 0, -1):
+            if self._open(path[:count]):
+                return self._span(self._stands[path[:count]])
+        return point(self._path, 1, 1)
+
+    def _open(self, path: Path) -> bool:
+        """Return whether a path is in the text, after its tables have been read."""
+        for count in range(1, len(path)):
+            value = self._closed.pop(path[:count], None)
+            if value is not None:
+                self._value(value, path[:count])
+        return path in self._stands
+
+    def _value(self, value: "Node", under: Path) -> None:
+        if value.type == "inline_table":
+            self._pairs(value, under)
+        entries = value.named_children if value.type == "array" else ()
+        for number, entry in enumerate(each for each in entries if each.type != "comment"):
+            self._stands[*under, number] = self._closed[*under, number] = entry
+
+    def _pairs(self, table: "Node", under: Path) -> None:
+        for pair in table.named_children:
+            if pair.type == "pair":
+                key, value, *_ = pair.named_children  # a comment may follow
+                self._closed[self._keys(key, under)] = value
+
+    def _table(self, table: "Node") -> None:
+        """Read a table with a header, which may be one more of its name."""
+        under = self._keys(table.named_children[0], ())
+        if table.type == "table_array_element":
+            number = self._begun[under] = self._begun.get(under, -1) + 1
+            under = (*under, number)
+            self._stands[under] = table
+        self._pairs(table, under)
+
+    def _keys(self, written: "Node", under: Path) -> Path:
+        """Return the path of a key below a table; the first location of each part is noted."""
+        path = under
+        for part in _parts(written):
+            # What is below a name of several tables is in the last of them.
+            path = (*path, self._begun[path]) if path in self._begun else path
+            path = (*path, _meant(part))
+            self._stands.setdefault(path, part)
+        return path
+
+    def _span(self, node: "Node") -> Span:
+        """Return a node's place; the column counts characters, where the node counts bytes."""
+        line, column = node.start_point
+        before = self._lines[line].encode()[:column].decode()
+        return point(self._path, line + 1, len(before) + 1)
+
+
+def _parts(key: "Node") -> Iterable["Node"]:
+    """Return the first parts of a key, whose node holds all but the last in another node."""
+    found: list[Node] = []
+    while key.type == "dotted_key":
+        rest, *last = key.named_children
+        found += reversed(last)
+        key = rest
+    return [key, *reversed(found)][:_DEEPEST]
+
+
+def _meant(part: "Node") -> str:
+    """Return the text of a part of a key."""
+    text = (part.text or b"").decode()
+    if part.type != "quoted_key":
+        return text
+    return text[1:-1] if text[0] == "'" else re.sub(_ESCAPE, _unescaped, text[1:-1])
+
+
+def _unescaped(match: re.Match[str]) -> str:
+    code = match[1] or match[2]
+    return chr(int(code, 16)) if code else _CONTROL.get(match[3], match[3])
+
+
+def _wrong(span: Span, message: str, code: str) -> MarsError:
+    return MarsError([Diagnostic(code, "error", message, span)])

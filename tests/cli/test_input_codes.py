@@ -1,0 +1,67 @@
+"""Codes of messages on reading, rules as subjects, and answers without topics."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import INPUT_CODES
+from tests.support.documents import ROOT
+
+
+def test_each_code_has_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["rules", "show", "catalogue"]) == 0
+    output = capsys.readouterr().out
+    assert output.startswith("## catalogue\n\nA node is described by the catalogue")
+    assert "`--ignore` hides it" in output
+    assert run_here(["explain", "syntax"]) == 0
+    assert "It cannot be ignored." in capsys.readouterr().out
+    assert run_here(["rules", "show", "MARS205", "--format", "json"]) == 0
+    assert json.loads(capsys.readouterr().out)["can_be_ignored"] is True
+    assert all(code.meaning.endswith(".") for code in INPUT_CODES.values())
+    assert run_here(["rules", "show", "catalogu"]) == 2
+    assert "did you mean `catalogue`?" in capsys.readouterr().err
+
+
+def test_ids_of_older_versions_are_accepted(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["rules", "show", "run/run/collision"]) == 0
+    assert capsys.readouterr().out.startswith("## run/collision\n")
+
+
+def test_the_rule_base_is_linted_as_itself(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert run_here(["rules", "lint", str(ROOT / "rules")]) == 0
+    assert capsys.readouterr().out == "no problems found\n"
+    assert run_here(["rules", "lint", str(tmp_path)]) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        ("examples/level0/config.mars Sonar", "nothing concerns `Sonar`"),
+        ("examples/level0/config.mars unused_module", "there is no `unused_module`"),
+        ("examples/ros2_workspace dead_remap", "no finding of `dead_remap` in the launch files"),
+        ("examples/ros2_workspace /lidar", "no finding about `/lidar` in the launch files"),
+        ("examples/level0/config.mars checks/unused", "no consequence and no node rests on"),
+    ],
+)
+def test_an_answer_without_topics_has_status_zero(
+    words: str, answer: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    assert run_here(["explain", *words.split(), "-q"]) == 0
+    assert answer in capsys.readouterr().out
+
+
+def test_a_subject_may_be_a_rule(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    assert run_here(["explain", "examples/level0/config.mars", "data/divergence"]) == 0
+    output = capsys.readouterr().out
+    assert output.count("[data/divergence]") == 2
+    assert "ArbitrationNode" not in output
+    assert run_here(["explain", "examples/ros2_workspace", "launch/commands/past-an-input"]) == 0
+    assert "guard_bypass(/cmd_vel)" in capsys.readouterr().out

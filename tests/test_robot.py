@@ -1,0 +1,258 @@
+"""A robot in Python: each answer is that of the command, and mistakes are errors with help."""
+
+import doctest
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import mars_asp
+from mars_asp import MarsError, Robot, load, loads
+from mars_asp.cli import run_here
+from tests.support.configurations import IMPOSSIBLE
+from tests.support.documents import ROOT
+
+LEVEL0 = "examples/level0/config.mars"
+WORKSPACE = "examples/ros2_workspace"
+SCENARIO = "examples/level0/scenario.toml"
+TEXT = """@configuration
+@modules A, B
+A uses_data_from B NotifyAtFrequency 5
+A is_controlled_by B 3
+"""
+
+#: The answer of a robot, and the words of the command that prints it; `FILE` is the robot.
+ANSWERS: dict[str, tuple[Callable[[Robot], Any], str]] = {
+    "specification": (lambda robot: robot.specification, "synthesise FILE"),
+    "explain": (lambda robot: robot.explain(), "explain FILE"),
+    "explain nodes": (lambda robot: robot.explain(only="nodes"), "explain FILE --only nodes"),
+    "explain subject": (lambda robot: robot.explain("Turn"), "explain FILE Turn"),
+    "explain depth": (lambda robot: robot.explain(depth=2), "explain FILE --depth 2"),
+    "why not": (
+        lambda robot: robot.why_not("DataSplitter(Turn)"),
+        "explain FILE --why-not DataSplitter(Turn)",
+    ),
+    "alternatives": (lambda robot: robot.alternatives(3), "explain FILE --alternatives 3"),
+    "can": (
+        lambda robot: robot.can("Trans_X of MobilePlatform"),
+        "can FILE 'Trans_X of MobilePlatform'",
+    ),
+    "diff": (lambda robot: robot.diff(load("examples/level0/flat.mars")), f"diff {LEVEL0} FLAT"),
+    "run": (lambda robot: robot.run(SCENARIO, seed=7), f"run FILE --scenario {SCENARIO} --seed 7"),
+}
+
+
+@pytest.fixture(autouse=True)
+def _in_the_repository(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+
+
+@pytest.fixture(scope="module")
+def level0() -> Robot:
+    return load(ROOT / LEVEL0)
+
+
+def printed(words: str, capsys: pytest.CaptureFixture[str]) -> str:
+    """Return the output of a command."""
+    parts = re.findall(r"'[^']*'|\S+", words)
+    names = {"FILE": LEVEL0, "FLAT": "examples/level0/flat.mars"}
+    run_here([names.get(part, part.strip("'")) for part in parts])
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_answers_are_those_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    ask, words = ANSWERS[name]
+    answer = ask(load(LEVEL0))
+    assert str(answer) == answer.text == printed(words, capsys)
+    # A trace of the text is cut, and that of JSON is whole.
+    words = words.replace(" --depth 2", "")
+    assert json.loads(json.dumps(answer.to_dict())) == json.loads(
+        printed(f"{words} --format json", capsys)
+    )
+
+
+def test_findings_are_those_of_check(capsys: pytest.CaptureFixture[str]) -> None:
+    found = load(WORKSPACE).check()
+    document = json.loads(printed(f"check {WORKSPACE} --format json", capsys))
+    assert [each.to_dict() for each in found] == document["findings"]
+    assert {each.kind for each in found} >= {"guard_bypass", "ambiguous_priority"}
+    lines = printed(f"check {WORKSPACE} --format concise", capsys).splitlines()
+    assert [str(each) for each in found] == lines
+    first = next(each for each in found if each.kind == "guard_bypass")
+    assert (first.subject, first.participants[:1]) == ("/cmd_vel", ("/dock",))
+    assert first.code == "launch/commands/past-an-input"
+
+
+def test_findings_are_selected_by_kind_or_rule(tmp_path: Path) -> None:
+    robot = load(WORKSPACE)
+    every = {each.kind for each in robot.check()}
+    assert {each.kind for each in robot.check(select=["guard_bypass"])} == {"guard_bypass"}
+    assert {each.kind for each in robot.check(ignore=["guard_bypass"])} == every - {"guard_bypass"}
+    baseline = tmp_path / "baseline.json"
+    assert run_here(["check", WORKSPACE, "--write-baseline", str(baseline)]) == 0
+    assert robot.check(baseline=baseline) == ()
+
+
+def test_a_picture_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert load(LEVEL0).draw() == printed("draw FILE", capsys) == load(LEVEL0)._repr_svg_()
+    assert load(LEVEL0).draw(about="Turn", only="data") == printed(
+        "draw FILE --about Turn --only data", capsys
+    )
+    assert load(LEVEL0).specification._repr_svg_().startswith("<svg")
+
+
+def test_text_and_facts_are_those_of_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
+    robot, workspace = load(LEVEL0), load(WORKSPACE)
+    assert robot.text == (ROOT / LEVEL0).read_text()
+    assert robot.facts == printed("facts FILE", capsys)
+    assert workspace.text == printed(f"import ros2 {WORKSPACE}", capsys)
+    assert robot.paths == (LEVEL0,)
+
+
+def test_an_explanation_is_a_page_in_a_notebook(level0: Robot) -> None:
+    page = level0.explain("DataSplitter1")._repr_html_()
+    assert page.startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
+    assert "DataSplitter1" in page
+
+
+def test_a_specification_is_verified(tmp_path: Path, level0: Robot) -> None:
+    path = tmp_path / "specification.mars"
+    path.write_text(level0.specification.text)
+    for given in (None, path, str(path), level0.specification, load(path)):
+        found = level0.verify(given)
+        assert found and found.realises and found.minimal and found.violations == ()
+    own = level0.verify(level0)
+    assert not own
+    assert {each.clause for each in own.violations} == {1}
+    assert own.to_dict()["realises"] is False
+    assert str(own).startswith("clause 1: ")
+    # The wiring of a workspace is judged against what it is there for.
+    assert load(WORKSPACE).verify().realises
+
+
+def test_repairs_have_a_title_and_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    robot = load("examples/module-conflict/config.mars")
+    words = "explain examples/module-conflict/config.mars --repair --format json"
+    document = json.loads(printed(words, capsys))
+    expected = [each for finding in document["repairs"] for each in finding["repairs"]]
+    found = robot.repairs()
+    assert [each.to_dict() for each in found] == expected
+    assert found
+    assert all(each.title and each.edits and each.to_dict()["lines"] for each in found)
+    assert found[0].removes.partition("(")[0] == document["repairs"][0]["consequence"]["kind"]
+    assert load(WORKSPACE).repairs() == ()
+
+
+def test_the_graph_has_edges_from_source_controller_and_mounted_module() -> None:
+    text = TEXT + "A 0 is_mounted_on B 0\n"
+    robot = loads(text)
+    assert robot.to_dict() == {
+        "modules": [{"name": "A", "classes": []}, {"name": "B", "classes": []}],
+        "relationships": [
+            {"kind": "data", "from": "B", "to": "A", "mode": "NotifyAtFrequency", "hz": 5},
+            {"kind": "control", "from": "B", "to": "A", "priority": 3},
+            {"kind": "mount", "from": "A", "to": "B"},
+        ],
+    }
+    edges = {(a, b, d["kind"]): d for a, b, d in robot.to_networkx().edges(data=True)}
+    assert edges["B", "A", "data"] == {"kind": "data", "mode": "NotifyAtFrequency", "hz": 5}
+    assert edges["A", "B", "mount"] == {"kind": "mount"}
+    graph = load(LEVEL0).specification.to_networkx()
+    assert graph.nodes["ArbitrationNode"]["classes"] == ("arbitration_node",)
+    assert "sensor" in graph.nodes["Sonar"]["classes"] or graph.nodes["Sonar"]["classes"] == ()
+
+
+def test_several_files_of_others_are_one_robot(tmp_path: Path) -> None:
+    workspace = ROOT / WORKSPACE
+    launch = workspace / "src/scout_drive/launch/scout.launch.py"
+    assert load(launch, format="ros2").modules
+    with pytest.raises(MarsError, match="is a robot of its own"):
+        load(LEVEL0, launch)
+
+
+#: Calls that fail, and a part of the error with its help.
+MISTAKES: dict[str, tuple[Callable[[Robot], Any], str]] = {
+    "no file": (lambda _: load("nope.mars"), "nope.mars: no such file"),
+    "several robots": (lambda _: load("examples"), "the folder has 3"),
+    "syntax": (lambda _: loads("@configuration\n@modules A,\n"), "<text>:2:"),
+    "format": (lambda _: load(LEVEL0, format="rso2"), "did you mean `ros2`?"),
+    "kind": (lambda r: r.check(select=["unused_modul"]), "did you mean `unused_module`?"),
+    "text for a list": (lambda r: r.check(ignore="loose_end"), 'ignore=["loose_end"]'),
+    "module": (lambda r: r.explain("Sonr"), "did you mean `Sonar`?"),
+    "atom": (lambda r: r.why_not("DataSpliter(Turn)"), "did you mean `DataSplitter`?"),
+    "box": (lambda r: r.draw(about="Sonr"), "did you mean `Sonar`?"),
+    "relationships": (lambda r: r.draw(only="dat"), "did you mean `data`?"),
+    "query": (lambda r: r.can("Trans_X of Mobile"), "MobilePlatform"),
+    "pack": (lambda _: load(LEVEL0, rules=["no-such-pack"]), "`no-such-pack`"),
+    "scenario": (lambda r: r.run("nope.toml"), "nope.toml: no such file"),
+    "unrealisable": (
+        lambda _: loads(IMPOSSIBLE).specification,
+        "no specification realises",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_mistakes_are_errors_with_help(name: str, level0: Robot) -> None:
+    call, expected = MISTAKES[name]
+    with pytest.raises(MarsError) as raised:
+        call(level0)
+    assert raised.value.diagnostics
+    assert expected in str(raised.value)
+    assert len(repr(raised.value)) <= 200 and "\n" not in repr(raised.value)
+
+
+def test_all_problems_are_in_the_text_of_an_error() -> None:
+    with pytest.raises(MarsError) as raised:
+        loads("@configuration\n@modules A, B\nA uses_dat_from B\nB is_ A\n", "robot.mars")
+    lines = str(raised.value).splitlines()
+    assert len(lines) == len(raised.value.diagnostics) > 1
+    assert all(re.match(r"robot\.mars:[0-9]+:[0-9]+: ", line) for line in lines)
+
+
+def test_a_misspelt_public_name_has_a_proposal() -> None:
+    with pytest.raises(AttributeError, match="did you mean `load_project`"):
+        _ = mars_asp.load_projct
+    assert set(mars_asp.__all__) <= set(dir(mars_asp))
+
+
+def test_a_repr_is_one_short_line_and_solves_nothing(level0: Robot) -> None:
+    robot = load(WORKSPACE)
+    fresh = load(LEVEL0)
+    assert repr(fresh) == f'Robot("{LEVEL0}": 8 modules, 10 relationships)'
+    assert not {"specification", "_reasoner"} & vars(fresh).keys()
+    analysis = robot.analyse()
+    explanation = level0.explain()
+    reasoner = mars_asp.Reasoner(level0.project)
+    values = [
+        *(robot, level0, analysis, analysis.consequences[0], level0.specification, explanation),
+        *(explanation.topics[0], explanation.topics[0].trace, level0.project, reasoner),
+        *(level0.why_not("DataSplitter(Turn)"), level0.verify(), robot.check()[0]),
+        *(level0.can("Trans_X of MobilePlatform"), level0.diff(level0), reasoner.rulebook),
+        *(mars_asp.explain(reasoner), mars_asp.why_not(reasoner, "DataSplitter(Turn)")),
+        *(load("examples/module-conflict/config.mars").repairs()[0], loads(TEXT, "x" * 300)),
+    ]
+    for value in values:
+        assert len(repr(value)) <= 200 and "\n" not in repr(value), type(value)
+
+
+def test_public_names_have_examples_that_are_run() -> None:
+    names = {name: getattr(mars_asp, name) for name in mars_asp.__all__}
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    without = []
+    for name, value in names.items():
+        tests = doctest.DocTestFinder(recurse=False).find(value, name, globs={**names})
+        if not any(test.examples for test in tests):
+            without.append(name)
+        for test in tests:
+            runner.run(test)
+    methods = doctest.DocTestFinder().find(Robot, "Robot", globs={**names})
+    for test in methods:
+        runner.run(test)
+    assert runner.summarize(verbose=False).failed == 0
+    # A name for several types has no docstring of its own.
+    assert without == ["Trace"]
