@@ -5,6 +5,7 @@ them beside a copy of the committed pages, to which they link; none of them is c
 """
 
 import argparse
+import inspect
 import io
 import re
 import sys
@@ -16,6 +17,7 @@ from functools import partial
 from pathlib import Path
 from unittest.mock import patch
 
+import mars_asp
 from mars_asp.asp.lint.catalogue import PAGES
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -30,6 +32,8 @@ MADE = "<!-- Made by `make site`; edit the parsers, the rules or the decisions i
 EXAMPLES = {path.stem: path for path in sorted((ROOT / "docs/reference/findings").iterdir())}
 #: The languages of their files.
 LANGUAGES = {".mars": "text", ".py": "python", ".xml": "xml", ".yaml": "yaml"}
+#: The public names of Python to begin with.
+FIRST = ("load", "loads", "Robot", "Finding")
 #: Stages whose rules are sentences alone.
 TEMPLATES = ("account", "absence")
 #: A number, the title and the day of a decision, and its topic.
@@ -52,6 +56,7 @@ def pages() -> Mapping[str, Callable[[], str]]:
     made: dict[str, Callable[[], Iterator[str]]] = {
         "reference/commands.md": _commands,
         "reference/findings.md": _findings,
+        "reference/python.md": _python,
         "reference/lints.md": _lints,
         "reference/rules/README.md": _contents,
         "reference/rules/predicates.md": _predicates,
@@ -114,6 +119,41 @@ def _meaning(action: argparse.Action) -> str:
 
 def _cell(text: str) -> str:
     return " ".join(text.split()).replace("|", "\\|")
+
+
+def _python() -> Iterator[str]:
+    yield "# Python\n"
+    yield "The public names of `mars_asp`, with their docstrings; begin with `load`.\n"
+    yield "[Use mars-asp from Python](../../examples/api/README.md) shows them together.\n"
+    for name in [*FIRST, *sorted(set(mars_asp.__all__) - {*FIRST}, key=str.lower)]:
+        value = getattr(mars_asp, name)
+        if not inspect.isclass(value) and not inspect.isfunction(value):
+            continue
+        yield from _documented(name, value, "##")
+        for inner, member in vars(value).items() if inspect.isclass(value) else ():
+            is_method = inspect.isfunction(member)
+            held = member.fget if isinstance(member, property) else getattr(member, "func", None)
+            function = member if is_method else held
+            if not inner.startswith("_") and function is not None:
+                yield from _documented(f"{name}.{inner}", function, "###", not is_method)
+
+
+def _documented(
+    name: str, value: Callable[..., object], heading: str, is_property: bool = False
+) -> Iterator[str]:
+    """Yield the heading, signature and docstring of a function, class, method or property."""
+    yield f"{heading} {name}\n"
+    if not is_property:
+        shown = str(inspect.signature(value)).replace("self, ", "").replace("(self)", "()")
+        parts = [f"{name}{shown}"] if len(shown) < 80 else [f"{name}(", *_parameters(value), ")"]
+        yield "\n".join(["```python", *parts, "```\n"])
+    yield f"```text\n{inspect.getdoc(value)}\n```\n"
+
+
+def _parameters(value: Callable[..., object]) -> Iterator[str]:
+    for parameter in inspect.signature(value).parameters.values():
+        if parameter.name != "self":
+            yield f"    {parameter},"
 
 
 def _findings() -> Iterator[str]:
