@@ -126,8 +126,11 @@ def is_outside(path: str | Path, named_in: str) -> bool:
 
 
 def _is_outside(real: str, named_in: str) -> bool:
+    # Most files are in the working folder, and it takes long to follow the links of a path.
+    if _is_in(real, os.getcwd()):  # noqa: PTH109 -- a path is made for each file
+        return False
     roots = _roots(os.path.realpath(os.path.dirname(named_in)))  # noqa: PTH120 -- may be `<stdin>`
-    return not any(_is_in(real, root) for root in (*roots, os.path.realpath(os.curdir)))
+    return not any(_is_in(real, root) for root in roots)
 
 
 def hide_lines(path: str) -> None:

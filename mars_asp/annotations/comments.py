@@ -47,7 +47,6 @@ _NEST = {
         re.compile(r"(?m)^[ \t]*+(?:(%\{)|%\})[ \t]*+$"),
     ),
 }
-_INK = re.compile(r"[^\n]")
 
 
 @cache
@@ -61,12 +60,17 @@ def tokens(language: str, text: str) -> Iterator[tuple[int, int, str | None]]:
     The kind is `comment`, `blank` for what is as little code as a comment, `kept` for what only
     looks like a string, and `None`, `tag` or `hash` for a string.
     """
+    if language not in _NEST:
+        for each in _pattern(language).finditer(text):
+            yield *each.span(), each.lastgroup
+        return
+    opening, marks = _NEST[language]
     search = _pattern(language).search
     at = 0
     while match := search(text, at):
         begin, end = match.span()
-        if language in _NEST and _NEST[language][0].match(text, begin):
-            end = nested_end(_NEST[language][1].finditer(text, begin), len(text))
+        if opening.match(text, begin):
+            end = nested_end(marks.finditer(text, begin), len(text))
         yield begin, end, match.lastgroup
         at = max(end, begin + 1)
 
@@ -82,7 +86,7 @@ def blanked(language: str, text: str) -> str:
         if kind == "kept" or text[begin:end] == "'":
             continue
         pieces.append(text[last:begin])
-        blank = _INK.sub(" ", text[begin:end])
+        blank = "\n".join(" " * len(line) for line in text[begin:end].split("\n"))
         string = kind not in ("comment", "blank") and end - begin > 1
         pieces.append(f'"{blank[1:-1]}"' if string else blank)
         last = end

@@ -37,9 +37,11 @@ class Excluded:
         """Whether a path, of a folder or not, is passed over."""
         is_given = path.is_relative_to(self._given)
         whole = self._root / path.relative_to(self._given) if is_given else path
+        written = f"{whole.as_posix()}{'/' * is_folder}"
         for at, spec in reversed((*self._of_git(whole.parent), *self._besides)):
-            if at in whole.parents:
-                found = spec.check_file(f"{whole.relative_to(at).as_posix()}{'/' * is_folder}")
+            above = f"{at.as_posix().rstrip('/')}/"
+            if written.startswith(above):
+                found = spec.check_file(written[len(above) :])
                 if found.include is not None:
                     return found.include
         return False

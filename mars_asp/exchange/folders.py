@@ -37,6 +37,7 @@ _LAUNCH = (
 _YAML = frozenset({".yml", ".yaml"})
 #: Endings of files that may be robots by their content.
 _BY_CONTENT = frozenset({*_YAML, ".xml", ".urdf", ".dot", ".gv", ".json", ".txt", ".launch", ".py"})
+_ENDINGS = (".mars", *sorted(_BY_CONTENT))
 
 #: Whether a path in a folder, of a folder or not, is passed over.
 IsExcluded: TypeAlias = Callable[[Path, bool], bool]
@@ -162,7 +163,7 @@ def _at_most(dataflows: Sequence[Path], unread: list[Unread]) -> list[Path]:
 def _entries(
     folder: Path, is_excluded: IsExcluded, unread: list[Unread]
 ) -> Iterator[tuple[int, Path]]:
-    """Yield the files in a folder with their depth; note folders that are not searched."""
+    """Yield the files that may be of robots with their depth; note folders not searched."""
     folders = deque([(0, folder)])
     listed = 0
     while folders:
@@ -181,9 +182,12 @@ def _entries(
         if depth and ("pyvenv.cfg" in names or not IGNORE_MARKERS.isdisjoint(names)):
             continue
         for entry in entries:
-            inner = path / entry.name
             is_folder = entry.is_dir(follow_symlinks=False)
-            if entry.name.startswith(".") or is_excluded(inner, is_folder):
+            # Most files, such as meshes and headers, are of no kind that matters here.
+            if entry.name.startswith(".") or not (is_folder or entry.name.endswith(_ENDINGS)):
+                continue
+            inner = path / entry.name
+            if is_excluded(inner, is_folder):
                 continue
             if is_folder and entry.name not in _BUILT:
                 folders.append((depth + 1, inner))

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from mars_asp.model.declarations import FOREIGN
 
@@ -9,11 +10,29 @@ from mars_asp.model.declarations import FOREIGN
 FORMATS = ("mars", *FOREIGN)
 #: Others' files show what they are in so many characters, and none takes long to be looked at.
 _HEAD = 256 * 1024
-_OURS = r"(?m)^[ \t]*@(?:configuration|specification|modules|module_start)\b"
+
+
+class _Sign(NamedTuple):
+    """A pattern, and words of which each match has one: to look for words is much faster."""
+
+    pattern: str
+    words: tuple[str, ...]
+
+    def is_in(self, text: str) -> bool:
+        """Whether a text has the sign."""
+        has_word = any(word in text for word in self.words)
+        return has_word and re.search(self.pattern, text) is not None
+
+
+_OURS = _Sign(
+    r"(?m)^[ \t]*@(?:configuration|specification|modules|module_start)\b",
+    ("@configuration", "@specification", "@modules", "@module_start"),
+)
 #: A key that begins the parameters of a mux, dotted or not.
-_MUX = (
+_MUX = _Sign(
     r"(?m)(?:^|[{,])[ \t{\"']{0,40}(?:- {1,8})?(?:topics|locks|subscribers|ros__parameters)"
-    r"(?:\.[^\s:]{1,200})?[\"']?[ \t]{0,8}:"
+    r"(?:\.[^\s:]{1,200})?[\"']?[ \t]{0,8}:",
+    ("topics", "locks", "subscribers", "ros__parameters"),
 )
 
 
@@ -37,41 +56,54 @@ def _root(name: str) -> str:
 
 
 #: What a launch file says: in Python a function, in XML its root, in YAML its first key.
-_LAUNCH = rf"(?m)^def generate_launch_description\b|^launch:|{_root('launch')}"
+_LAUNCH = _Sign(
+    rf"(?m)^def generate_launch_description\b|^launch:|{_root('launch')}",
+    ("def generate_launch_description", "launch:", "<launch"),
+)
 #: What begins a document of URDF, expanded or not.
 _URDF = _root("robot")
-_NODES = r"(?m)(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:"
-_ID = key_pattern("id")
-#: The kinds of dumps of a graph, each by what it alone says.
-_DUMPS: Mapping[str, tuple[str, ...]] = {
-    "dot": (
-        r"(?i)\A(?:\s++|//[^\n]*+|/\*(?:[^*]|\*(?!/))*+\*/|\#[^\n]*+)*+"
-        r"(?:strict\s{1,40})?(?:di)?graph\b[^{;=:\n]{0,200}\s{0,40}\{",
+_NODES = _Sign(r"(?m)(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:", ("nodes",))
+_ID = _Sign(key_pattern("id"), ("id",))
+_DOT = (
+    r"(?i)(?:\s++|//[^\n]*+|/\*(?:[^*]|\*(?!/))*+\*/|\#[^\n]*+)*+"
+    r"(?:strict\s{1,40})?(?:di)?graph\b[^{;=:\n]{0,200}\s{0,40}\{"
+)
+#: The other kinds of dumps of a graph, each by its signs.
+_DUMPS: Mapping[str, tuple[_Sign, ...]] = {
+    "topic_info": (
+        _Sign(r"(?m)^[ \t]{0,40}(?:Publisher|Subscri(?:ber|ption)) count:", (" count:",)),
     ),
-    "topic_info": (r"(?m)^[ \t]{0,40}(?:Publisher|Subscri(?:ber|ption)) count:",),
-    "node_info": (r"(?m)^[ \t]{1,40}(?:Publishers|Subscribers):[ \t]*$",),
-    "rosdiscover": (key_pattern("fullname"), key_pattern("pubs|subs")),
-    "caret": (_NODES, key_pattern("node_name")),
+    "node_info": (
+        _Sign(
+            r"(?m)^[ \t]{1,40}(?:Publishers|Subscribers):[ \t]*$", ("Publishers:", "Subscribers:")
+        ),
+    ),
+    "rosdiscover": (
+        _Sign(key_pattern("fullname"), ("fullname",)),
+        _Sign(key_pattern("pubs|subs"), ("pubs", "subs")),
+    ),
+    "caret": (_NODES, _Sign(key_pattern("node_name"), ("node_name",))),
 }
 
 
 def dump_of(text: str) -> str | None:
     """Return which kind of dump of a graph a text is; `None` where it is none."""
     head = text[:_HEAD]
+    if re.match(_DOT, head):
+        return "dot"
     return next(
-        (kind for kind, signs in _DUMPS.items() if all(re.search(sign, head) for sign in signs)),
-        None,
+        (kind for kind, signs in _DUMPS.items() if all(sign.is_in(head) for sign in signs)), None
     )
 
 
 def is_launch(text: str) -> bool:
     """Whether a text is a launch file."""
-    return re.search(_LAUNCH, text[:_HEAD]) is not None
+    return _LAUNCH.is_in(text[:_HEAD])
 
 
 def recognised(text: str) -> str:
     """Return the format that a text is in, `mars` where it is no other that is known."""
-    if re.search(_OURS, text):
+    if _OURS.is_in(text):
         return "mars"
     if is_launch(text):
         return "ros2"
@@ -80,6 +112,6 @@ def recognised(text: str) -> str:
     if dump_of(text) is not None:
         return "rosgraph"
     head = text[:_HEAD]
-    if re.search(_NODES, head) and re.search(_ID, head):
+    if _NODES.is_in(head) and _ID.is_in(head):
         return "dora"
-    return "twist_mux" if re.search(_MUX, head) else "mars"
+    return "twist_mux" if _MUX.is_in(head) else "mars"

@@ -79,3 +79,28 @@ NAMES = [
 @pytest.mark.parametrize(("text", "topics"), NAMES)
 def test_a_topic_has_the_text_of_the_variable_in_scope(text: str, topics: list[str]) -> None:
     assert [topic.name for topic in read_cpp([(text, "n.cpp")]).published] == topics
+
+
+def test_a_declaration_of_a_function_names_no_topic() -> None:
+    """A function may have the name of one that makes topics."""
+    declared = "void create_publisher(const std::string & topic, std::string kind = {});"
+    called = "void f() { create_publisher<A>(topic, 1); }"
+    for text, shown in ((declared, []), (called, ["topic"]), (declared + called, ["topic"])):
+        assert [each.name for each in read_cpp([(text, "a.cpp")]).unread] == shown
+
+
+ALIASED = [
+    ("using Cloud = sensor_msgs::msg::PointCloud2;", "sensor_msgs::msg::PointCloud2"),
+    ("typedef sensor_msgs::msg::PointCloud2 Cloud;", "sensor_msgs::msg::PointCloud2"),
+    ("using C = a::B; using Cloud = C;", "a::B"),
+    ("struct M { using Cloud = a::B; }; struct N { using Cloud = a::C; };", None),
+    ("using a::Cloud;", "Cloud"),
+]
+
+
+@pytest.mark.parametrize(("text", "kind"), ALIASED)
+def test_a_topic_has_the_type_of_an_alias(text: str, kind: str | None) -> None:
+    """An alias is in another file, and two of one name may differ."""
+    made = 'void f() { create_publisher<Cloud>("x", 1); }'
+    [topic] = read_cpp([(made, "a.cpp"), (text, "a.hpp")]).published
+    assert topic.type == kind

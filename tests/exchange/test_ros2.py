@@ -445,6 +445,14 @@ def test_a_broken_file_that_another_includes_is_broken_once(tmp_path: Path) -> N
     assert text.endswith("launch/inner.launch.py: this is not Python: invalid syntax")
 
 
+def test_a_namespace_made_at_run_time_is_noted_as_it_is_written() -> None:
+    push = '<push_ros_namespace namespace="$(var robot)"/>'
+    node = '<node pkg="joy" exec="joy_node" name="own"/>'
+    found = launched(f"<launch><group>{push}{node}</group></launch>", "robot.launch.xml")
+    messages = [note.message for note in found.warnings]
+    assert any("namespaces made at run time not read: 1 (`$(var robot)`)" in m for m in messages)
+
+
 def test_a_list_in_brackets_is_a_list(tmp_path: Path) -> None:
     manager = '<node pkg="nav2_lifecycle_manager" exec="lifecycle_manager" name="m">{}</node>'
     given = '<param name="node_names" value="[a, \'b\']"/>'

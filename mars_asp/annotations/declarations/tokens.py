@@ -27,7 +27,9 @@ class Token(NamedTuple):
 
 def tokenise(code: str) -> list[Token]:
     """Return the tokens of a stretch of code."""
-    return [Token(match[0], match.start()) for match in _TOKEN.finditer(code)]
+    # The constructor of a named tuple is a function in Python, and there are many tokens.
+    new = tuple.__new__
+    return [new(Token, (match[0], match.start())) for match in _TOKEN.finditer(code)]
 
 
 def is_word(text: str) -> bool:

@@ -2,9 +2,11 @@
 
 import re
 from bisect import bisect_left
-from collections.abc import Iterator, Sequence, Set
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from typing import Generic, NamedTuple, TypeVar
 
 from mars_asp.annotations.declarations.tokens import (
@@ -32,7 +34,7 @@ _STRING = re.compile(
     r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
 )
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
-_BRACKETS = frozenset("()[]{}")
+_BRACKETS, _OPENING = frozenset("()[]{}"), frozenset("([{")
 _KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeof"})
 
 
@@ -102,7 +104,7 @@ class CppCode:
         stretch = self.source.stretch(0, len(self.source.data), len(self.source.data))
         self.text = stretch.text
         self.tokens = tokenise(stretch.code)[:_MOST_TOKENS]
-        self.closed = _closed(self.tokens)
+        self.closed = self._closed_brackets()
         self.calls = tuple(self._calls(called, made))
         self.bodies = tuple(self._bodies())
 
@@ -126,14 +128,43 @@ class CppCode:
 
     # ---- What is in the file
 
+    @cached_property
+    def _places_by_text(self) -> Mapping[str, Sequence[int]]:
+        found: defaultdict[str, list[int]] = defaultdict(list)
+        for at, (text, _) in enumerate(self.tokens):
+            found[text].append(at)
+        return dict(found)
+
+    @property
+    def token_texts(self) -> Set[str]:
+        """The texts of all tokens."""
+        return self._places_by_text.keys()
+
+    def token_places(self, *words: str) -> Sequence[int]:
+        """Return the tokens with one of some texts, in order."""
+        return self.places_of(frozenset(words))
+
+    def places_of(self, words: Set[str]) -> Sequence[int]:
+        """Return the tokens with one of some texts, in order."""
+        used = self.token_texts & words
+        return sorted(chain.from_iterable(self._places_by_text[each] for each in used))
+
+    def _closed_brackets(self) -> dict[int, int]:
+        """Return, for each bracket that opens, the index after the one that closes it."""
+        found: dict[int, int] = {}
+        waiting: list[int] = []
+        for at in self.places_of(_BRACKETS):
+            if self.tokens[at].text in _OPENING:
+                waiting.append(at)
+            elif waiting:
+                found[waiting.pop()] = at + 1
+        return found | dict.fromkeys(waiting, len(self.tokens))
+
     def _calls(self, called: Set[str], made: Set[str]) -> Iterator[Call]:
         """Yield each call, and each construction of a variable, with its arguments."""
         tokens, copied = self.tokens, 0
-        for at, token in enumerate(tokens):
-            name = token.text
-            if name not in called:
-                continue
-            behind = at + 1
+        for at in self.places_of(called):
+            name, behind = tokens[at].text, at + 1
             types: tuple[str, ...] = ()
             if text_at(tokens, behind) == "<":
                 end = angle(tokens, behind)
@@ -158,8 +189,8 @@ class CppCode:
         """Yield the functions that are defined."""
         tokens = self.tokens
         last = -1
-        for at in sorted(self.closed):
-            if at > last and tokens[at].text == "(" and is_word(text_at(tokens, at - 1)):
+        for at in self.token_places("("):
+            if at > last and is_word(text_at(tokens, at - 1)):
                 end = behind = self.closed[at]
                 name = text_at(tokens, at - 1)
                 while is_word(text_at(tokens, behind)) or text_at(tokens, behind) in ("->", "::"):
@@ -173,29 +204,28 @@ class CppCode:
                     last = behind
 
     @cached_property
-    def token_texts(self) -> Set[str]:
-        """The texts of all tokens."""
-        return frozenset(token.text for token in self.tokens)
-
-    @cached_property
     def base_classes(self) -> Set[str]:
         """The classes from which those of the file are derived."""
         found: set[str] = set()
-        for at, token in enumerate(self.tokens):
-            if token.text in ("public", "protected", "private"):
-                last = at + 1
-                while text_at(self.tokens, last + 1) == "::":
-                    last += 2
-                found.add(text_at(self.tokens, last))
+        for at in self.token_places("public", "protected", "private"):
+            last = at + 1
+            while text_at(self.tokens, last + 1) == "::":
+                last += 2
+            found.add(text_at(self.tokens, last))
         return found
+
+    @cached_property
+    def strings(self) -> Sequence[int]:
+        """The tokens that are texts in quotes."""
+        return self.places_of({each for each in self.token_texts if each.startswith('"')})
 
     @cached_property
     def given_texts(self) -> Set[str]:
         """The functions and classes whose first argument is a text in quotes."""
         return {
             self.tokens[at - 2].text
-            for at, token in enumerate(self.tokens)
-            if at >= 2 and token.text.startswith('"') and self.tokens[at - 1].text in ("(", "{")
+            for at in self.strings
+            if at >= 2 and self.tokens[at - 1].text in ("(", "{")
         }
 
     def bodies_at(self, at: int) -> Iterator[Body]:
@@ -205,6 +235,14 @@ class CppCode:
     def class_at(self, at: int) -> str:
         """Return the class around a token, or an empty text if there is none."""
         return next(self._classes.around(at), "")
+
+    def bracket_around(self, at: int) -> int:
+        """Return the innermost bracket around a token, or -1 if there is none."""
+        return next(self._nested_brackets.around(at), -1)
+
+    @cached_property
+    def _nested_brackets(self) -> "Nested[int]":
+        return Nested([(at, end, at) for at, end in sorted(self.closed.items())])
 
     @cached_property
     def _nested_bodies(self) -> "Nested[Body]":
@@ -226,8 +264,8 @@ class CppCode:
     def _branches(self) -> "Nested[tuple[int, int, bool]]":
         """The branches of `if`, each with the range of its condition and which branch it is."""
         found: list[tuple[int, int, tuple[int, int, bool]]] = []
-        for at, token in enumerate(self.tokens):
-            if token.text != "if" or text_at(self.tokens, at + 1) != "(":
+        for at in self.token_places("if"):
+            if text_at(self.tokens, at + 1) != "(":
                 continue
             last = self.closed[at + 1]
             end = self._statement_end(last)
@@ -250,9 +288,7 @@ class CppCode:
     def class_heads(self) -> Sequence[ClassHead]:
         """The classes that are defined."""
         found: list[ClassHead] = []
-        for at, token in enumerate(self.tokens):
-            if token.text not in ("class", "struct"):
-                continue
+        for at in self.token_places("class", "struct"):
             after, name = at + 1, ""
             while is_word(text_at(self.tokens, after)):
                 word = text_at(self.tokens, after)
@@ -268,24 +304,26 @@ class CppCode:
         return found
 
     @cached_property
+    def type_aliases(self) -> Mapping[str, str | None]:
+        """The types of names by `using A = B;` and `typedef B A;`, None where two differ."""
+        found: dict[str, str | None] = {}
+        for at in self.token_places("using", "typedef"):
+            end = at + 1
+            while end < at + _MOST_BASES and text_at(self.tokens, end) not in (";", "{", ""):
+                end += 1
+            words = self.tokens[at + 1 : end]
+            is_using = self.tokens[at].text == "using"
+            name = text_at(words, 0 if is_using else len(words) - 1)
+            if is_word(name) and (text_at(words, 1) == "=" or not is_using):
+                kind = joined(words[2:] if is_using else words[:-1])
+                found[name] = kind if found.get(name, kind) == kind else None
+        return found
+
+    @cached_property
     def _classes(self) -> "Nested[str]":
         """The names of the classes that are defined."""
         heads = self.class_heads
         return Nested([(head.opening, self.closed[head.opening], head.name) for head in heads])
-
-
-def _closed(tokens: Sequence[Token]) -> dict[int, int]:
-    """Return, for each bracket that opens, the index behind the one that closes it."""
-    found: dict[int, int] = {}
-    waiting: list[int] = []
-    for at, token in enumerate(tokens):
-        if token.text not in _BRACKETS:
-            continue
-        if token.text in ("(", "[", "{"):
-            waiting.append(at)
-        elif waiting:
-            found[waiting.pop()] = at + 1
-    return found | dict.fromkeys(waiting, len(tokens))
 
 
 def _behind_initialisers(tokens: Sequence[Token], at: int) -> int:

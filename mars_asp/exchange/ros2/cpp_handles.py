@@ -4,7 +4,7 @@ A handle puts a prefix before names: `~` if it is private to the node, else a na
 Handles are followed from their constructors through variables, members and arguments of functions.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence, Set
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
@@ -45,6 +45,8 @@ _OWN_TOPICS = frozenset({
     "InteractiveMarkerServer",
 })  # fmt: skip
 _BETWEEN = frozenset({">", "&", "*", "&&", "const"})
+#: What is after the name of an object that is declared, or at the end of the file.
+_AFTER_OBJECT = frozenset({";", "(", "{", ")", "=", ""})
 _MOST_WORDS = 50
 _MOST_ROUNDS = 20
 _MOST_PREFIXES = 4
@@ -151,21 +153,15 @@ class Handles:
     def _calls_with_handles(self, file: CppCode) -> Iterator[int]:
         """Yield the brackets of calls that have a handle as an argument."""
         tokens = file.tokens
-        openings: list[int] = []
-        for at, token in enumerate(tokens):
-            if at in file.closed:
-                openings.append(at)
-            while openings and file.closed[openings[-1]] <= at + 1:
-                openings.pop()
+        for at in file.places_of(self._names):
+            opening = file.bracket_around(at)
             if (
-                token.text in self._names
-                and openings
-                and text_at(tokens, openings[-1]) in ("(", "{")
+                text_at(tokens, opening) in ("(", "{")
                 and text_at(tokens, at - 1) in ("(", "{", ",", "*", "&")
                 and text_at(tokens, at + 1) in (",", ")", "}")
-                and not _is_defined(file, openings[-1])
+                and not _is_defined(file, opening)
             ):
-                yield openings[-1]
+                yield opening
 
     # ---- Names
 
@@ -186,8 +182,9 @@ class Handles:
     def _declared(self, file: CppCode, has_sub_nodes: bool) -> None:
         """Note the variables and members that are handles."""
         tokens = file.tokens
-        for at, token in enumerate(tokens):
-            if token.text in _CLASSES or (has_sub_nodes and token.text in _NODES):
+        classes = _CLASSES | (_NODES if has_sub_nodes else frozenset())
+        for at in file.places_of(classes | _GETTERS.keys() | {_SUB_NODE}):
+            if tokens[at].text in classes:
                 after = at + 1
                 if text_at(tokens, after) == "::" and text_at(tokens, after + 1).endswith("Ptr"):
                     after += 2
@@ -196,7 +193,7 @@ class Handles:
                 name = text_at(tokens, after)
                 if is_word(name):
                     self._declare(file, after, name)
-            elif token.text in _GETTERS or token.text == _SUB_NODE:
+            else:
                 back = at - 1
                 while back > at - 10 and text_at(tokens, back) not in ("=", ";", "{", "}", "("):
                     back -= 1
@@ -233,9 +230,7 @@ class Handles:
     def _assigned(self, file: CppCode) -> None:
         """Note the values that variables get where they are declared, assigned or initialised."""
         tokens = file.tokens
-        for at, token in enumerate(tokens):
-            if token.text not in self._names:
-                continue
+        for at in file.places_of(self._names):
             sign = text_at(tokens, at + 1)
             begin = at + 2
             if sign == "=" and text_at(tokens, at + 2) != "=":
@@ -249,7 +244,7 @@ class Handles:
             else:
                 continue
             is_init = sign in ("(", "{")
-            key = self._variable(file, at, token.text)
+            key = self._variable(file, at, tokens[at].text)
             sources = (
                 self._made(file, begin, end) if is_init else self._handle_sources(file, begin, end)
             )
@@ -258,6 +253,8 @@ class Handles:
 
     def _passed(self, file: CppCode, functions: dict[str, list[_Function]]) -> None:
         """Note the handles that are arguments of functions and constructors."""
+        if file.token_texts.isdisjoint(functions):
+            return
         tokens = file.tokens
         objects: dict[str, str] = {}
         for at, token in enumerate(tokens):
@@ -405,8 +402,8 @@ def _is_defined(file: CppCode, opening: int) -> bool:
 def _calls_with_nodes(file: CppCode) -> Iterator[int]:
     """Yield the brackets whose first argument is the object itself, such as a node."""
     tokens = file.tokens
-    for at, token in enumerate(tokens if "this" in file.token_texts else ()):
-        if token.text == "this" and text_at(tokens, at + 1) in (",", ")", "}"):
+    for at in file.token_places("this"):
+        if text_at(tokens, at + 1) in (",", ")", "}"):
             opening = at - 2 if text_at(tokens, at - 1) == "*" else at - 1
             if text_at(tokens, opening) in ("(", "{") and opening in file.closed:
                 yield opening
@@ -429,23 +426,15 @@ def _callee_words(file: CppCode, opening: int) -> set[str]:
     return (found | types) - _MAKERS if found & _MAKERS else found
 
 
-def _objects_of_classes(file: CppCode, classes: Collection[str]) -> Iterator[str]:
+def _objects_of_classes(file: CppCode, classes: Set[str]) -> Iterator[str]:
     """Yield the names of objects and members of some classes."""
     tokens = file.tokens
-    for at, token in enumerate(tokens):
-        if token.text in classes:
-            end = at + 1
-            while end < at + _MOST_WORDS and text_at(tokens, end) not in (
-                ";",
-                "(",
-                "{",
-                ")",
-                "=",
-                "",
-            ):
-                end += 1
-            if is_word(text_at(tokens, end - 1)):
-                yield tokens[end - 1].text
+    for at in file.places_of(classes):
+        end = at + 1
+        while end < at + _MOST_WORDS and text_at(tokens, end) not in _AFTER_OBJECT:
+            end += 1
+        if is_word(text_at(tokens, end - 1)):
+            yield tokens[end - 1].text
 
 
 def _name_of(parameter: Sequence[Token]) -> str | None:

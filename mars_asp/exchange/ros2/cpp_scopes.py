@@ -76,10 +76,6 @@ class ScopedCode(CppCode):
             self._known_declarations[word] = self._names_of(word)
         return self._known_declarations[word]
 
-    def token_places(self, word: str) -> Sequence[int]:
-        """Return the tokens with a text."""
-        return self._places_by_text.get(word, ())
-
     def index_of(self, token: Token) -> int:
         """Return the index of a token of the file."""
         return bisect_left(self.tokens, token.offset, key=attrgetter("offset"))
@@ -164,13 +160,6 @@ class ScopedCode(CppCode):
     @cached_property
     def _known_declarations(self) -> dict[str, Named]:
         return {}
-
-    @cached_property
-    def _places_by_text(self) -> Mapping[str, Sequence[int]]:
-        found: dict[str, list[int]] = {}
-        for at, token in enumerate(self.tokens):
-            found.setdefault(token.text, []).append(at)
-        return found
 
     @cached_property
     def _bodies_by_opening(self) -> Mapping[int, Body]:

@@ -172,6 +172,17 @@ class _Scope:
         return None if self.closed or name in self.fixed else name
 
 
+class _LaunchTexts:
+    """The launch files of a workspace, of which each is read once."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        text = workspace.text
+        self.actions: dict[Path, tuple[Action, ...]] = {}
+        self.words_in = cache(lambda file: frozenset(_NAME.findall(text(file))))
+        self.is_composed = cache(lambda file: _COMPOSED_ARGUMENT.search(text(file)) is not None)
+        self.checks_files = cache(lambda file: _CHECKS_FILES.search(text(file)) is not None)
+
+
 class Launch:
     """Follows launch files of a workspace from one to those that it includes."""
 
@@ -188,14 +199,7 @@ class Launch:
         #: The first default of each launch argument that users may set.
         self.defaults: dict[str, str] = {}
         self._described: set[Path] = set()
-        self._words_in = cache(lambda file: frozenset(_NAME.findall(self.workspace.text(file))))
-        self._is_composed = cache(
-            lambda file: _COMPOSED_ARGUMENT.search(self.workspace.text(file)) is not None
-        )
-        self._checks_files = cache(
-            lambda file: _CHECKS_FILES.search(self.workspace.text(file)) is not None
-        )
-        self._actions: dict[Path, tuple[Action, ...]] = {} if before is None else before._actions
+        self._texts: _LaunchTexts = _LaunchTexts(workspace) if before is None else before._texts
         self._entered: dict[Hashable, _Entered] = {}
 
     def launch(self, file: Path) -> None:
@@ -208,14 +212,14 @@ class Launch:
 
     def _read(self, file: Path) -> tuple[Action, ...]:
         self.reached.add(file)
-        if file not in self._actions:
+        if file not in self._texts.actions:
             text = self.workspace.text(file)
             shown = self.workspace.shown(file)
             is_python = file.suffix == ".py" or (
                 file.suffix not in _MARKUP and _PYTHON.search(text) is not None
             )
-            self._actions[file] = (read_python if is_python else read_markup)(text, shown)
-        return self._actions[file]
+            self._texts.actions[file] = (read_python if is_python else read_markup)(text, shown)
+        return self._texts.actions[file]
 
     def _walk(self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]) -> None:
         for action in actions:
@@ -235,7 +239,11 @@ class Launch:
                 case PushNamespace(namespace, span):
                     pushed = self._plain(namespace, scope, files)
                     if pushed is None:
-                        self.unread.append(Unread("namespaces made at run time", "?", span))
+                        self.unread.append(
+                            Unread(
+                                "namespaces made at run time", self._shown(namespace, scope), span
+                            )
+                        )
                     else:
                         scope.namespace = joined(scope.namespace, pushed)
                 case SetRemap(remap):
@@ -458,9 +466,9 @@ class Launch:
 
     def _note_arguments(self, given: Iterable[Parameter], file: Path, read: Iterable[Path]) -> None:
         """Note the arguments passed to a file that neither it nor one that it includes names."""
-        if any(map(self._is_composed, read)):
+        if any(map(self._texts.is_composed, read)):
             return
-        words = [self._words_in(each) for each in read]
+        words = [self._texts.words_in(each) for each in read]
         for each in given:
             name = plain(each.name) or ""
             if name.isidentifier() and all(name not in found for found in words):
@@ -479,7 +487,7 @@ class Launch:
         is_here = self.workspace.find(path, folder) is not None
         lacks = self.workspace.not_installed if is_here else self.workspace.lacking
         lacking = lacks(path, folder)
-        if lacking is None or self._checks_files(files[-1]):
+        if lacking is None or self._texts.checks_files(files[-1]):
             return False
         package, name = lacking
         sort: Literal["file", "not installed"] = "not installed" if is_here else "file"

@@ -4,6 +4,7 @@ import ast
 import builtins
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from itertools import chain
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange.ros2.actions import (
@@ -207,6 +208,8 @@ class _Reader(Evaluator):
 
     def action(self, call: Call, tests: Tests) -> Iterator[Action]:
         """Yield the actions for which an action stands that does not start a node itself."""
+        if call.name == "DeclareLaunchArgument":
+            return
         tests = (*tests, *tests_of(call.named.get("condition"), call.span))
         match call.name:
             case "LaunchDescription":
@@ -231,8 +234,6 @@ class _Reader(Evaluator):
                 yield SetParameters((), (parameter_of(keys, call.get("value", 1), call.span),))
             case "SetParametersFromFile":
                 yield SetParameters((text_from(call.get("filename", 0)),), ())
-            case "DeclareLaunchArgument":
-                return
             case "SetLaunchConfiguration":
                 name = plain(text_from(call.get("name", 0)))
                 if name is not None:
@@ -376,11 +377,8 @@ class _Reader(Evaluator):
 
     def undefined(self, tree: ast.Module) -> Iterator[NotRead]:
         """Yield the names that launching uses and nothing in the file defines, as an error."""
-        bound, used = {*dir(builtins), "__file__"}, list[ast.Name]()
-        for statement in _launched(tree):
-            for node in ast.walk(statement):
-                if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
-                    used.append(node)
+        bound = {*dir(builtins), "__file__"}
+        used = [node for node in _launched_names(tree) if isinstance(node.ctx, ast.Load)]
         for node in self.nodes:
             match node:
                 case ast.Name(id=name, ctx=ast.Store() | ast.Del()) | ast.arg(arg=name):
@@ -407,8 +405,8 @@ class _Reader(Evaluator):
             yield NotRead("launch files with errors", message, self.span(place))
 
 
-def _launched(tree: ast.Module) -> list[ast.stmt]:
-    """Return the statements of a launch file that launching runs, with the functions they name."""
+def _launched_names(tree: ast.Module) -> Iterator[ast.Name]:
+    """Yield the names in what launching runs of a file, and in the functions that these name."""
     functions: dict[str, ast.stmt] = {}
     waiting: list[ast.stmt] = []
     for each in tree.body:
@@ -416,12 +414,14 @@ def _launched(tree: ast.Module) -> list[ast.stmt]:
             functions[each.name] = each
         elif not (isinstance(each, ast.If) and "__name__" in ast.dump(each.test)):
             waiting.append(each)
-    found: list[ast.stmt] = []
+    found: list[tuple[int, list[ast.Name]]] = []
     while waiting:
-        found.append(waiting.pop())
-        words = {node.id for node in ast.walk(found[-1]) if isinstance(node, ast.Name)}
+        statement = waiting.pop()
+        names = [node for node in ast.walk(statement) if isinstance(node, ast.Name)]
+        found.append((statement.lineno, names))
+        words = {node.id for node in names}
         waiting += [functions.pop(name) for name in words & functions.keys()]
-    return sorted(found, key=lambda each: each.lineno)
+    return chain.from_iterable(names for _, names in sorted(found, key=lambda each: each[0]))
 
 
 def _arguments_of(call: Call) -> tuple[Text, ...]:

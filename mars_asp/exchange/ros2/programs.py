@@ -27,6 +27,7 @@ _OF_ROS = re.compile(
     r"\bros|\brcl|nodelet|pluginlib|image_transport|advertise|subscribe|create_|class_loader|Node"
 )
 _REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLASS"})
+_REGISTERING = re.compile("|".join(sorted(_REGISTERS)))
 #: A source of a program or component of its own.
 _STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
 _MOST_FILES = 100
@@ -70,9 +71,10 @@ class Programs:
         self._read: dict[Program, Interface | None] = {}
         # Many programs share headers.
         self._included = cache(self._headers_of)
+        self._words_in = cache(lambda file: frozenset(_WORD.findall(self._text(file) or "")))
         self._words = cache(
             lambda package: frozenset(
-                chain.from_iterable(map(_WORD.findall, self._sources_for(package)))
+                chain.from_iterable(map(self._words_in, self._sources_for(package)))
             )
         )
         self._composed = cache(self._composed_names)
@@ -159,7 +161,9 @@ class Programs:
     def _composed_names(self, package: Package) -> frozenset[str]:
         """Return the patterns of names such as `name + "_min"`, without `_` those of numbers."""
         found: set[str] = set()
-        for text in self._sources_for(package):
+        for text in map(self._text, self._sources_for(package)):
+            if text is None:
+                continue
             names = set(chain.from_iterable(_NAMING.findall(text)))
             names.update(value for name, value in _ASSIGNED.findall(text) if name in names)
             for before, _, inner, after in chain.from_iterable(map(_COMPOSED.findall, names)):
@@ -170,15 +174,14 @@ class Programs:
                     found.add(form)
         return frozenset(found)
 
-    def _sources_for(self, package: Package) -> Iterator[str]:
-        """Return the texts of the sources of a package and of those that it depends on."""
+    def _sources_for(self, package: Package) -> Iterator[Path]:
+        """Return the sources of a package and of those that it depends on."""
         manifest = self._text(package.folder / "package.xml") or ""
         named = set(_PACKAGE_NAME.findall(manifest))
         used = (each for each in self.workspace.packages if each.name in named)
         files = chain.from_iterable(self.workspace.by_package[each.folder] for each in used)
         # A launch file gives parameters, and reads none.
-        sources = (f for f in files if f.suffix in _CODE and not _LAUNCHES.search(f.as_posix()))
-        return (self._text(file) or "" for file in sources)
+        return (f for f in files if f.suffix in _CODE and not _LAUNCHES.search(f.as_posix()))
 
     def _span_of(self, file: Path, text: str, word: str) -> Span:
         """Return the first place of a word in a file."""
@@ -313,10 +316,10 @@ class Programs:
         rivals = self._components_in.get(file, set()) - {component}
         # A component may be derived from another one, or make it.
         own = (file, *self._included(package, file))
-        words = {word for each in own for word in _WORD.findall(self._text(each) or "")}
         for each in linked:
             found = self._components_in.get(each, set())
-            rivals |= found if words.isdisjoint(found) else set()
+            is_used = any(not found.isdisjoint(self._words_in(file)) for file in own)
+            rivals |= set() if is_used else found
         linked = [each for each in linked if rivals.isdisjoint(self._components_in.get(each, ()))]
         return self._with_headers(package, [file], linked, component, rivals)
 
@@ -325,7 +328,9 @@ class Programs:
         found: list[Path] = []
         for name in _INCLUDE.findall(self._text(file) or ""):
             last = name.rpartition("/")[2]
-            headers = self._headers.get(last, {}).get(package.folder, [])
+            headers = self._headers.get(last, {}).get(package.folder)
+            if headers is None:
+                continue
             # One beside the file comes first, then those whose path ends so.
             beside = file.parent / name
             parts = Path(name).parts
@@ -418,7 +423,9 @@ class Programs:
                 text = self._text(file)
                 if text is None or not any(word in text for word in _REGISTERS):
                     continue
-                tokens = tokenise(blanked("c", text))
+                code = blanked("c", text)
+                first = _REGISTERING.search(code)
+                tokens = tokenise(code[first.start() :]) if first else []
                 for at, token in enumerate(tokens):
                     if token.text in _REGISTERS and text_at(tokens, at + 1) == "(":
                         end = at + 2

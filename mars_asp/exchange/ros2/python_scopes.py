@@ -15,14 +15,19 @@ from mars_asp.exchange.ros2.python_files import dotted_name
 
 #: A loop or a part of a comprehension: its target, and what it goes over.
 Loop = tuple[ast.expr, ast.expr]
-_ASSIGNING = (
-    *(ast.Assign, ast.AnnAssign, ast.AugAssign, ast.NamedExpr, ast.For, ast.AsyncFor),
-    *(ast.comprehension, ast.withitem, ast.ExceptHandler, ast.FunctionDef, ast.AsyncFunctionDef),
-    *(ast.Lambda, ast.Global, ast.Nonlocal),
-)
+_ASSIGNING = frozenset({
+    ast.Assign, ast.AnnAssign, ast.AugAssign, ast.NamedExpr, ast.For, ast.AsyncFor,
+    ast.comprehension, ast.withitem, ast.ExceptHandler, ast.FunctionDef, ast.AsyncFunctionDef,
+    ast.Lambda, ast.Global, ast.Nonlocal,
+})  # fmt: skip
 #: Nodes without a call or assignment in them.
 _LEAVES = (ast.Name, ast.Constant, ast.expr_context, ast.operator, ast.cmpop, ast.boolop)
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.GeneratorExp, ast.DictComp)
+#: Nodes whose parts have places of their own.
+_DIVIDING = frozenset({
+    ast.If, ast.IfExp, ast.For, ast.AsyncFor, ast.While, ast.Try, ast.match_case, ast.FunctionDef,
+    ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef, *_COMPREHENSIONS,
+})  # fmt: skip
 #: Of assignments to one name in one function the last so many count.
 _MOST_ASSIGNED = 32
 #: In place of the number of a branch.
@@ -76,10 +81,15 @@ class Scopes:
         while waiting:
             node, place = waiting.pop()
             if isinstance(node, ast.Call):
-                self.calls.append((node, place._replace(at=(node.lineno, node.col_offset))))
-            elif isinstance(node, _ASSIGNING):
+                at = node.lineno, node.col_offset
+                self.calls.append((node, CodePlace(*place[:4], at)))
+            elif type(node) in _ASSIGNING:
                 self._assign(node, place)
-            waiting += _children(node, place)
+            if type(node) in _DIVIDING:
+                waiting += _children(node, place)
+            else:
+                parts = ast.iter_child_nodes(node)
+                waiting += [(each, place) for each in parts if not isinstance(each, _LEAVES)]
         for each in self._assigned.values():
             each.sort(key=_end_of)
 
@@ -209,7 +219,7 @@ def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr, a
 
 
 def _children(node: ast.AST, place: CodePlace) -> Iterator[tuple[ast.AST, CodePlace]]:
-    """Yield the parts of a node, each with its place."""
+    """Yield the parts of a node that have places of their own, each with its place."""
     match node:
         case ast.If(test=test, body=body, orelse=orelse):
             yield test, place
@@ -250,9 +260,6 @@ def _children(node: ast.AST, place: CodePlace) -> Iterator[tuple[ast.AST, CodePl
             loops = (*place.loops, *((part.target, part.iter) for part in node.generators))
             own = CodePlace((*place.scopes, node), (), loops, place.tests)
             yield from ((each, own) for each in ast.iter_child_nodes(node))
-        case _:
-            parts = ast.iter_child_nodes(node)
-            yield from ((each, place) for each in parts if not isinstance(each, _LEAVES))
 
 
 def _block(statements: Sequence[ast.AST], place: CodePlace, sort: int = _SOMETIMES) -> CodePlace:

@@ -41,6 +41,7 @@ _MOST_WORDS = 50
 _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
 _MOST_PARSED = 1000
+_MOST_ALIASES = 8
 #: Wrappers of nav2 that publish and hear velocities.
 _TWISTS = {"TwistPublisher": True, "TwistSubscriber": False}
 #: What publishes or hears images with what is known of the camera, and the types of both.
@@ -110,6 +111,7 @@ def read_cpp(
         found = texts.text_of(file, tokens) if isinstance(file, _File) else None
         return found.text if found and found.parameter is None else None
 
+    aliases = _aliases_of(files)
     handles = Handles(files, literal)
     used_if = cache(lambda keeper: _used_if(files, keeper, texts))
     published: list[Topic] = []
@@ -131,7 +133,12 @@ def read_cpp(
                 if found.published and found.keeper:
                     switches |= used_if(found.keeper)
                 hz = rates.get(found.keeper or "")
-                made = replace(found.topic, hz=hz, switches=tuple(sorted(switches)))
+                made = replace(
+                    found.topic,
+                    type=_aliased(found.topic.type, aliases),
+                    hz=hz,
+                    switches=tuple(sorted(switches)),
+                )
                 for topic in _prefixed(made, file, found.handle, handles):
                     if isinstance(topic, Unread):
                         unread.append(topic)
@@ -172,15 +179,15 @@ class _File(ScopedCode):
     @cached_property
     def topic_paths(self) -> Sequence[str]:
         """The texts in quotes that look like topics below a namespace."""
-        quoted = (self.string(token) for token in self.tokens if token.text.startswith('"'))
+        quoted = (self.string(self.tokens[at]) for at in self.strings)
         return [text for text in quoted if text and _PATH.fullmatch(text)]
 
     @cached_property
     def callbacks(self) -> Mapping[str, str]:
         """Return the type of the message that each function takes, where it takes one."""
         found: dict[str, str] = {}
-        for at, token in enumerate(self.tokens):
-            end = angle(self.tokens, at + 1) if token.text == "Subscriber" else None
+        for at in self.token_places("Subscriber"):
+            end = angle(self.tokens, at + 1)
             if end is not None and is_word(text_at(self.tokens, end)):
                 # A filter of messages, which hears its topic later.
                 inner = split(self.tokens[at + 2 : min(end - 1, at + _MOST_WORDS)])
@@ -269,7 +276,8 @@ class _File(ScopedCode):
                 return Unread(SERVICES, name, self.span(tokens[call.at]))
             case _:
                 return None
-        if name_at >= len(call.arguments):
+        # A function of the same name may be declared.
+        if name_at >= len(call.arguments) or self.is_parameter(call.arguments[name_at]):
             return None
         argument = call.arguments[name_at]
         handle = self._handle(call, name_at)
@@ -286,6 +294,12 @@ class _File(ScopedCode):
             return Unread(AT_RUN_TIME, shown, span)
         topic = Topic(value.text or "", _written(kind), span, value.parameter)
         return _TopicCall(topic, self._keeper(call), published, handle)
+
+    def is_parameter(self, argument: Sequence[Token]) -> bool:
+        """Whether an argument is the declaration of a parameter, such as `const T & name`."""
+        sizes = (size for size, token in enumerate(argument) if token.text == "=")
+        last = argument[next(sizes, len(argument)) - 1]
+        return is_word(last.text) and self.is_typed(self.index_of(last))
 
     def switches(self, at: int, texts: Texts) -> set[tuple[str, bool]]:
         """Return the parameters that decide whether a token is reached, each with its value."""
@@ -304,8 +318,8 @@ class _File(ScopedCode):
     def publications(self) -> dict[str, list[int]]:
         """The tokens at which publishers publish, by the variables that keep these."""
         found: dict[str, list[int]] = {}
-        for at, token in enumerate(self.tokens):
-            if token.text == "publish" and text_at(self.tokens, at - 1) in (".", "->"):
+        for at in self.token_places("publish"):
+            if text_at(self.tokens, at - 1) in (".", "->"):
                 found.setdefault(text_at(self.tokens, at - 2), []).append(at)
         return found
 
@@ -436,6 +450,24 @@ def _prefixed(
             yield Unread(AT_RUN_TIME, topic.name, topic.span or file.span(file.tokens[0]))
         else:
             yield replace(topic, name=name)
+
+
+def _aliases_of(files: Sequence["_File"]) -> dict[str, str | None]:
+    """Return the types of aliases, None where those of two classes differ."""
+    found: dict[str, str | None] = {}
+    for file in files:
+        for name, kind in file.type_aliases.items():
+            found[name] = kind if found.get(name, kind) == kind else None
+    return found
+
+
+def _aliased(kind: str | None, aliases: Mapping[str, str | None]) -> str | None:
+    """Return the type of an alias, or None if it is unknown; any other type as it is."""
+    for _ in range(_MOST_ALIASES):
+        if kind is None or kind not in aliases:
+            break
+        kind = aliases[kind]
+    return kind
 
 
 def _used_if(files: Sequence["_File"], keeper: str, texts: Texts) -> set[tuple[str, bool]]:

@@ -8,8 +8,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
-from functools import cached_property, partial
+from fnmatch import fnmatchcase, translate
+from functools import cache, cached_property, partial
 from itertools import chain
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
@@ -154,13 +154,20 @@ class Workspace:
         self._is_absolute = Path(named).is_absolute()
         self._marked: set[Path] = set()
         self._ignoring: list[Path] = []
+        #: The files below the folder that are no links.
+        self._own: set[Path] = set()
+        # Many launch files, and many branches of one, name the same files.
+        self.find = cache(self._find)
+        self.catalogued = cache(self._catalogued)
+        self.lacking = cache(self._lacking)
+        self.not_installed = cache(self._not_installed)
+        #: The packages around folders.
+        self._around: dict[Path, Package | None] = {}
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
         self._contents: dict[Path, _Contents] = {}
         self._shared: dict[Path, list[Installed]] = {}
         self._targets: dict[Path, Targets] = {}
-        #: What paths name, as the defaults of arguments are looked up for each include.
-        self._found: dict[tuple[str, Path], Path | None] = {}
 
     def given(self, path: str, text: str) -> Path:
         """Return the path of a file or folder that the user names, of a file with its text.
@@ -213,13 +220,15 @@ class Workspace:
                 self._note_link(at / name)
             for name in sorted(names):
                 path = at / name
-                if path.is_symlink():
-                    if self._note_link(path):
-                        continue
+                is_link = path.is_symlink()
+                if is_link and self._note_link(path):
+                    continue
                 is_kept = path.suffix.lower() in _KEPT or os.access(path, os.X_OK)
                 # A pipe would be waited for.
                 if is_kept and path.is_file() and not self._is_excluded(path, False):
                     found.append(path)
+                    if not is_link:
+                        self._own.add(path)
             if len(found) > _MOST_FILES:
                 sort = f"files of a folder with more than {_MOST_FILES}, beyond those,"
                 self.unread.append(Unread(sort, self.named, whole_file(self.named)))
@@ -240,6 +249,8 @@ class Workspace:
 
     def _inside(self, path: Path) -> Path | None:
         """Return the path of a regular file or folder that lies in the workspace, without links."""
+        if path in self._own:
+            return path
         try:
             real = path.resolve()
         except (OSError, RuntimeError):
@@ -311,7 +322,11 @@ class Workspace:
 
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
-        return next((self._by_folder[f] for f in file.parents if f in self._by_folder), None)
+        folder = file.parent
+        if folder not in self._around:
+            found = (self._by_folder[each] for each in file.parents if each in self._by_folder)
+            self._around[folder] = next(found, None)
+        return self._around[folder]
 
     @cached_property
     def _by_folder(self) -> dict[Path, Package]:
@@ -322,19 +337,13 @@ class Workspace:
         """The files of each package, by its folder."""
         found: dict[Path, list[Path]] = {each.folder: [] for each in self.packages}
         for file in self.files:
-            folder = next((each for each in file.parents if each in found), None)
-            if folder is not None:
-                found[folder].append(file)
+            package = self.package_of(file)
+            if package is not None:
+                found[package.folder].append(file)
         return found
 
-    def find(self, path: str, folder: Path) -> Path | None:
-        """Return the file that a path of a launch file in a folder names, if it lies here."""
-        key = (path, folder)
-        if key not in self._found:
-            self._found[key] = self._find(path, folder)
-        return self._found[key]
-
     def _find(self, path: str, folder: Path) -> Path | None:
+        """Return the file that a path of a launch file in a folder names, if it lies here."""
         if not path or "\0" in path or len(path) > _MOST_PATH:
             return None
         match = _SHARE.match(path)
@@ -357,7 +366,7 @@ class Workspace:
                 return found
         return None
 
-    def catalogued(self, path: str) -> Path | None:
+    def _catalogued(self, path: str) -> Path | None:
         """Return the catalogued form of a launch file of another package, or None."""
         match = _SHARE.match(path)
         inside = "" if match is None else path[match.end() :]
@@ -380,7 +389,7 @@ class Workspace:
                 return found
         return None
 
-    def lacking(self, path: str, folder: Path) -> tuple[str, str] | None:
+    def _lacking(self, path: str, folder: Path) -> tuple[str, str] | None:
         """Return the package and the path in it of a file that the package does not have.
 
         Return None if the path of a launch file in a folder names no file of one package here, or
@@ -419,7 +428,7 @@ class Workspace:
                 return None
         return package.name, inside
 
-    def not_installed(self, path: str, folder: Path) -> tuple[str, str] | None:
+    def _not_installed(self, path: str, folder: Path) -> tuple[str, str] | None:
         """Return the package and the path in it of a file of ROS 2 that it has and leaves out.
 
         Return None if the path of a launch file in a folder is not one of the shared files of one
@@ -492,21 +501,29 @@ class Workspace:
     def _is_ignored(self, package: Package, inside: str) -> bool:
         """Whether git ignores a path in a package, or a folder of that path."""
         file = Path(os.path.normpath(package.folder / inside[:_MOST_PATH]))
-        return any(
-            _ignores(pattern, file.relative_to(folder).parts)
-            for folder, patterns in self._ignored.items()
-            if folder in file.parents
-            for pattern in patterns
-        )
+        for folder in file.parents:
+            parts = file.relative_to(folder).parts if folder in self._ignored else ()
+            paths = [f"/{'/'.join(parts[:size])}" for size in range(1, len(parts) + 1)]
+            for pattern, is_for_folders in self._ignored.get(folder, ()):
+                if any(map(pattern.match, paths[:-1] if is_for_folders else paths)):
+                    return True
+        return False
 
     @cached_property
-    def _ignored(self) -> Mapping[Path, Sequence[str]]:
-        """The patterns of paths that git ignores, by the folders for which they are."""
+    def _ignored(self) -> Mapping[Path, Sequence[tuple[re.Pattern[str], bool]]]:
+        """The patterns of paths that git ignores, by the folders for which they are.
+
+        Each has whether it is for folders alone.
+        """
         found = {}
         for file in self._ignoring:
             text = "" if self._inside(file) is None else self._readable(file)
             patterns = (line.strip() for line in text.split("\n"))
-            found[file.parent] = [each for each in patterns if each and each[0] not in "#!"]
+            found[file.parent] = [
+                (_pattern_of(each), each.endswith("/"))
+                for each in patterns
+                if each and each[0] not in "#!"
+            ]
         return found
 
     def _contents_of(self, package: Package) -> _Contents:
@@ -630,16 +647,16 @@ class Workspace:
         return self._texts[file]
 
 
-def _ignores(pattern: str, parts: Sequence[str]) -> bool:
-    """Whether a pattern of git ignores a path from its folder, or a folder of that path.
+def _pattern_of(line: str) -> re.Pattern[str]:
+    """Return the pattern of paths from a folder that begin with a slash.
 
-    One with a slash before its end is for whole paths, one that ends with a slash for folders.
+    A line with a slash before its end is for whole paths.
     """
-    inner = pattern.rstrip("/")
+    inner = line.rstrip("/")
     is_whole = "/" in inner and not inner.startswith("**/")
-    form = f"/{inner.lstrip('/')}" if is_whole else f"*/{inner.removeprefix('**/')}"
-    sizes = range(1, len(parts) + (not pattern.endswith("/")))
-    return any(fnmatchcase(f"/{'/'.join(parts[:size])}", form) for size in sizes)
+    return re.compile(
+        translate(f"/{inner.lstrip('/')}" if is_whole else f"*/{inner.removeprefix('**/')}")
+    )
 
 
 def _mentions(text: str, name: str) -> bool:
