@@ -18,7 +18,16 @@ from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.modules import read_modules
 from mars_asp.annotations.repeated import repeated
 from mars_asp.annotations.sources import Source
-from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span, by_place, refusal, whole_file
+from mars_asp.diagnostic import (
+    Diagnostic,
+    MarsError,
+    Severity,
+    Span,
+    by_place,
+    point,
+    refusal,
+    whole_file,
+)
 from mars_asp.model.declarations import Module
 from mars_asp.reading import (
     KERNEL,
@@ -361,8 +370,11 @@ def _is_utf8(raw: bytes) -> bool:
     return True
 
 
+#: NUL bytes, Latin-1 and UTF-16.
+_ENCODINGS = ("MARS302", "MARS303", "MARS304")
+
+
 def _about(shown: str, code: str, severity: Severity, reason: str, help_text: str) -> Diagnostic:
-    # No line of a file shows something about all of it.
-    return Diagnostic(
-        code, severity, f"`{shown}` {reason}", whole_file(shown), help=help_text, excerpt=""
-    )
+    # The encoding of a file concerns it from its first line; that it is not read, no line.
+    span = point(shown, 1, 1) if code in _ENCODINGS else whole_file(shown)
+    return Diagnostic(code, severity, f"`{shown}` {reason}", span, help=help_text, excerpt="")

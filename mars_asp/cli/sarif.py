@@ -172,13 +172,13 @@ def _linked(span: Span, label: str) -> str:
 
 
 def _location(span: Span, label: str = "") -> _Json:
-    physical: _Json = {"artifactLocation": _artifact(span.path)}
-    if span.line:
-        region: _Json = {"startLine": span.line, "startColumn": span.column}
-        if span.end_line:
-            region |= {"endLine": span.end_line, "endColumn": span.end_column}
-        physical["region"] = region
-    place: _Json = {"physicalLocation": physical}
+    # GitHub shows a result at a line, so that of a whole file is at its first one.
+    region: _Json = {"startLine": max(1, span.line), "startColumn": max(1, span.column)}
+    if span.end_line:
+        region |= {"endLine": span.end_line, "endColumn": span.end_column}
+    place: _Json = {
+        "physicalLocation": {"artifactLocation": _artifact(span.path), "region": region}
+    }
     return place | ({"message": {"text": plain_text(label)}} if label else {})
 
 

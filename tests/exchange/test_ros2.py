@@ -350,7 +350,7 @@ HOSTILE = [
     ("x.launch.xml", "<robot/>", "1:1: the document is `robot`, not `launch`"),
     ("x.launch.yaml", "launch: *a\n", "1:9: "),
     ("x.launch.yaml", "launch: " + "[" * 5000, "1:"),
-    ("x.launch.py", "# x\n" * 300_000, "1:1: the file has more than 1048576 characters"),
+    ("x.launch.py", "# x\n" * 300_000, "0:0: the file has more than 1048576 characters"),
     ("x.launch.yaml", "nodes: []\n", "1:1: the file has no `launch:`"),
 ]  # fmt: skip
 
