@@ -93,6 +93,11 @@ class Text:
         units = len(text) if text.isascii() else len(text.encode("utf-16-le", "surrogatepass")) // 2
         return Position(line - 1, units + self._marks(line))
 
+    @property
+    def end(self) -> Position:
+        """Return the position after the last character."""
+        return self.position(len(self.lines), len(self.lines[-1]) + 1)
+
     def range(self, span: Span) -> Range:
         """Return where a span stands."""
         start = self.position(span.line, span.column)

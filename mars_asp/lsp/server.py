@@ -26,7 +26,7 @@ from mars_asp.lsp.desk import Desk
 from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
 from mars_asp.lsp.mentions import is_configuration, language_of
-from mars_asp.lsp.places import Place, Position, Range
+from mars_asp.lsp.places import Place, Position, Range, Text
 from mars_asp.lsp.protocol import (
     Protocol,
     hover_of,
@@ -131,6 +131,7 @@ class _Server(LanguageServer):
             types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: self.symbols,
             types.TEXT_DOCUMENT_PREPARE_RENAME: self.prepare_rename,
             types.TEXT_DOCUMENT_CODE_LENS: self.lenses,
+            types.TEXT_DOCUMENT_FORMATTING: self.format,
         }
 
     def handlers_with_options(self) -> list[tuple[str, Callable[[Any], Any], Any]]:
@@ -467,6 +468,18 @@ class _Server(LanguageServer):
                 return ()
             self._desk.repairs[asked] = answer
         return self._desk.repairs[asked]
+
+    async def format(self, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+        """Return the edit of the whole text that `mars-asp fmt` makes, if there is one."""
+        path = path_of(params.text_document.uri) or ""
+        written = self._desk.texts.get(path)
+        if written is None or not is_configuration(path):
+            return []
+        answer = await self._asked(Question("format", path, self._desk.unsaved()))
+        if isinstance(answer, Failed) or answer == written or self._desk.texts.get(path) != written:
+            return []
+        end = Text(path, written).end
+        return [types.TextEdit(range_of(Range(Position(0, 0), end)), answer)]
 
     async def explain(self, robot: str, module: str | None) -> str:
         """Tell what is found about a module, as the title above it counts it."""

@@ -236,6 +236,44 @@ def test_edits_are_followed_in_every_file_of_a_robot(folder: Path) -> None:
     played(scenario, folder)
 
 
+#: Texts of an editor and the edits of formatting them: the whole text, or none.
+UNFORMATTED = "\ufeff@configuration   flat\r\n@modules A,B // 😀\r\n\r\n\r\n\r\nA  uses_data_from B"
+FORMATTED = "@configuration flat\n@modules A, B  // 😀\n\nA uses_data_from B\n"
+FORMATTING = [
+    ("a.mars", UNFORMATTED, [((0, 0), (5, 19), FORMATTED)]),
+    ("a.mars", f"{FORMATTED}\n", [((0, 0), (5, 0), FORMATTED)]),
+    ("a.mars", FORMATTED, []),
+    ("a.mars", "@configuration   flat\n@modules A,B\nA uses_data_from\n", []),
+    ("a.mars", "", []),
+    ("a.lp", "p(X)  :-  module(X).\n", []),
+    ("a.py", "#   @module_start\n", []),
+]
+
+
+def test_formatting_writes_the_text_of_fmt(tmp_path: Path) -> None:
+    options = types.FormattingOptions(8, insert_spaces=False)
+
+    async def scenario(client: Editor) -> None:
+        for name, text, expected in FORMATTING:
+            path = tmp_path / name
+            uri = client.open(path, text)
+            params = types.DocumentFormattingParams(document(uri), options)
+            edits = await client.text_document_formatting_async(params) or ()
+            client.close(uri)
+            ranges = [(each.range.start, each.range.end, each.new_text) for each in edits]
+            assert [((s.line, s.character), (e.line, e.character), t) for s, e, t in ranges] == (
+                expected
+            )
+            if expected:
+                path.write_bytes(text.encode())
+                assert run_here(["fmt", str(path)]) == 0
+                assert path.read_bytes().decode() == expected[0][2]
+        params = types.DocumentFormattingParams(document("file:///gone.mars"), options)
+        assert not await client.text_document_formatting_async(params)
+
+    played(scenario, tmp_path)
+
+
 RULES = """\
 %! id: mine/watched
 %! because: `{M}` is watched
