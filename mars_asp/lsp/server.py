@@ -43,7 +43,7 @@ from mars_asp.lsp.rename import RefusedError, rename, renamed_range
 from mars_asp.lsp.robot import EditorFinding, EditorRobot
 from mars_asp.lsp.rule_text import is_rules
 from mars_asp.lsp.rules import Rules, predicate_definition, predicate_mentions
-from mars_asp.lsp.symbols import module_symbols, predicate_symbols
+from mars_asp.lsp.symbols import module_symbols, predicate_symbols, workspace_symbols
 from mars_asp.lsp.workers import Workers
 
 #: Seconds without a keystroke after which an analysis begins.
@@ -129,6 +129,7 @@ class _Server(LanguageServer):
             types.TEXT_DOCUMENT_DEFINITION: self.definition,
             types.TEXT_DOCUMENT_REFERENCES: self.references,
             types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: self.symbols,
+            types.WORKSPACE_SYMBOL: self.workspace_symbols,
             types.TEXT_DOCUMENT_PREPARE_RENAME: self.prepare_rename,
             types.TEXT_DOCUMENT_CODE_LENS: self.lenses,
             types.TEXT_DOCUMENT_FORMATTING: self.format,
@@ -402,6 +403,15 @@ class _Server(LanguageServer):
             return [symbol_of(each) for each in predicate_symbols(rules_here)]
         scene = self._desk.scene(path)
         return [] if scene is None else [symbol_of(each) for each in module_symbols(scene.here)]
+
+    def workspace_symbols(
+        self, params: types.WorkspaceSymbolParams
+    ) -> list[types.SymbolInformation]:
+        """Return the modules of open robots and the predicates of open rules by their names."""
+        scenes = filter(None, map(self._desk.scene, self._desk.texts))
+        rules = filter(None, map(self._desk.rule_text, self._desk.texts))
+        found = workspace_symbols(scenes, rules, params.query)
+        return [self._told.symbol(*each) for each in found]
 
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
         """Tell what can have another name at a place."""

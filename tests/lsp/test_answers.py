@@ -19,7 +19,7 @@ from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename
 from mars_asp.lsp.rule_text import rule_text
 from mars_asp.lsp.rules import Rules
-from mars_asp.lsp.symbols import module_symbols
+from mars_asp.lsp.symbols import module_symbols, workspace_symbols
 from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS
 from mars_asp.model.declarations import DELIVERY_MODES
 from mars_asp.reasoning.findings import EXPANSIONS
@@ -360,3 +360,28 @@ def test_symbols_span_their_blocks() -> None:
         ("A", (Position(0, 9), Position(0, 10))),
         ("B", (Position(1, 0), Position(4, 11))),
     ]
+
+
+@pytest.mark.parametrize(
+    ("query", "names"),
+    [
+        ("CAM", ["Camera robot.mars:4", "Camera code.py:1"]),
+        ("left/", ["left/Arm arm.mars:1", "left/Hand arm.mars:1"]),
+        ("amera2", []),
+        ("new", ["New unread.mars:0", "new/1 own.lp:0"]),
+    ],
+)
+def test_symbols_of_all_open_files_are_found_by_part_of_their_name(
+    query: str, names: list[str], tmp_path: Path
+) -> None:
+    desk = desk_of(tmp_path, TEXTS)
+    # The module of a closed file is found as well; a text that was never read has its own.
+    del desk.texts[str(tmp_path / "code.py")]
+    desk.texts[str(tmp_path / "unread.mars")] = "@modules New\n@modules"
+    desk.texts[str(tmp_path / "own.lp")] = "new(M) :- module(M).\nold(M) :- new(M).\n"
+    scenes = filter(None, map(desk.scene, desk.texts))
+    rules = filter(None, map(desk.rule_text, desk.texts))
+    assert [
+        f"{name} {Path(place.path).name}:{place.range.start.line}"
+        for name, _, place in workspace_symbols(scenes, rules, query)
+    ] == names

@@ -38,7 +38,7 @@ def document(uri: str) -> types.TextDocumentIdentifier:
     return types.TextDocumentIdentifier(uri)
 
 
-def stretch(place: types.Location | types.LocationLink) -> tuple[str, int, int, int]:
+def stretch(place: object) -> tuple[str, int, int, int]:
     """Return the file, line and columns of a place, which is in one line."""
     assert isinstance(place, types.Location)
     begin, end = place.range.start, place.range.end
@@ -114,6 +114,13 @@ async def asks_for_places(client: Editor, uri: str) -> None:
         *("Camera", "Planner", "Screen", "Wheels", "Joystick"),
         "Wheels",
     ]
+    cameras = await client.workspace_symbol_async(types.WorkspaceSymbolParams("cam"))
+    assert [(each.name, each.kind, stretch(each.location)) for each in cameras or ()] == [
+        ("Camera", types.SymbolKind.Module, ("robot.mars", 3, 9, 15)),
+        ("Camera", types.SymbolKind.Module, ("camera.cpp", 1, 16, 22)),
+    ]
+    every = await client.workspace_symbol_async(types.WorkspaceSymbolParams(""))
+    assert len(every or ()) == 10
 
 
 async def asks_for_words(client: Editor, uri: str) -> None:
