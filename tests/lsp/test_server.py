@@ -243,6 +243,36 @@ def test_edits_are_followed_in_every_file_of_a_robot(folder: Path) -> None:
     played(scenario, folder)
 
 
+#: Texts of `robot.mars`, by what is replaced in it, and the lines and codes of their findings.
+HALF_TYPED = [
+    ("Screen uses", "Screen use", [(11, "syntax"), (12, "control/ambiguous-priority")]),
+    ("Screen uses", "Screen\nScreen uses", [(11, "syntax"), (13, "control/ambiguous-priority")]),
+    ("Joystick\n\n", "Joystick x\n", [(3, "syntax"), (11, "control/ambiguous-priority")]),
+    ("Z -500 500", "Z -500", [(7, "MARS116"), (12, "control/ambiguous-priority")]),
+    ("Planner 1", "Planner 1 1", [(12, "syntax")]),
+    ("Screen uses", "Scren uses", [(11, "checks/misspelt"), (12, "control/ambiguous-priority")]),
+    ("", "", [(12, "control/ambiguous-priority")]),
+]
+
+
+def test_findings_stay_while_a_line_is_half_typed(folder: Path) -> None:
+    async def scenario(client: Editor) -> None:
+        path = folder / "robot.mars"
+        uri, text = client.open(path), path.read_text()
+        await client.diagnostics(uri)
+        for version, (old, new, expected) in enumerate(HALF_TYPED, 2):
+            client.change(uri, text.replace(old, new, 1), version)
+            found = await client.diagnostics(uri, version)
+            assert sorted((each.range.start.line, str(each.code)) for each in found) == expected
+            # The modules stay known.
+            assert "grab() -> Image" in await client.hover(uri, 3, 10)
+        (last,) = await client.diagnostics(uri, version)
+        (related,) = last.related_information or ()
+        assert related.location.range.start.line == 13
+
+    played(scenario, folder)
+
+
 #: Texts of an editor and the edits of formatting them: the whole text, or none.
 UNFORMATTED = "\ufeff@configuration   flat\r\n@modules A,B // 😀\r\n\r\n\r\n\r\nA  uses_data_from B"
 FORMATTED = "@configuration flat\n@modules A, B  // 😀\n\nA uses_data_from B\n"
