@@ -13,10 +13,12 @@ from mars_asp.language.text_edits import LineEdit, apply_lines
 from mars_asp.lsp.actions import line_edits
 from mars_asp.lsp.completion import completion, rule_completion
 from mars_asp.lsp.desk import Desk
-from mars_asp.lsp.places import Edit, Position, Text
-from mars_asp.lsp.questions import Checked
+from mars_asp.lsp.hover import hover
+from mars_asp.lsp.places import Edit, Place, Position, Range, Text
+from mars_asp.lsp.questions import Checked, Survey
 from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename
+from mars_asp.lsp.robot import EditorFinding
 from mars_asp.lsp.rule_text import rule_text
 from mars_asp.lsp.rules import Rules
 from mars_asp.lsp.symbols import module_symbols, workspace_symbols
@@ -293,6 +295,42 @@ def test_rules_are_completed() -> None:
     assert "because: " in {each.text for each in found.items}
     text, position = marked('mine("¦')
     assert rule_completion(rule_text("/a.lp", text), Rules(), position).items == ()
+
+
+# ---- Hover ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "at", "parts"),
+    [
+        (4, 10, ["```text\nCamera (", "- data_divergence(Camera)"]),
+        (6, 32, ["```text\nCamera (", "**warning**: tied", "- data_divergence(Camera)"]),
+        (6, 36, ["output `grab` of", "**warning**: tied", "- data_divergence(Camera)"]),
+        (6, 3, ["`odd 😀 name`: no annotation describes", "**warning**: tied"]),
+        (5, 27, ["```text\nCamera (", "- data_divergence(Camera)"]),
+        (7, 24, ["`Base`: no annotation describes this module"]),
+        (6, 22, ["**warning**: tied", "```text\nNAME[.INPUT] uses_data_from"]),
+    ],
+)
+def test_a_hover_begins_with_the_module(
+    line: int, at: int, parts: list[str], tmp_path: Path
+) -> None:
+    text = ROBOT.replace("from eye", "from Camera")
+    desk = desk_of(tmp_path, {**TEXTS, "robot.mars": text})
+    path = str(tmp_path / "robot.mars")
+    whole = Range(Position(6, 0), Position(6, 40))
+    finding = EditorFinding(Place(path, whole), "warning", "tied", "tied", title="tie(Camera)")
+    desk.found[path] = (finding,)
+    desk.learn(path, Survey({"Camera": ("data_divergence(Camera): two modules use it",)}, {}))
+    scene = desk.scene(path)
+    assert scene is not None
+    found = hover(scene, Position(line, at), {"tie(Camera)": "the trace"})
+    assert found is not None
+    told = found.markdown.split("\n\n---\n\n")
+    assert [
+        text.replace("\\", "")[: len(part)] for text, part in zip(told, parts, strict=True)
+    ] == parts
+    assert all(("the trace" in each) == each.startswith("**warning**") for each in told)
 
 
 # ---- Rules as text -------------------------------------------------------------------------------
