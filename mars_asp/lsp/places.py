@@ -122,6 +122,10 @@ class Text:
         units = len(text) if text.isascii() else len(text.encode("utf-16-le", "surrogatepass")) // 2
         return Position(line - 1, units + self._marks(line))
 
+    def nearest(self, position: Position) -> Position:
+        """Return a position of the text: the end of a line, or of the text, for one beyond it."""
+        return self.position(*self.column(position))
+
     @property
     def end(self) -> Position:
         """Return the position after the last character."""

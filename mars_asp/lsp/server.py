@@ -20,7 +20,7 @@ from pygls.uris import from_fs_path
 
 from mars_asp import __version__
 from mars_asp.lsp.actions import Action, actions_at, mended, respelt
-from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError
+from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError, strict_converter
 from mars_asp.lsp.completion import Completions, completion, rule_completion
 from mars_asp.lsp.desk import Desk
 from mars_asp.lsp.hover import hover, hover_rules
@@ -103,6 +103,7 @@ class _Server(LanguageServer):
             __version__,
             text_document_sync_kind=types.TextDocumentSyncKind.Full,
             protocol_cls=CheckedProtocol,
+            converter_factory=strict_converter,
         )
         self._workers = workers
         self._desk = Desk()
@@ -339,7 +340,7 @@ class _Server(LanguageServer):
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         """Tell what there is to say of a place."""
-        path, position = place_of(params)
+        path, position = self._place(params)
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
             found = [f for f in self._desk.findings(path) if f.place.range.holds(position)]
@@ -368,7 +369,7 @@ class _Server(LanguageServer):
 
     def definition(self, params: types.DefinitionParams) -> list[types.Location]:
         """Tell where something is defined."""
-        path, position = place_of(params)
+        path, position = self._place(params)
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
             found = predicate_definition(rules_here, self._rules(path), self._desk.texts, position)
@@ -378,7 +379,7 @@ class _Server(LanguageServer):
 
     def references(self, params: types.ReferenceParams) -> list[types.Location]:
         """Tell where something is named."""
-        path, position = place_of(params)
+        path, position = self._place(params)
         with_own = params.context.include_declaration
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
@@ -415,14 +416,14 @@ class _Server(LanguageServer):
 
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
         """Tell what can have another name at a place."""
-        path, position = place_of(params)
+        path, position = self._place(params)
         scene = self._desk.scene(path)
         found = None if scene is None else renamed_range(scene, position)
         return None if found is None else range_of(found)
 
     def rename(self, params: types.RenameParams) -> types.WorkspaceEdit | None:
         """Give a module another name."""
-        path, position = place_of(params)
+        path, position = self._place(params)
         scene = self._desk.scene(path)
         if scene is None:
             return None
@@ -433,7 +434,7 @@ class _Server(LanguageServer):
 
     def completion(self, params: types.CompletionParams) -> types.CompletionList:
         """Tell what may stand at a place."""
-        path, position = place_of(params)
+        path, position = self._place(params)
         rules_here = self._desk.rule_text(path)
         scene = self._desk.scene(path)
         if rules_here is not None:
@@ -458,7 +459,8 @@ class _Server(LanguageServer):
         text = self._desk.texts.get(path)
         if text is None:
             return []
-        stretch = Range(position_of(params.range.start), position_of(params.range.end))
+        ends = map(position_of, (params.range.start, params.range.end))
+        stretch = Range(*map(Text(path, text).nearest, ends))
         found = [each for each in self._desk.findings(path) if each.place.range.meets(stretch)]
         scene = self._desk.scene(path)
         here = self._desk.rule_text(path) if scene is None else scene.here
@@ -503,6 +505,11 @@ class _Server(LanguageServer):
         text = "\n".join(lines)
         self.window_show_message(types.ShowMessageParams(types.MessageType.Info, text))
         return text
+
+    def _place(self, params: types.TextDocumentPositionParams | Any) -> tuple[str, Position]:
+        """Return the path of a request and the position of the text that is nearest to its own."""
+        path, position = place_of(params)
+        return path, Text(path, self._desk.texts.get(path, "")).nearest(position)
 
     def _rules(self, path: str) -> Rules:
         return self._desk.rules.get(path, Rules())

@@ -132,6 +132,8 @@ async def asks_for_words(client: Editor, uri: str) -> None:
     camera = await client.hover(uri, 3, 10)
     assert camera.startswith("```text\nCamera (sensor)  ")
     assert "\n  Sense NotifyAtFrequency 20: grab() -> Image\n```" in camera
+    # Beyond the end of a line is its end.
+    assert (await client.hover(uri, 3, 99)).startswith("`Joystick`: no annotation describes")
     finding = await client.hover(uri, 12, 10)
     while "[effective/tied]" not in finding:  # a busy machine takes longer than a hover waits
         finding = await client.hover(uri, 12, 10)
