@@ -82,7 +82,7 @@ class Desk:
         if robot is not None:
             self.readable[asked] = found, dict(self.texts)
         elif found and all(map(_is_of_syntax, found)):
-            found += tuple(self._kept(asked))
+            found += tuple(self._kept_findings(asked))
         changed = {each.place.path for each in (*self.found.get(asked, ()), *found)}
         self.found[asked] = found
         if robot is not None:
@@ -102,18 +102,18 @@ class Desk:
             changed |= known.paths & self.texts.keys()
         return changed | {asked}
 
-    def _kept(self, asked: str) -> Iterator[EditorFinding]:
+    def _kept_findings(self, asked: str) -> Iterator[EditorFinding]:
         """Yield the findings of the last readable texts at lines that are the same now."""
         findings, texts = self.readable.get(asked, ((), {}))
         for each in findings:
-            place = self._moved(each.place, texts)
+            place = self._place_now(each.place, texts)
             if place is not None and not _is_of_syntax(each):
-                related = ((self._moved(other, texts), label) for other, label in each.related)
+                related = ((self._place_now(other, texts), label) for other, label in each.related)
                 known = tuple((other, label) for other, label in related if other is not None)
                 # Traces and repairs need a text that can be read.
                 yield each._replace(place=place, related=known, title=None)
 
-    def _moved(self, place: Place, texts: Mapping[str, str]) -> Place | None:
+    def _place_now(self, place: Place, texts: Mapping[str, str]) -> Place | None:
         """Return a place of older texts in the open ones, or None if its lines changed."""
         before, now = texts.get(place.path), self.texts.get(place.path)
         if before == now:

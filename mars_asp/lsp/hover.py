@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from mars_asp.lsp.mentions import Mention, is_configuration
 from mars_asp.lsp.places import Position, Range, Text
-from mars_asp.lsp.robot import Described, EditorFinding, Scene, behind
+from mars_asp.lsp.robot import Described, EditorFinding, Scene
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
 from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, Word
@@ -87,9 +87,7 @@ def module_texts(scene: Scene, mention: Mention, position: Position) -> tuple[st
         for file in robot.files:
             if file.path != scene.here.text.path:
                 continue
-            name = (
-                behind(file.prefix, mention.name) if is_configuration(file.path) else mention.name
-            )
+            name = file.name_of(mention)
             described = robot.modules.get(mention.described or name) or robot.modules.get(name)
             port = mention.port
             text = ""

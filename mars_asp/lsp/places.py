@@ -122,12 +122,12 @@ class Text:
         units = len(text) if text.isascii() else len(text.encode("utf-16-le", "surrogatepass")) // 2
         return Position(line - 1, units + self._marks(line))
 
-    def nearest(self, position: Position) -> Position:
-        """Return a position of the text: the end of a line, or of the text, for one beyond it."""
+    def clamp(self, position: Position) -> Position:
+        """Return a position, or the end of its line or of the text if it is beyond that."""
         return self.position(*self.column(position))
 
     @property
-    def end(self) -> Position:
+    def last_position(self) -> Position:
         """Return the position after the last character."""
         return self.position(len(self.lines), len(self.lines[-1]) + 1)
 

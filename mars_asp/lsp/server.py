@@ -340,7 +340,7 @@ class _Server(LanguageServer):
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         """Tell what there is to say of a place."""
-        path, position = self._place(params)
+        path, position = self._request_place(params)
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
             found = [f for f in self._desk.findings(path) if f.place.range.holds(position)]
@@ -369,7 +369,7 @@ class _Server(LanguageServer):
 
     def definition(self, params: types.DefinitionParams) -> list[types.Location]:
         """Tell where something is defined."""
-        path, position = self._place(params)
+        path, position = self._request_place(params)
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
             found = predicate_definition(rules_here, self._rules(path), self._desk.texts, position)
@@ -379,7 +379,7 @@ class _Server(LanguageServer):
 
     def references(self, params: types.ReferenceParams) -> list[types.Location]:
         """Tell where something is named."""
-        path, position = self._place(params)
+        path, position = self._request_place(params)
         with_own = params.context.include_declaration
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
@@ -416,14 +416,14 @@ class _Server(LanguageServer):
 
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
         """Tell what can have another name at a place."""
-        path, position = self._place(params)
+        path, position = self._request_place(params)
         scene = self._desk.scene(path)
         found = None if scene is None else renamed_range(scene, position)
         return None if found is None else range_of(found)
 
     def rename(self, params: types.RenameParams) -> types.WorkspaceEdit | None:
         """Give a module another name."""
-        path, position = self._place(params)
+        path, position = self._request_place(params)
         scene = self._desk.scene(path)
         if scene is None:
             return None
@@ -434,7 +434,7 @@ class _Server(LanguageServer):
 
     def completion(self, params: types.CompletionParams) -> types.CompletionList:
         """Tell what may stand at a place."""
-        path, position = self._place(params)
+        path, position = self._request_place(params)
         rules_here = self._desk.rule_text(path)
         scene = self._desk.scene(path)
         if rules_here is not None:
@@ -460,7 +460,7 @@ class _Server(LanguageServer):
         if text is None:
             return []
         ends = map(position_of, (params.range.start, params.range.end))
-        stretch = Range(*map(Text(path, text).nearest, ends))
+        stretch = Range(*map(Text(path, text).clamp, ends))
         found = [each for each in self._desk.findings(path) if each.place.range.meets(stretch)]
         scene = self._desk.scene(path)
         here = self._desk.rule_text(path) if scene is None else scene.here
@@ -490,7 +490,7 @@ class _Server(LanguageServer):
         answer = await self._asked(Question("format", path, self._desk.unsaved()))
         if isinstance(answer, Failed) or answer == written or self._desk.texts.get(path) != written:
             return []
-        end = Text(path, written).end
+        end = Text(path, written).last_position
         return [types.TextEdit(range_of(Range(Position(0, 0), end)), answer)]
 
     async def explain(self, robot: str, module: str | None) -> str:
@@ -506,10 +506,12 @@ class _Server(LanguageServer):
         self.window_show_message(types.ShowMessageParams(types.MessageType.Info, text))
         return text
 
-    def _place(self, params: types.TextDocumentPositionParams | Any) -> tuple[str, Position]:
-        """Return the path of a request and the position of the text that is nearest to its own."""
+    def _request_place(
+        self, params: types.TextDocumentPositionParams | Any
+    ) -> tuple[str, Position]:
+        """Return the path of a request and the nearest position of its text."""
         path, position = place_of(params)
-        return path, Text(path, self._desk.texts.get(path, "")).nearest(position)
+        return path, Text(path, self._desk.texts.get(path, "")).clamp(position)
 
     def _rules(self, path: str) -> Rules:
         return self._desk.rules.get(path, Rules())

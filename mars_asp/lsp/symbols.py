@@ -4,9 +4,9 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple, TypeAlias
 
-from mars_asp.lsp.mentions import Outline, is_configuration
+from mars_asp.lsp.mentions import Outline
 from mars_asp.lsp.places import Place, Range
-from mars_asp.lsp.robot import File, Scene, behind
+from mars_asp.lsp.robot import File, Scene
 from mars_asp.lsp.rule_text import RuleText
 
 Sort: TypeAlias = Literal["module", "predicate"]
@@ -55,11 +55,10 @@ def workspace_symbols(
         files |= {(file.path, file.prefix): file for file in known}
     found: dict[tuple[str, Sort, Place], None] = {}
     for file in files.values():
-        prefix = file.prefix if is_configuration(file.path) else ""
         for each in file.mentions:
             if each.role in ("listed", "annotated"):
                 place = Place(file.path, each.range)
-                found[behind(prefix, each.name), "module", place] = None
+                found[file.name_of(each), "module", place] = None
     for text in rules:
         for symbol in predicate_symbols(text):
             found[symbol.name, "predicate", Place(text.text.path, symbol.place)] = None

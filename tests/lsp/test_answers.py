@@ -326,11 +326,11 @@ def test_a_hover_begins_with_the_module(
     assert scene is not None
     found = hover(scene, Position(line, at), {"tie(Camera)": "the trace"})
     assert found is not None
-    told = found.markdown.split("\n\n---\n\n")
+    shown = found.markdown.split("\n\n---\n\n")
     assert [
-        text.replace("\\", "")[: len(part)] for text, part in zip(told, parts, strict=True)
+        text.replace("\\", "")[: len(part)] for text, part in zip(shown, parts, strict=True)
     ] == parts
-    assert all(("the trace" in each) == each.startswith("**warning**") for each in told)
+    assert all(("the trace" in each) == each.startswith("**warning**") for each in shown)
 
 
 # ---- Rules as text -------------------------------------------------------------------------------
