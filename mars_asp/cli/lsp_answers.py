@@ -29,6 +29,7 @@ from mars_asp.cli.lsp_rules import lint_answer
 from mars_asp.cli.reason import load, rulebook_for
 from mars_asp.cli.results import Result
 from mars_asp.diagnostic import MarsError
+from mars_asp.language.format import format_text
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.lsp.actions import Action, line_edits
 from mars_asp.lsp.mentions import outline
@@ -332,6 +333,15 @@ def _names(configuration: Path, source: Path) -> bool:
     return False
 
 
+def _format(question: Question, options: argparse.Namespace) -> str | Failed:
+    """Answer the text that `mars-asp fmt` writes, unless a text has syntax errors."""
+    text = Files(question.path).text(question.path)
+    try:
+        return Failed("there is no text") if text is None else format_text(text.plain, text.path)
+    except MarsError as error:
+        return Failed(str(error))
+
+
 _ANSWERS: Mapping[Sort, Callable[[Question, argparse.Namespace], Any]] = {
     "check": _check,
     "source": _source,
@@ -340,4 +350,5 @@ _ANSWERS: Mapping[Sort, Callable[[Question, argparse.Namespace], Any]] = {
     "repairs": _repairs,
     "owners": _owners,
     "lint": lint_answer,
+    "format": _format,
 }

@@ -6,7 +6,7 @@ from typing import Any, BinaryIO
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
-from pygls.protocol import LanguageServerProtocol
+from pygls.protocol import LanguageServerProtocol, default_converter
 
 #: Bytes of a message, far above those of any text, and of a line before one.
 MOST_BYTES = 128 * 1024 * 1024
@@ -79,6 +79,25 @@ class BoundedInput:
     read = read_message
 
 
+def strict_converter() -> Any:
+    """Return the converter of pygls, which refuses numbers as texts and texts as numbers.
+
+    Booleans are converted, because some clients send 0 and 1.
+    """
+    converter = default_converter()  # type: ignore[no-untyped-call]
+    for kind in (int, str):
+        converter.register_structure_hook(kind, _of_kind)
+    return converter
+
+
+def _of_kind(value: Any, kind: type) -> Any:
+    """Return a value of a kind, or of an enumeration; raise TypeError for any other value."""
+    is_whole = kind is int and isinstance(value, float) and value.is_integer()
+    if kind in (int, str) and type(value) is not kind and not is_whole:
+        raise TypeError(f"expected {kind.__name__}, found {type(value).__name__}")
+    return kind(value)
+
+
 class CheckedProtocol(LanguageServerProtocol):
     """Raises `ClientError` for messages that break the protocol."""
 
@@ -125,4 +144,7 @@ class CheckedProtocol(LanguageServerProtocol):
             uri = message.params.text_document.uri
             if uri not in self.workspace.text_documents:
                 raise ClientError(None, invalid, f"`{method}`: `{uri:.300}` is not open")
+        if method == types.WORKSPACE_EXECUTE_COMMAND:
+            # Without a list, pygls does not count the arguments.
+            message.params.arguments = message.params.arguments or []
         super().handle_message(message)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.lsp.actions import Action
 from mars_asp.lsp.mentions import is_configuration, outline
+from mars_asp.lsp.places import Place, changed_lines
 from mars_asp.lsp.questions import Survey
 from mars_asp.lsp.robot import EditorFinding, EditorRobot, Scene
 from mars_asp.lsp.rule_text import RuleText, is_rules, rule_text
@@ -21,6 +22,8 @@ class Desk:
         self.robots: dict[str, EditorRobot] = {}
         self.found: dict[str, tuple[EditorFinding, ...]] = {}
         self.rules: dict[str, Rules] = {}
+        #: The findings of the last analysis that could read a robot, and the texts at that time.
+        self.readable: dict[str, tuple[tuple[EditorFinding, ...], dict[str, str]]] = {}
         #: Repairs of robots, and traces of their findings, as long as nothing is changed.
         self.repairs: dict[str, tuple[Action, ...]] = {}
         self.traces: dict[str, dict[str, str]] = {}
@@ -76,6 +79,10 @@ class Desk:
 
         They are those with findings, now or before, and those of the robot that are open.
         """
+        if robot is not None:
+            self.readable[asked] = found, dict(self.texts)
+        elif found and all(map(_is_of_syntax, found)):
+            found += tuple(self._kept_findings(asked))
         changed = {each.place.path for each in (*self.found.get(asked, ()), *found)}
         self.found[asked] = found
         if robot is not None:
@@ -95,6 +102,27 @@ class Desk:
             changed |= known.paths & self.texts.keys()
         return changed | {asked}
 
+    def _kept_findings(self, asked: str) -> Iterator[EditorFinding]:
+        """Yield the findings of the last readable texts at lines that are the same now."""
+        findings, texts = self.readable.get(asked, ((), {}))
+        for each in findings:
+            place = self._place_now(each.place, texts)
+            if place is not None and not _is_of_syntax(each):
+                related = ((self._place_now(other, texts), label) for other, label in each.related)
+                known = tuple((other, label) for other, label in related if other is not None)
+                # Traces and repairs need a text that can be read.
+                yield each._replace(place=place, related=known, title=None)
+
+    def _place_now(self, place: Place, texts: Mapping[str, str]) -> Place | None:
+        """Return a place of older texts in the open ones, or None if its lines changed."""
+        before, now = texts.get(place.path), self.texts.get(place.path)
+        if before == now:
+            return place
+        if before is None or now is None:
+            return None
+        found = changed_lines(before, now).moved(place.range)
+        return None if found is None else Place(place.path, found)
+
     def learn(self, asked: str, survey: Survey) -> None:
         """Keep which consequences and nodes there are for the modules of a robot."""
         robot = self.robots.get(asked)
@@ -106,6 +134,7 @@ class Desk:
         """Forget what was found when a file was asked about; return the files with findings."""
         self.robots.pop(asked, None)
         self.rules.pop(asked, None)
+        self.readable.pop(asked, None)
         return {each.place.path for each in self.found.pop(asked, ())}
 
     def idle(self) -> Iterator[str]:
@@ -116,6 +145,12 @@ class Desk:
             paths |= {path for path, owners in self.owners.items() if asked in owners}
             if paths.isdisjoint(self.texts):
                 yield asked
+
+
+def _is_of_syntax(finding: EditorFinding) -> bool:
+    """Return whether a finding is a mistake in a line or a module block of a `.mars` text."""
+    is_mistake = finding.code == "syntax" or finding.code.startswith("MARS1")
+    return is_mistake and is_configuration(finding.place.path)
 
 
 def _is_saved(path: str, text: str) -> bool:

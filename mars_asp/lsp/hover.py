@@ -4,12 +4,12 @@ Answers are Markdown.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from mars_asp.lsp.mentions import Mention, is_configuration
 from mars_asp.lsp.places import Position, Range, Text
-from mars_asp.lsp.robot import Described, EditorFinding, Scene, behind
+from mars_asp.lsp.robot import Described, EditorFinding, Scene
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
 from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, Word
@@ -36,7 +36,8 @@ def hover(scene: Scene, position: Position, traces: Mapping[str, str]) -> Hover 
     place = None
     if mention is not None:
         place = mention.range
-        parts += module_text(scene, mention, position)
+        module, consequences = module_texts(scene, mention, position)
+        parts = [*filter(None, (module, *parts, consequences))]
     else:
         word = _word_at(scene.here.text, position)
         if word is not None:
@@ -80,28 +81,26 @@ def finding_text(finding: EditorFinding, traces: Mapping[str, str]) -> str:
     return "\n\n".join([*lines, *([fenced(trace)] if trace else [])])
 
 
-def module_text(scene: Scene, mention: Mention, position: Position) -> Iterator[str]:
-    """Yield what the robots of a file tell of a module or of its port."""
+def module_texts(scene: Scene, mention: Mention, position: Position) -> tuple[str, str]:
+    """Return a module or its port as annotations describe it, and the module's consequences."""
     for robot in scene.robots:
         for file in robot.files:
             if file.path != scene.here.text.path:
                 continue
-            name = (
-                behind(file.prefix, mention.name) if is_configuration(file.path) else mention.name
-            )
+            name = file.name_of(mention)
             described = robot.modules.get(mention.described or name) or robot.modules.get(name)
             port = mention.port
+            text = ""
             if described is None:
-                if port is None and mention.role != "annotated":
-                    yield f"`{name}`: no annotation describes this module"
+                if mention.role != "annotated":
+                    text = f"`{name}`: no annotation describes this module"
             elif port is not None and port.range.holds(position):
-                yield _port_text(described, port.name, port.is_output)
+                text = _port_text(described, port.name, port.is_output)
             else:
-                yield fenced("\n".join(described.lines))
+                text = fenced("\n".join(described.lines))
             about = robot.consequences.get(name, ())
-            if about:
-                yield "\n".join(f"- {markdown(each)}" for each in about)
-            return
+            return text, "\n".join(f"- {markdown(each)}" for each in about)
+    return "", ""
 
 
 def _port_text(described: Described, name: str, is_output: bool) -> str:

@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from mars_asp.lsp.mentions import is_configuration
 from mars_asp.lsp.places import Range
-from mars_asp.lsp.robot import EditorRobot, Scene, behind
+from mars_asp.lsp.robot import EditorRobot, Scene
 
 #: So many nodes are named; of others there is their number.
 _MOST_NAMED = 3
@@ -32,7 +31,7 @@ def lenses(scene: Scene) -> Iterator[Lens]:
             for each in file.mentions:
                 if each.role not in ("listed", "annotated"):
                     continue
-                name = behind(file.prefix, each.name) if is_configuration(path) else each.name
+                name = file.name_of(each)
                 title = _told(robot, name)
                 if title:
                     yield Lens(f"{each.name}: {title}", each.range, robot.path, name)

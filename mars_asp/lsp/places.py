@@ -4,7 +4,8 @@ Our own spans count code points from 1 and no byte order mark.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import takewhile
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
@@ -47,6 +48,34 @@ class Edit(NamedTuple):
 
     place: Place
     text: str
+
+
+class ChangedLines(NamedTuple):
+    """The lines of an older text from `first` to before `end` are others now; later ones moved."""
+
+    first: int
+    end: int
+    moved_by: int
+
+    def moved(self, found: Range) -> Range | None:
+        """Return the range in the newer text, or None if it has a changed line."""
+        if found.end.line < self.first:
+            return found
+        if found.start.line < self.end:
+            return None
+        start, end = (Position(line + self.moved_by, column) for line, column in found)
+        return Range(start, end)
+
+
+@lru_cache(maxsize=4)
+def changed_lines(before: str, now: str) -> ChangedLines:
+    """Return the smallest block of lines of a text that an edit can have replaced."""
+    old, new = plain_lines(before).split("\n"), plain_lines(now).split("\n")
+    pairs = enumerate(zip(old, new, strict=False))
+    first = next((n for n, (a, b) in pairs if a != b), min(len(old), len(new)))
+    rest = zip(reversed(old[first:]), reversed(new[first:]), strict=False)
+    kept = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], rest))
+    return ChangedLines(first, len(old) - kept, len(new) - len(old))
 
 
 @dataclass(frozen=True)
@@ -92,6 +121,15 @@ class Text:
         text = self.lines[line - 1][: column - 1]
         units = len(text) if text.isascii() else len(text.encode("utf-16-le", "surrogatepass")) // 2
         return Position(line - 1, units + self._marks(line))
+
+    def clamp(self, position: Position) -> Position:
+        """Return a position, or the end of its line or of the text if it is beyond that."""
+        return self.position(*self.column(position))
+
+    @property
+    def last_position(self) -> Position:
+        """Return the position after the last character."""
+        return self.position(len(self.lines), len(self.lines[-1]) + 1)
 
     def range(self, span: Span) -> Range:
         """Return where a span stands."""

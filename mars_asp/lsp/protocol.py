@@ -12,7 +12,7 @@ from mars_asp.lsp.completion import Completions
 from mars_asp.lsp.hover import Hover
 from mars_asp.lsp.places import Edit, Place, Position, Range
 from mars_asp.lsp.robot import EditorFinding
-from mars_asp.lsp.symbols import Symbol
+from mars_asp.lsp.symbols import Sort, Symbol
 
 _SEVERITIES = {
     "error": types.DiagnosticSeverity.Error,
@@ -44,6 +44,10 @@ class Protocol:
     def locations(self, places: Iterable[Place]) -> list[types.Location]:
         """Return where several things are."""
         return [self.location(each) for each in places]
+
+    def symbol(self, name: str, sort: Sort, place: Place) -> types.SymbolInformation:
+        """Return a symbol that an editor lists of all files."""
+        return types.SymbolInformation(self.location(place), name, _SYMBOLS[sort])
 
     def diagnostic(self, finding: EditorFinding) -> types.Diagnostic:
         """Return what an editor shows of a finding."""

@@ -8,8 +8,11 @@ from mars_asp.lsp.rules import Rules
 
 #: `check`, `source` and `lint`: what is found in a robot, in a source of no robot, in rules;
 #: `survey`: consequences and nodes of each module; `repairs` of all findings; `trace`: why there is
-#: what `about` names; `owners`: the configurations that a source belongs to.
-Sort: TypeAlias = Literal["check", "source", "lint", "survey", "repairs", "trace", "owners"]
+#: what `about` names; `owners`: the configurations that a source belongs to; `format`: the text of
+#: a configuration in canonical layout.
+Sort: TypeAlias = Literal[
+    "check", "source", "lint", "survey", "repairs", "trace", "owners", "format"
+]
 
 
 class Question(NamedTuple):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Severity
-from mars_asp.lsp.mentions import Mention, Outline, outline
+from mars_asp.lsp.mentions import Mention, Outline, is_configuration, outline
 from mars_asp.lsp.places import Edit, Place, Position
 
 #: A proxy of a mapping crosses no pipe.
@@ -51,6 +51,10 @@ class File(NamedTuple):
     path: str
     prefix: str
     mentions: tuple[Mention, ...]
+
+    def name_of(self, mention: Mention) -> str:
+        """Return the name that the robot gives to a module of the file."""
+        return behind(self.prefix, mention.name) if is_configuration(self.path) else mention.name
 
 
 class EditorRobot(NamedTuple):

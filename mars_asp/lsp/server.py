@@ -20,13 +20,13 @@ from pygls.uris import from_fs_path
 
 from mars_asp import __version__
 from mars_asp.lsp.actions import Action, actions_at, mended, respelt
-from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError
+from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError, strict_converter
 from mars_asp.lsp.completion import Completions, completion, rule_completion
 from mars_asp.lsp.desk import Desk
 from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
 from mars_asp.lsp.mentions import is_configuration, language_of
-from mars_asp.lsp.places import Place, Position, Range
+from mars_asp.lsp.places import Place, Position, Range, Text
 from mars_asp.lsp.protocol import (
     Protocol,
     hover_of,
@@ -43,7 +43,7 @@ from mars_asp.lsp.rename import RefusedError, rename, renamed_range
 from mars_asp.lsp.robot import EditorFinding, EditorRobot
 from mars_asp.lsp.rule_text import is_rules
 from mars_asp.lsp.rules import Rules, predicate_definition, predicate_mentions
-from mars_asp.lsp.symbols import module_symbols, predicate_symbols
+from mars_asp.lsp.symbols import module_symbols, predicate_symbols, workspace_symbols
 from mars_asp.lsp.workers import Workers
 
 #: Seconds without a keystroke after which an analysis begins.
@@ -103,6 +103,7 @@ class _Server(LanguageServer):
             __version__,
             text_document_sync_kind=types.TextDocumentSyncKind.Full,
             protocol_cls=CheckedProtocol,
+            converter_factory=strict_converter,
         )
         self._workers = workers
         self._desk = Desk()
@@ -129,8 +130,10 @@ class _Server(LanguageServer):
             types.TEXT_DOCUMENT_DEFINITION: self.definition,
             types.TEXT_DOCUMENT_REFERENCES: self.references,
             types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: self.symbols,
+            types.WORKSPACE_SYMBOL: self.workspace_symbols,
             types.TEXT_DOCUMENT_PREPARE_RENAME: self.prepare_rename,
             types.TEXT_DOCUMENT_CODE_LENS: self.lenses,
+            types.TEXT_DOCUMENT_FORMATTING: self.format,
         }
 
     def handlers_with_options(self) -> list[tuple[str, Callable[[Any], Any], Any]]:
@@ -337,7 +340,7 @@ class _Server(LanguageServer):
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         """Tell what there is to say of a place."""
-        path, position = place_of(params)
+        path, position = self._request_place(params)
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
             found = [f for f in self._desk.findings(path) if f.place.range.holds(position)]
@@ -366,7 +369,7 @@ class _Server(LanguageServer):
 
     def definition(self, params: types.DefinitionParams) -> list[types.Location]:
         """Tell where something is defined."""
-        path, position = place_of(params)
+        path, position = self._request_place(params)
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
             found = predicate_definition(rules_here, self._rules(path), self._desk.texts, position)
@@ -376,7 +379,7 @@ class _Server(LanguageServer):
 
     def references(self, params: types.ReferenceParams) -> list[types.Location]:
         """Tell where something is named."""
-        path, position = place_of(params)
+        path, position = self._request_place(params)
         with_own = params.context.include_declaration
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
@@ -402,16 +405,25 @@ class _Server(LanguageServer):
         scene = self._desk.scene(path)
         return [] if scene is None else [symbol_of(each) for each in module_symbols(scene.here)]
 
+    def workspace_symbols(
+        self, params: types.WorkspaceSymbolParams
+    ) -> list[types.SymbolInformation]:
+        """Return the modules of open robots and the predicates of open rules by their names."""
+        scenes = filter(None, map(self._desk.scene, self._desk.texts))
+        rules = filter(None, map(self._desk.rule_text, self._desk.texts))
+        found = workspace_symbols(scenes, rules, params.query)
+        return [self._told.symbol(*each) for each in found]
+
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
         """Tell what can have another name at a place."""
-        path, position = place_of(params)
+        path, position = self._request_place(params)
         scene = self._desk.scene(path)
         found = None if scene is None else renamed_range(scene, position)
         return None if found is None else range_of(found)
 
     def rename(self, params: types.RenameParams) -> types.WorkspaceEdit | None:
         """Give a module another name."""
-        path, position = place_of(params)
+        path, position = self._request_place(params)
         scene = self._desk.scene(path)
         if scene is None:
             return None
@@ -422,7 +434,7 @@ class _Server(LanguageServer):
 
     def completion(self, params: types.CompletionParams) -> types.CompletionList:
         """Tell what may stand at a place."""
-        path, position = place_of(params)
+        path, position = self._request_place(params)
         rules_here = self._desk.rule_text(path)
         scene = self._desk.scene(path)
         if rules_here is not None:
@@ -447,7 +459,8 @@ class _Server(LanguageServer):
         text = self._desk.texts.get(path)
         if text is None:
             return []
-        stretch = Range(position_of(params.range.start), position_of(params.range.end))
+        ends = map(position_of, (params.range.start, params.range.end))
+        stretch = Range(*map(Text(path, text).clamp, ends))
         found = [each for each in self._desk.findings(path) if each.place.range.meets(stretch)]
         scene = self._desk.scene(path)
         here = self._desk.rule_text(path) if scene is None else scene.here
@@ -468,6 +481,18 @@ class _Server(LanguageServer):
             self._desk.repairs[asked] = answer
         return self._desk.repairs[asked]
 
+    async def format(self, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+        """Return the edit of the whole text that `mars-asp fmt` makes, if there is one."""
+        path = path_of(params.text_document.uri) or ""
+        written = self._desk.texts.get(path)
+        if written is None or not is_configuration(path):
+            return []
+        answer = await self._asked(Question("format", path, self._desk.unsaved()))
+        if isinstance(answer, Failed) or answer == written or self._desk.texts.get(path) != written:
+            return []
+        end = Text(path, written).last_position
+        return [types.TextEdit(range_of(Range(Position(0, 0), end)), answer)]
+
     async def explain(self, robot: str, module: str | None) -> str:
         """Tell what is found about a module, as the title above it counts it."""
         known = self._desk.robots.get(robot)
@@ -480,6 +505,13 @@ class _Server(LanguageServer):
         text = "\n".join(lines)
         self.window_show_message(types.ShowMessageParams(types.MessageType.Info, text))
         return text
+
+    def _request_place(
+        self, params: types.TextDocumentPositionParams | Any
+    ) -> tuple[str, Position]:
+        """Return the path of a request and the nearest position of its text."""
+        path, position = place_of(params)
+        return path, Text(path, self._desk.texts.get(path, "")).clamp(position)
 
     def _rules(self, path: str) -> Rules:
         return self._desk.rules.get(path, Rules())

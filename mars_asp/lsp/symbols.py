@@ -1,11 +1,12 @@
 """The symbols of a text: its modules and, of rules, its predicates."""
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.lsp.mentions import Outline
-from mars_asp.lsp.places import Range
+from mars_asp.lsp.places import Place, Range
+from mars_asp.lsp.robot import File, Scene
 from mars_asp.lsp.rule_text import RuleText
 
 Sort: TypeAlias = Literal["module", "predicate"]
@@ -38,6 +39,30 @@ def predicate_symbols(text: RuleText) -> Iterator[Symbol]:
         if each.is_head and each.key not in seen:
             seen.add(each.key)
             yield Symbol(str(each.signature), "predicate", "predicate", each.range, each.range)
+
+
+def workspace_symbols(
+    scenes: Iterable[Scene], rules: Iterable[RuleText], query: str
+) -> Iterator[tuple[str, Sort, Place]]:
+    """Yield the symbols of open files and of their robots whose name contains `query`, once each.
+
+    Modules of included files have the names that the robot gives them. Case is ignored.
+    """
+    files: dict[tuple[str, str], File] = {}
+    for scene in scenes:
+        known = [file for robot in scene.robots for file in scene.files(robot)]
+        known = known or [File(scene.here.text.path, "", scene.here.mentions)]
+        files |= {(file.path, file.prefix): file for file in known}
+    found: dict[tuple[str, Sort, Place], None] = {}
+    for file in files.values():
+        for each in file.mentions:
+            if each.role in ("listed", "annotated"):
+                place = Place(file.path, each.range)
+                found[file.name_of(each), "module", place] = None
+    for text in rules:
+        for symbol in predicate_symbols(text):
+            found[symbol.name, "predicate", Place(text.text.path, symbol.place)] = None
+    return (each for each in found if query.lower() in each[0].lower())
 
 
 def _block(found: Outline, name: Range) -> Range:

@@ -13,13 +13,15 @@ from mars_asp.language.text_edits import LineEdit, apply_lines
 from mars_asp.lsp.actions import line_edits
 from mars_asp.lsp.completion import completion, rule_completion
 from mars_asp.lsp.desk import Desk
-from mars_asp.lsp.places import Edit, Position, Text
-from mars_asp.lsp.questions import Checked
+from mars_asp.lsp.hover import hover
+from mars_asp.lsp.places import Edit, Place, Position, Range, Text
+from mars_asp.lsp.questions import Checked, Survey
 from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename
+from mars_asp.lsp.robot import EditorFinding
 from mars_asp.lsp.rule_text import rule_text
 from mars_asp.lsp.rules import Rules
-from mars_asp.lsp.symbols import module_symbols
+from mars_asp.lsp.symbols import module_symbols, workspace_symbols
 from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS
 from mars_asp.model.declarations import DELIVERY_MODES
 from mars_asp.reasoning.findings import EXPANSIONS
@@ -295,6 +297,42 @@ def test_rules_are_completed() -> None:
     assert rule_completion(rule_text("/a.lp", text), Rules(), position).items == ()
 
 
+# ---- Hover ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "at", "parts"),
+    [
+        (4, 10, ["```text\nCamera (", "- data_divergence(Camera)"]),
+        (6, 32, ["```text\nCamera (", "**warning**: tied", "- data_divergence(Camera)"]),
+        (6, 36, ["output `grab` of", "**warning**: tied", "- data_divergence(Camera)"]),
+        (6, 3, ["`odd 😀 name`: no annotation describes", "**warning**: tied"]),
+        (5, 27, ["```text\nCamera (", "- data_divergence(Camera)"]),
+        (7, 24, ["`Base`: no annotation describes this module"]),
+        (6, 22, ["**warning**: tied", "```text\nNAME[.INPUT] uses_data_from"]),
+    ],
+)
+def test_a_hover_begins_with_the_module(
+    line: int, at: int, parts: list[str], tmp_path: Path
+) -> None:
+    text = ROBOT.replace("from eye", "from Camera")
+    desk = desk_of(tmp_path, {**TEXTS, "robot.mars": text})
+    path = str(tmp_path / "robot.mars")
+    whole = Range(Position(6, 0), Position(6, 40))
+    finding = EditorFinding(Place(path, whole), "warning", "tied", "tied", title="tie(Camera)")
+    desk.found[path] = (finding,)
+    desk.learn(path, Survey({"Camera": ("data_divergence(Camera): two modules use it",)}, {}))
+    scene = desk.scene(path)
+    assert scene is not None
+    found = hover(scene, Position(line, at), {"tie(Camera)": "the trace"})
+    assert found is not None
+    shown = found.markdown.split("\n\n---\n\n")
+    assert [
+        text.replace("\\", "")[: len(part)] for text, part in zip(shown, parts, strict=True)
+    ] == parts
+    assert all(("the trace" in each) == each.startswith("**warning**") for each in shown)
+
+
 # ---- Rules as text -------------------------------------------------------------------------------
 
 
@@ -360,3 +398,28 @@ def test_symbols_span_their_blocks() -> None:
         ("A", (Position(0, 9), Position(0, 10))),
         ("B", (Position(1, 0), Position(4, 11))),
     ]
+
+
+@pytest.mark.parametrize(
+    ("query", "names"),
+    [
+        ("CAM", ["Camera robot.mars:4", "Camera code.py:1"]),
+        ("left/", ["left/Arm arm.mars:1", "left/Hand arm.mars:1"]),
+        ("amera2", []),
+        ("new", ["New unread.mars:0", "new/1 own.lp:0"]),
+    ],
+)
+def test_symbols_of_all_open_files_are_found_by_part_of_their_name(
+    query: str, names: list[str], tmp_path: Path
+) -> None:
+    desk = desk_of(tmp_path, TEXTS)
+    # The module of a closed file is found as well; a text that was never read has its own.
+    del desk.texts[str(tmp_path / "code.py")]
+    desk.texts[str(tmp_path / "unread.mars")] = "@modules New\n@modules"
+    desk.texts[str(tmp_path / "own.lp")] = "new(M) :- module(M).\nold(M) :- new(M).\n"
+    scenes = filter(None, map(desk.scene, desk.texts))
+    rules = filter(None, map(desk.rule_text, desk.texts))
+    assert [
+        f"{name} {Path(place.path).name}:{place.range.start.line}"
+        for name, _, place in workspace_symbols(scenes, rules, query)
+    ] == names

@@ -27,6 +27,24 @@ def notice(method: str, **params: object) -> bytes:
     return _framed({"jsonrpc": "2.0", "method": method, "params": params})
 
 
+def at(line: object, character: object, uri: object = "file:///a.mars") -> dict[str, Any]:
+    return {
+        "textDocument": {"uri": uri},
+        "position": {"line": line, "character": character},
+    }
+
+
+def explaining(*arguments: object) -> dict[str, object]:
+    return {"command": "mars-asp.explain", **({"arguments": arguments} if arguments else {})}
+
+
+OPENED = {
+    "uri": "file:///a.mars",
+    "languageId": "mars",
+    "version": 1,
+    "text": "@configuration\n@modules A\n",
+}
+OPTIONS = {"options": {"tabSize": 2, "insertSpaces": True}}
 #: What a client sends, and what tells it so: the answered request and a code, or a line of the log.
 MESSAGES: tuple[tuple[bytes, tuple[object, int] | str], ...] = (
     (request(1, "textDocument/hover", HOVER), (1, -32002)),
@@ -46,6 +64,38 @@ MESSAGES: tuple[tuple[bytes, tuple[object, int] | str], ...] = (
         ),
         "`file:///gone.mars` is not open",
     ),
+    # Places beyond a text are its nearest ones; a text that is not open has no answers.
+    (notice("textDocument/didOpen", textDocument=OPENED), (2, 0)),
+    (request(10, "textDocument/hover", at(99, 99)), (10, 0)),
+    (request(11, "textDocument/hover", at(2**31 - 1, 0)), (11, 0)),
+    (request(12, "textDocument/hover", at(0, 0, "file:///gone.mars")), (12, 0)),
+    (request(13, "textDocument/definition", at(0, 0, "untitled:1")), (13, 0)),
+    (request(14, "textDocument/formatting", {**at(0, 0, "file://["), **OPTIONS}), (14, 0)),
+    (request(15, "textDocument/rename", {**at(0, 0, "file:///b.mars"), "newName": "x"}), (15, 0)),
+    (request(16, "textDocument/hover", at(1.0, 0)), (16, 0)),
+    # Parameters of the wrong form.
+    (request(20, "textDocument/hover", at(-1, 0)), (20, -32602)),
+    (request(21, "textDocument/hover", at(2**31, 0)), (21, -32602)),
+    (request(22, "textDocument/hover", at(1.5, 0)), (22, -32602)),
+    (request(23, "textDocument/hover", at("1", 0)), (23, -32602)),
+    (request(24, "textDocument/hover", at(0, True)), (24, -32602)),
+    (request(25, "textDocument/definition", at(0, 0, 5)), (25, -32602)),
+    (
+        request(26, "textDocument/completion", {"textDocument": {"uri": "file:///a.mars"}}),
+        (26, -32602),
+    ),
+    (request(27, "textDocument/rename", {**at(1, 10), "newName": 5}), (27, -32602)),
+    (request(28, "textDocument/rename", {**at(0, 3), "newName": "x"}), (28, -32803)),
+    (request(29, "textDocument/formatting", at(0, 0)), (29, -32602)),
+    (request(30, "workspace/symbol", {}), (30, -32602)),
+    (request(31, "workspace/symbol", {"query": 3}), (31, -32602)),
+    (request(32, "workspace/executeCommand", {"command": "no.such"}), (32, -32602)),
+    (request(33, "workspace/executeCommand", explaining()), (33, -32602)),
+    (request(34, "workspace/executeCommand", explaining("/a.mars")), (34, -32602)),
+    (request(35, "workspace/executeCommand", explaining("/a.mars", ["A"])), (35, -32602)),
+    (request(36, "workspace/executeCommand", explaining({}, None)), (36, -32602)),
+    (request(37, "workspace/executeCommand", explaining("/a.mars", "A", "B")), (37, -32602)),
+    (request(38, "workspace/executeCommand", explaining("/gone.mars", None)), (38, 0)),
     (b"Content-Length: 1\r\n\r\n{", (None, -32700)),
     (b"Content-Length: 2\r\n\r\n[]", 'a message is an object with `"jsonrpc": "2.0"`'),
     (b"Content-Length: -1\r\n\r\n", "a message begins with `Content-Length: N`"),

@@ -4,6 +4,7 @@ import random
 import time
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,7 +13,7 @@ from mars_asp.lsp.completion import completion, rule_completion
 from mars_asp.lsp.desk import Desk
 from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
-from mars_asp.lsp.places import Position, Text
+from mars_asp.lsp.places import Position, Range, Text, changed_lines
 from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename
 from mars_asp.lsp.rules import Rules, predicate_definition
@@ -36,6 +37,27 @@ def test_a_place_is_found_again(written: str) -> None:
             assert position == Position(number - 1, units + mark)
             span = Span("/t", number, column, number, len(line) + 1)
             assert text.range(span) == (position, text.position(number, len(line) + 1))
+
+
+@pytest.mark.parametrize(
+    ("now", "places"),
+    [
+        ("a\nb\nc\nd\n", {0: 0, 1: 1, 2: 2, 3: 3}),
+        ("new\na\nb\nc\nd\n", {0: 1, 1: 2, 2: 3, 3: 4}),
+        ("a\r\nb\r\nnew\r\nnew\r\nc\r\nd\r\n", {0: 0, 1: 1, 2: 4, 3: 5}),
+        ("a\nd\n", {0: 0, 3: 1}),
+        ("a\nB\nc\nd\n", {0: 0, 2: 2, 3: 3}),
+        ("A\nb\nc\nD\nnew", {}),
+        ("", {}),
+    ],
+)
+def test_lines_outside_of_an_edit_are_found_again(now: str, places: dict[int, int]) -> None:
+    edit = changed_lines("a\nb\nc\nd\n", now)
+    ranges = {line: Range(Position(line, 0), Position(line, 1)) for line in range(4)}
+    found = {line: edit.moved(place) for line, place in ranges.items()}
+    assert {line: place.start.line for line, place in found.items() if place} == places
+    several = edit.moved(Range(Position(1, 0), Position(2, 1)))
+    assert (several is None) == (places.get(2, 9) - places.get(1, 0) != 1)
 
 
 def test_half_a_character_is_the_place_before_it() -> None:

@@ -38,7 +38,7 @@ def document(uri: str) -> types.TextDocumentIdentifier:
     return types.TextDocumentIdentifier(uri)
 
 
-def stretch(place: types.Location | types.LocationLink) -> tuple[str, int, int, int]:
+def stretch(place: object) -> tuple[str, int, int, int]:
     """Return the file, line and columns of a place, which is in one line."""
     assert isinstance(place, types.Location)
     begin, end = place.range.start, place.range.end
@@ -114,6 +114,13 @@ async def asks_for_places(client: Editor, uri: str) -> None:
         *("Camera", "Planner", "Screen", "Wheels", "Joystick"),
         "Wheels",
     ]
+    cameras = await client.workspace_symbol_async(types.WorkspaceSymbolParams("cam"))
+    assert [(each.name, each.kind, stretch(each.location)) for each in cameras or ()] == [
+        ("Camera", types.SymbolKind.Module, ("robot.mars", 3, 9, 15)),
+        ("Camera", types.SymbolKind.Module, ("camera.cpp", 1, 16, 22)),
+    ]
+    every = await client.workspace_symbol_async(types.WorkspaceSymbolParams(""))
+    assert len(every or ()) == 10
 
 
 async def asks_for_words(client: Editor, uri: str) -> None:
@@ -125,6 +132,8 @@ async def asks_for_words(client: Editor, uri: str) -> None:
     camera = await client.hover(uri, 3, 10)
     assert camera.startswith("```text\nCamera (sensor)  ")
     assert "\n  Sense NotifyAtFrequency 20: grab() -> Image\n```" in camera
+    # Beyond the end of a line is its end.
+    assert (await client.hover(uri, 3, 99)).startswith("`Joystick`: no annotation describes")
     finding = await client.hover(uri, 12, 10)
     while "[effective/tied]" not in finding:  # a busy machine takes longer than a hover waits
         finding = await client.hover(uri, 12, 10)
@@ -234,6 +243,74 @@ def test_edits_are_followed_in_every_file_of_a_robot(folder: Path) -> None:
         await client.until(lambda: not client.published[robot])
 
     played(scenario, folder)
+
+
+#: Texts of `robot.mars`, by what is replaced in it, and the lines and codes of their findings.
+HALF_TYPED = [
+    ("Screen uses", "Screen use", [(11, "syntax"), (12, "control/ambiguous-priority")]),
+    ("Screen uses", "Screen\nScreen uses", [(11, "syntax"), (13, "control/ambiguous-priority")]),
+    ("Joystick\n\n", "Joystick x\n", [(3, "syntax"), (11, "control/ambiguous-priority")]),
+    ("Z -500 500", "Z -500", [(7, "MARS116"), (12, "control/ambiguous-priority")]),
+    ("Planner 1", "Planner 1 1", [(12, "syntax")]),
+    ("Screen uses", "Scren uses", [(11, "checks/misspelt"), (12, "control/ambiguous-priority")]),
+    ("", "", [(12, "control/ambiguous-priority")]),
+]
+
+
+def test_findings_stay_while_a_line_is_half_typed(folder: Path) -> None:
+    async def scenario(client: Editor) -> None:
+        path = folder / "robot.mars"
+        uri, text = client.open(path), path.read_text()
+        await client.diagnostics(uri)
+        for version, (old, new, expected) in enumerate(HALF_TYPED, 2):
+            client.change(uri, text.replace(old, new, 1), version)
+            found = await client.diagnostics(uri, version)
+            assert sorted((each.range.start.line, str(each.code)) for each in found) == expected
+            # The modules stay known.
+            assert "grab() -> Image" in await client.hover(uri, 3, 10)
+        (last,) = await client.diagnostics(uri, version)
+        (related,) = last.related_information or ()
+        assert related.location.range.start.line == 13
+
+    played(scenario, folder)
+
+
+#: Texts of an editor and the edits of formatting them: the whole text, or none.
+UNFORMATTED = "\ufeff@configuration   flat\r\n@modules A,B // 😀\r\n\r\n\r\n\r\nA  uses_data_from B"
+FORMATTED = "@configuration flat\n@modules A, B  // 😀\n\nA uses_data_from B\n"
+FORMATTING = [
+    ("a.mars", UNFORMATTED, [((0, 0), (5, 19), FORMATTED)]),
+    ("a.mars", f"{FORMATTED}\n", [((0, 0), (5, 0), FORMATTED)]),
+    ("a.mars", FORMATTED, []),
+    ("a.mars", "@configuration   flat\n@modules A,B\nA uses_data_from\n", []),
+    ("a.mars", "", []),
+    ("a.lp", "p(X)  :-  module(X).\n", []),
+    ("a.py", "#   @module_start\n", []),
+]
+
+
+def test_formatting_writes_the_text_of_fmt(tmp_path: Path) -> None:
+    options = types.FormattingOptions(8, insert_spaces=False)
+
+    async def scenario(client: Editor) -> None:
+        for name, text, expected in FORMATTING:
+            path = tmp_path / name
+            uri = client.open(path, text)
+            params = types.DocumentFormattingParams(document(uri), options)
+            edits = await client.text_document_formatting_async(params) or ()
+            client.close(uri)
+            ranges = [(each.range.start, each.range.end, each.new_text) for each in edits]
+            assert [((s.line, s.character), (e.line, e.character), t) for s, e, t in ranges] == (
+                expected
+            )
+            if expected:
+                path.write_bytes(text.encode())
+                assert run_here(["fmt", str(path)]) == 0
+                assert path.read_bytes().decode() == expected[0][2]
+        params = types.DocumentFormattingParams(document("file:///gone.mars"), options)
+        assert not await client.text_document_formatting_async(params)
+
+    played(scenario, tmp_path)
 
 
 RULES = """\

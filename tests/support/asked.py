@@ -60,8 +60,10 @@ def _told(found: Mapping[str, Any]) -> Told:
     return path, places[0], places[1], *said
 
 
-def _units(path: str, line: int, column: int) -> tuple[int, int]:
-    """Return a place in UTF-16 units, counted in the bytes of a file."""
+def _units(path: str, line: int | None, column: int | None) -> tuple[int, int]:
+    """Return a place in UTF-16 units, counted in the bytes of a file; its start without a line."""
+    if line is None or column is None:
+        return 0, 0
     raw = Path(path).read_bytes()
     encoding = "utf-16" if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
     try:

@@ -25,6 +25,7 @@ _METHODS = (
     *("textDocument/definition", "textDocument/references", "textDocument/documentSymbol"),
     *("textDocument/prepareRename", "textDocument/rename", "textDocument/completion"),
     *("textDocument/codeAction", "textDocument/codeLens", "workspace/executeCommand"),
+    *("textDocument/formatting", "workspace/symbol"),
     *("workspace/didChangeWatchedFiles", "workspace/didChangeConfiguration", "no/such"),
 )
 _TEXTS = (
@@ -84,6 +85,8 @@ def message(rng: random.Random, number: int, folder: Path) -> Any:
         "range": {"start": place, "end": place},
         "contentChanges": [{"text": text}],
         "context": {"diagnostics": [], "includeDeclaration": True},
+        "options": {"tabSize": 2, "insertSpaces": True},
+        "query": text[:3],
         "newName": rng.choice("A1 "),
         "command": "mars-asp.explain",
         "arguments": [_odd(rng)],
