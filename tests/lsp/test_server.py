@@ -352,7 +352,7 @@ def test_lints_are_fixed_by_code_actions(tmp_path: Path) -> None:
 ENDLESS = "far(0) :- module(_).\nfar(X+1) :- far(X), X < 2000000000.\n"
 
 
-def test_what_takes_long_hinders_nothing(folder: Path) -> None:
+def test_a_long_analysis_delays_no_answer(folder: Path) -> None:
     rules = folder / "endless.lp"
     rules.write_text(ENDLESS)
 
@@ -364,7 +364,7 @@ def test_what_takes_long_hinders_nothing(folder: Path) -> None:
     played(scenario, folder, f"--rules={rules}", "--time-limit=1000")
 
 
-def test_what_takes_too_long_is_ended(folder: Path) -> None:
+def test_a_long_analysis_is_ended(folder: Path) -> None:
     rules = folder / "endless.lp"
     rules.write_text(ENDLESS)
 
