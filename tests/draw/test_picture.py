@@ -207,16 +207,27 @@ def mars(
     )
 
 
-@pytest.mark.parametrize("kind", ["svg", "dot", "mmd", "png"])
-def test_bytes_do_not_depend_on_hash_seeds(kind: str, tmp_path: Path) -> None:
-    drawn = []
+DRAWN = ("a.svg", "a.dot", "a.mmd", "a.png")
+#: Draws all of them in one process.
+DRAW_ALL = f"""
+from mars_asp.cli import run_here
+for name in {DRAWN}:
+    assert run_here(["draw", "tests/mixed.mars", "-o", f"{{FOLDER}}/{{name}}"]) == 0
+"""
+
+
+def test_bytes_do_not_depend_on_hash_seeds(tmp_path: Path) -> None:
     for seed in ("0", "1", "2"):
-        target = tmp_path / f"{seed}.{kind}"
-        words = ("draw", "tests/mixed.mars", "-o", str(target))
-        done = mars(*words, seed=seed)
-        assert (done.returncode, done.stdout) == (0, b"")
-        drawn.append(target.read_bytes())
-    assert drawn[0] and drawn[0] == drawn[1] == drawn[2]
+        folder = tmp_path / seed
+        folder.mkdir()
+        code = f"FOLDER = {str(folder)!r}\n{DRAW_ALL}"
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        command = [sys.executable, "-c", code]
+        done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=True)
+        assert done.stdout == b""
+    for name in DRAWN:
+        first, *others = ((tmp_path / seed / name).read_bytes() for seed in ("0", "1", "2"))
+        assert first and others == [first, first], name
 
 
 def test_png_is_twice_the_size_and_shows_the_names(tmp_path: Path) -> None:

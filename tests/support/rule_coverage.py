@@ -77,22 +77,25 @@ def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Iterable[Path]) -
 
 @cache
 def _firings(rulebook: Rulebook) -> Mapping[tuple[str, int], Sequence[Path]]:
-    """Return the cases in which each rule fires or fails by one premise, by its number.
+    """Return the cases in which each rule fires, and some in which it fails by one premise.
 
     It takes long, so that tests that need it are run by one process. Rules of stages without a case
     are left out.
     """
-    found: dict[str, list[str]] = {}
+    probes: dict[str, list[tuple[tuple[str, int], str]]] = {}
     stages = {"base", *chain.from_iterable(map(stages_of, CASES))}
     for number, rule in enumerate(rulebook.rules):
-        if rule.stage not in stages:
-            continue
-        bodies = probed(rule) if rule.ast.body else [(FIRED, [])]
-        found.setdefault(rule.stage, []).extend(text for _, text in each_together(bodies, number))
+        if rule.stage in stages:
+            bodies = probed(rule) if rule.ast.body else [(FIRED, [])]
+            texts = each_together(bodies, number)
+            probes.setdefault(rule.stage, []).extend(((name, number), text) for name, text in texts)
     firings: dict[tuple[str, int], list[Path]] = {}
-    for stages, part in _parts(CASES):
-        rules = [together(rulebook.text(stage)) for stage in stages]
-        rules += [text for stage in stages for text in found.get(stage, ())]
+    # Those of the base first, as its rules are in every program.
+    for stages_of_part, part in sorted(_parts(CASES), key=lambda each: len(each[0])):
+        rules = [together(rulebook.text(stage)) for stage in stages_of_part]
+        for stage in stages_of_part:
+            # One case is enough in which a rule fails by one premise.
+            rules += [t for key, t in probes[stage] if key[0] == FIRED or key not in firings]
         text = printed([*rules, *_facts(part)], _PROBES)
         answering = {*_ANSWERS.findall(text)}
         for name, case, number in _HOLDS.findall(text):
