@@ -51,7 +51,7 @@ def pytest_collection_finish() -> None:
 #: Counts the tests that have ended in this process.
 _ENDED = count(1)
 #: So many tests keep little that is not needed any more.
-_FEW = 50
+_FEW = 250
 
 
 def pytest_runtest_teardown() -> None:

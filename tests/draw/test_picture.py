@@ -24,6 +24,7 @@ from mars_asp.draw.picture import Box, Line, LineKind, NumberedFinding, numbers
 from mars_asp.draw.svg import svg_text
 from mars_asp.language.print import print_relationship
 from mars_asp.reasoning.project import load_project
+from tests.support.campaigns import examples
 from tests.support.documents import ROOT
 
 PICTURES = ROOT / "docs" / "pictures"
@@ -145,7 +146,7 @@ def test_a_transformer_says_what_it_converts_and_a_module_may_have_the_name_of_a
     assert {box.node for box in depict(project.configuration, project.modules).boxes} == {None}
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(30, 100), deadline=None)
 @given(pictures())
 def test_svg_says_the_text_and_nothing_else(picture: Picture) -> None:
     root = fromstring(svg_text(picture))
@@ -160,7 +161,7 @@ def test_svg_says_the_text_and_nothing_else(picture: Picture) -> None:
     assert root[0].text == (picture.title.translate(kept) or None)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(30, 100), deadline=None)
 @given(pictures())
 def test_graphviz_reads_the_names(picture: Picture) -> None:
     graph = pygraphviz.AGraph(string=dot_text(picture))
@@ -179,7 +180,7 @@ def test_graphviz_shows_hostile_names_as_they_are() -> None:
     assert [text.replace("\xa0", " ") for text in texts if text] == names
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(30, 100), deadline=None)
 @given(pictures())
 def test_mermaid_sees_only_letters_digits_and_plain_signs(picture: Picture) -> None:
     body = mermaid_text(picture).partition("\n")[2]
@@ -211,6 +212,7 @@ DRAWN = ("a.svg", "a.dot", "a.mmd", "a.png")
 #: Draws all of them in one process.
 DRAW_ALL = f"""
 from mars_asp.cli import run_here
+from tests.support.campaigns import examples
 for name in {DRAWN}:
     assert run_here(["draw", "tests/mixed.mars", "-o", f"{{FOLDER}}/{{name}}"]) == 0
 """

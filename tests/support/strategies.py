@@ -9,14 +9,14 @@ from mars_asp.diagnostic import point
 from mars_asp.model.declarations import FOREVER, Configuration, Control, Data, Mode, Mount, Name
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate, every
-from tests.support.campaigns import IS_CAMPAIGN
+from tests.support.campaigns import examples
 
 HERE = point("config.mars", 1, 1)
 NAMES = ("A", "B", "/robot1/base", "dora-camera", 'the "3 # eyes"', "Wheel")
 #: Instances: modules that another, which is named or not, describes.
 DESCRIBED = {"B": "A", "dora-camera": 'the eye\'s "driver"', "Wheel": "/base"}
 few = settings(
-    max_examples=60 if IS_CAMPAIGN else 15,
+    max_examples=examples(15, 60),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow],
     derandomize=True,
