@@ -55,7 +55,7 @@ _FEW = 250
 
 
 def pytest_runtest_teardown() -> None:
-    """Leave what tests keep out of collections, those of forked processes too."""
+    """Keep values that tests share out of collections, also of those of forked processes."""
     if next(_ENDED) % _FEW == 0:
         gc.collect()
         gc.freeze()

@@ -321,7 +321,7 @@ def await_true(holds: Callable[[], bool], command: "subprocess.Popen[str]") -> N
 
 
 def await_none_left(campaign: Campaign) -> None:
-    await_in_time(lambda: not [*left(campaign.folder)], "what the command has left")
+    await_in_time(lambda: not [*left(campaign.folder)], "processes of the command")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc")

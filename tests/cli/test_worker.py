@@ -328,7 +328,7 @@ def test_ctrl_z_pauses_the_worker_too_and_ctrl_c_ends_both(pack: Path) -> None:
     os.write(terminal, b"\x1a")
     await_true(lambda: states() == ["T", "T"], "a pause")
     os.killpg(number, signal.SIGCONT)
-    await_true(lambda: "T" not in states(), "what goes on")
+    await_true(lambda: "T" not in states(), "a command that goes on")
     os.write(terminal, b"\x03")
     said_at(terminal)
     assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 128 + signal.SIGINT

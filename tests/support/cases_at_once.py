@@ -143,7 +143,7 @@ def outcomes(paths: Sequence[Path], rulebook: Rulebook) -> Iterator[Outcome]:
         answers = zip(cases, _answers(text, len(cases)), strict=True)
         return [tuple(sorted(set(case.compared(atoms, speakers)))) for case, atoms in answers]
 
-    # clingo keeps each term until its process ends, and what a large process forks is slow.
+    # clingo keeps each term until its process ends, and forks of a large process are slow.
     [(_, found)] = ask(["\n".join(program)], compared, 1)
     assert found is not None
     for path, case, answer in zip(paths, cases, found, strict=True):

@@ -76,7 +76,7 @@ def printed(program: Iterable[str], wanted: Collection[Signature]) -> str:
     """Return the text of what `answered` does, and of `in_` of each case that has an answer.
 
     Many atoms are read in a tenth of the time. It is found by a child, as clingo keeps each term
-    until its process ends, and what a large process forks is slow.
+    until its process ends, and forks of a large process are slow.
     """
     [(_, text)] = ask([program], lambda given: _read_best(given, wanted, str), 1)
     assert text is not None
