@@ -73,7 +73,7 @@ def answered(program: Iterable[str], wanted: Collection[Signature]) -> set[cling
 
 
 def printed(program: Iterable[str], wanted: Collection[Signature]) -> str:
-    """Return the text of what `answered` does, and of `in_` of each case that has an answer.
+    """Return the atoms of `answered` as text, with `in_` of each case that has an answer.
 
     Many atoms are read in a tenth of the time. It is found by a child, as clingo keeps each term
     until its process ends, and forks of a large process are slow.
