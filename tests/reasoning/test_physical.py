@@ -18,7 +18,7 @@ from tests.support.campaigns import examples
 from tests.support.robots import HERE, module, placed, random_chain, robot
 
 Verdict: TypeAlias = set[tuple[str, str]]
-CHAINS = examples(200, 700)
+CHAINS = examples(300, 700)
 
 
 @pytest.fixture(scope="module")

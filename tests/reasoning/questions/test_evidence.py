@@ -218,7 +218,7 @@ def test_every_atom_is_explained_from_what_it_needs(tmp_path: Path) -> None:
     # Taken as rules of our own: with a pack that negates itself nothing is sliced.
     rulebook = replace(load_rulebook([pack]), packs=0)
     names = {signature for rule in rulebook.rules for signature in rule.heads}
-    projects = [load_project(str(path)) for path in sample(CONFIGURATIONS, 3)]
+    projects = [load_project(str(path)) for path in sample(CONFIGURATIONS, 2)]
     projects += [load_project("random.mars", text=random_configuration(s)) for s in seeds(1, 6)]
     fewer = 0
     for number, project in enumerate(projects):
