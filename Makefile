@@ -22,10 +22,10 @@ test: $(VENV)/installed-dev
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mars-asp fmt --check examples docs
-	@echo "== mypy"
-	@$(BIN)/mypy
-	@echo "== pytest"
-	@$(BIN)/python -m pytest
+	@echo "== pytest, and mypy beside it"
+	@$(BIN)/mypy & types=$$!; \
+		$(BIN)/python -m pytest; tests=$$?; \
+		wait $$types && exit $$tests
 
 # The tests again, with the newest Python; those of `TESTS` alone where it is given.
 test-newest:

@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,19 @@ def pytest_collection_finish() -> None:
     """Look for cycles as rarely as commands do: tests keep much, and hardly a cycle."""
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)
+
+
+#: Counts the tests that have ended in this process.
+_ENDED = count(1)
+#: So many tests keep little that is not needed any more.
+_FEW = 250
+
+
+def pytest_runtest_teardown() -> None:
+    """Keep values that tests share out of collections, also of those of forked processes."""
+    if next(_ENDED) % _FEW == 0:
+        gc.collect()
+        gc.freeze()
 
 
 def pytest_unconfigure() -> None:

@@ -513,4 +513,5 @@ def test_python_says_nothing_of_its_own(tmp_path: Path, recwarn: pytest.Warnings
     text = LAYOUTS["line"].format(f='def f(x: A = "\\d") -> B: ...').replace("//", "#")
     path.write_text(text)
     assert extract([path]).diagnostics == ()
-    assert list(recwarn) == []
+    # Objects of other tests may be collected meanwhile.
+    assert [each for each in recwarn if each.category is not ResourceWarning] == []

@@ -21,7 +21,8 @@ from mars_asp.cli.schemas import campaign_schema
 from mars_asp.execution.campaign.grid import Grid, Run
 from mars_asp.execution.campaign.journal import ended_run
 from tests.support.documents import ROOT
-from tests.support.processes import PLAIN
+from tests.support.processes import HANGING, PLAIN
+from tests.support.processes import await_true as await_in_time
 from tests.support.trials import DRIVE
 
 SCENARIO = """\
@@ -320,10 +321,7 @@ def await_true(holds: Callable[[], bool], command: "subprocess.Popen[str]") -> N
 
 
 def await_none_left(campaign: Campaign) -> None:
-    until = time.monotonic() + 1
-    while [*left(campaign.folder)] and time.monotonic() < until:
-        time.sleep(0.02)
-    assert [*left(campaign.folder)] == []
+    await_in_time(lambda: not [*left(campaign.folder)], "processes of the command")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc")
@@ -340,7 +338,7 @@ def test_nothing_goes_on_when_the_command_is_ended(
         )
         os.chdir(ROOT)
         command.send_signal(number)
-        assert command.wait(1) == (-number if number == signal.SIGKILL else 128 + number)
+        assert command.wait(HANGING) == (-number if number == signal.SIGKILL else 128 + number)
     await_none_left(campaign)
     assert len(campaign.lines()) == 1
 

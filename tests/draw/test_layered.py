@@ -22,6 +22,7 @@ from mars_asp.draw.layered import (
 )
 from mars_asp.draw.packing import draw_graph
 from mars_asp.draw.straighten import Pull, straighten
+from tests.support.campaigns import examples
 
 
 @st.composite
@@ -77,7 +78,7 @@ def rectangles(
     return boxes, labels
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(40, 150), deadline=None)
 @given(graphs())
 def test_boxes_and_labels_do_not_overlap(graph: tuple[list[Size], list[Link]]) -> None:
     sizes, links = graph
@@ -91,7 +92,7 @@ def test_boxes_and_labels_do_not_overlap(graph: tuple[list[Size], list[Link]]) -
     )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(40, 150), deadline=None)
 @given(graphs())
 def test_no_line_passes_a_box_or_the_label_of_another(
     graph: tuple[list[Size], list[Link]],
@@ -106,7 +107,7 @@ def test_no_line_passes_a_box_or_the_label_of_another(
             assert not any(covers(label, point) for label in others), (link, point)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(30, 100), deadline=None)
 @given(graphs())
 def test_lines_lead_from_the_edge_of_one_box_to_that_of_the_other(
     graph: tuple[list[Size], list[Link]],
@@ -121,7 +122,7 @@ def test_lines_lead_from_the_edge_of_one_box_to_that_of_the_other(
             assert on_level or on_side
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(20, 60), deadline=None)
 @given(st.integers(2, 30), st.randoms(use_true_random=False))
 def test_links_of_a_graph_without_cycles_go_down(count: int, random: random.Random) -> None:
     links = [Link(random.randrange(head), head) for head in range(1, count)]
@@ -151,7 +152,7 @@ def test_a_long_line_is_straight() -> None:
     assert max(beside) - min(beside) < 0.1
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(20, 60), deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_positions_keep_their_order_and_distance(random: random.Random) -> None:
     layers = [list(range(first, first + 5)) for first in range(0, 25, 5)]

@@ -12,7 +12,7 @@ from mars_asp.cli import run_here
 from mars_asp.draw.part import SCREEN, about, fitting, left_out, of_kinds
 from mars_asp.draw.picture import Box, Line, LineKind, Picture
 from mars_asp.draw.svg import drawn_width, svg_text
-from tests.support.campaigns import sample
+from tests.support.campaigns import examples, sample
 
 KINDS: tuple[LineKind, ...] = ("mount", "data", "control")
 ROBOT = """\
@@ -44,7 +44,7 @@ def named(picture: Picture) -> set[tuple[str, ...]]:
     }
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20, 60))
 @given(pictures(), st.integers(0, 4), st.sampled_from([None, "p"]))
 def test_what_is_near_is_what_a_walk_reaches(
     picture: Picture, depth: int, port: str | None
@@ -81,7 +81,7 @@ def test_what_is_near_is_what_a_walk_reaches(
         assert int((re.findall(r"\d+", box.note) or ["0"])[0]) == lacks
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(15, 30))
 @given(pictures(), st.sets(st.sampled_from(KINDS)))
 def test_lines_of_some_kinds_bring_their_boxes(picture: Picture, kinds: set[LineKind]) -> None:
     part = of_kinds(picture, kinds)

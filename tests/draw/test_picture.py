@@ -24,6 +24,7 @@ from mars_asp.draw.picture import Box, Line, LineKind, NumberedFinding, numbers
 from mars_asp.draw.svg import svg_text
 from mars_asp.language.print import print_relationship
 from mars_asp.reasoning.project import load_project
+from tests.support.campaigns import examples
 from tests.support.documents import ROOT
 
 PICTURES = ROOT / "docs" / "pictures"
@@ -145,7 +146,7 @@ def test_a_transformer_says_what_it_converts_and_a_module_may_have_the_name_of_a
     assert {box.node for box in depict(project.configuration, project.modules).boxes} == {None}
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(30, 100), deadline=None)
 @given(pictures())
 def test_svg_says_the_text_and_nothing_else(picture: Picture) -> None:
     root = fromstring(svg_text(picture))
@@ -160,7 +161,7 @@ def test_svg_says_the_text_and_nothing_else(picture: Picture) -> None:
     assert root[0].text == (picture.title.translate(kept) or None)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(30, 100), deadline=None)
 @given(pictures())
 def test_graphviz_reads_the_names(picture: Picture) -> None:
     graph = pygraphviz.AGraph(string=dot_text(picture))
@@ -179,7 +180,7 @@ def test_graphviz_shows_hostile_names_as_they_are() -> None:
     assert [text.replace("\xa0", " ") for text in texts if text] == names
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(30, 100), deadline=None)
 @given(pictures())
 def test_mermaid_sees_only_letters_digits_and_plain_signs(picture: Picture) -> None:
     body = mermaid_text(picture).partition("\n")[2]
@@ -207,16 +208,28 @@ def mars(
     )
 
 
-@pytest.mark.parametrize("kind", ["svg", "dot", "mmd", "png"])
-def test_bytes_do_not_depend_on_hash_seeds(kind: str, tmp_path: Path) -> None:
-    drawn = []
+DRAWN = ("a.svg", "a.dot", "a.mmd", "a.png")
+#: Draws all of them in one process.
+DRAW_ALL = f"""
+from mars_asp.cli import run_here
+from tests.support.campaigns import examples
+for name in {DRAWN}:
+    assert run_here(["draw", "tests/mixed.mars", "-o", f"{{FOLDER}}/{{name}}"]) == 0
+"""
+
+
+def test_bytes_do_not_depend_on_hash_seeds(tmp_path: Path) -> None:
     for seed in ("0", "1", "2"):
-        target = tmp_path / f"{seed}.{kind}"
-        words = ("draw", "tests/mixed.mars", "-o", str(target))
-        done = mars(*words, seed=seed)
-        assert (done.returncode, done.stdout) == (0, b"")
-        drawn.append(target.read_bytes())
-    assert drawn[0] and drawn[0] == drawn[1] == drawn[2]
+        folder = tmp_path / seed
+        folder.mkdir()
+        code = f"FOLDER = {str(folder)!r}\n{DRAW_ALL}"
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        command = [sys.executable, "-c", code]
+        done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=True)
+        assert done.stdout == b""
+    for name in DRAWN:
+        first, *others = ((tmp_path / seed / name).read_bytes() for seed in ("0", "1", "2"))
+        assert first and others == [first, first], name
 
 
 def test_png_is_twice_the_size_and_shows_the_names(tmp_path: Path) -> None:

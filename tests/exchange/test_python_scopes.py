@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mars_asp.exchange.ros2.source_python import PythonPrograms
+from tests.support.campaigns import examples
 
 
 def read(text: str) -> tuple[list[str], bool]:
@@ -209,7 +210,7 @@ class Recorder:
         self.topics.add(topic)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(50, 150), deadline=None)
 @given(PROGRAMS)
 def test_a_run_has_no_topic_that_was_not_read(lines: list[str]) -> None:
     text = "class N:\n" + method(*lines)

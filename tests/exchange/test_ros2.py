@@ -2,7 +2,6 @@
 
 import json
 import os
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,6 +21,7 @@ from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import Control
 from tests.support.documents import ROOT
 from tests.support.packages import write_package
+from tests.support.processes import takes_at_most
 
 FOLDER = ROOT / "tests" / "ros2"
 TREES = [
@@ -357,10 +357,9 @@ HOSTILE = [
 
 @pytest.mark.parametrize(("path", "text", "first"), HOSTILE)
 def test_hostile_files_end_with_a_located_error(path: str, text: str, first: str) -> None:
-    begun = time.process_time()
-    span, message = (found := refused(text, path)[0]).span, found.message
+    with takes_at_most(2):
+        span, message = (found := refused(text, path)[0]).span, found.message
     assert f"{span.line}:{span.column}: {message}".startswith(first)
-    assert time.process_time() - begun < 2
 
 
 @pytest.mark.parametrize(
@@ -375,11 +374,10 @@ def test_hostile_files_end_with_a_located_error(path: str, text: str, first: str
     ],
 )
 def test_what_grows_without_end_is_given_up(before: str) -> None:
-    begun = time.process_time()
     nodes = JOY.replace(")", ", parameters=[x], remappings=x)")
-    found = launched(PYTHON.format(before=before, nodes=f"{nodes}, x, *x"))
+    with takes_at_most(5):
+        found = launched(PYTHON.format(before=before, nodes=f"{nodes}, x, *x"))
     assert "/joy_node" in [name.text for name in found.configuration.modules]
-    assert time.process_time() - begun < 5
 
 
 def test_a_launch_file_is_not_run(tmp_path: Path) -> None:
@@ -423,13 +421,12 @@ def test_broken_files_of_a_folder_are_noted(tmp_path: Path) -> None:
     with (tmp_path / "d.launch.py").open("wb") as large:
         large.truncate(100 * 1024 * 1024)
     (tmp_path / "e.launch.py").write_text(PYTHON.format(before="pass", nodes=JOY), encoding="utf-8")
-    begun = time.process_time()
-    found = import_ros2([("", str(tmp_path))])
+    with takes_at_most(2):
+        found = import_ros2([("", str(tmp_path))])
     assert [name.text for name in found.configuration.modules] == ["/joy_node"]
     messages = [note.message for note in found.warnings]
     assert any(m.startswith("launch files with errors not read: 3") for m in messages)
     assert any("named as launch files but are none not read: 1" in m for m in messages)
-    assert time.process_time() - begun < 2
 
 
 def test_a_broken_file_that_another_includes_is_broken_once(tmp_path: Path) -> None:

@@ -21,13 +21,14 @@ from mars_asp.kinematics.frames import Joint, Matrix, build_robot, take_posture
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Function, Module, Mount
 from mars_asp.reasoning.facts.motion import frames
+from tests.support.campaigns import examples
 from tests.support.documents import ROOT, run
 from tests.support.processes import mars
 from tests.support.robots import HERE, module, placed, robot
 
 FOLDER = ROOT / "tests" / "urdf"
 FILES = sorted(FOLDER.glob("*.urdf"))
-thorough = settings(max_examples=60, deadline=None, derandomize=True)
+thorough = settings(max_examples=examples(20, 60), deadline=None, derandomize=True)
 
 
 def imported(text: str) -> Configuration:

@@ -28,6 +28,7 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.model.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, Range
 from mars_asp.model.rates import Rate, every
+from tests.support.campaigns import examples
 from tests.support.documents import ROOT
 from tests.support.robots import HERE
 from tests.support.strategies import control, data, mount
@@ -192,7 +193,7 @@ def configurations(draw: st.DrawFn) -> Configuration:
     )
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=examples(40, 100), deadline=None, derandomize=True)
 @given(configurations())
 def test_declared_modules_and_tuples_read_back(configuration: Configuration) -> None:
     assert_reads_back(configuration)

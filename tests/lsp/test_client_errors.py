@@ -14,6 +14,7 @@ from mars_asp.lsp.client_errors import BoundedInput
 from mars_asp.lsp.desk import Desk
 from tests.support import hostile_editor
 from tests.support.hostile_editor import _framed
+from tests.support.processes import HANGING
 
 HOVER = {"textDocument": {"uri": "file:///a.mars"}, "position": {"line": 0, "character": 0}}
 HELLO: dict[str, Any] = {"processId": None, "rootUri": None, "capabilities": {}}
@@ -110,7 +111,7 @@ def test_errors_of_a_client_are_reported_to_it() -> None:
         [sys.executable, "-m", "mars_asp", "lsp"],
         input=b"".join(sent for sent, _ in MESSAGES),
         capture_output=True,
-        timeout=60,
+        timeout=HANGING,
         check=False,
     )
     answers = [json.loads(each) for each in hostile_editor._answers(BytesIO(done.stdout))]

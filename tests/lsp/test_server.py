@@ -429,19 +429,28 @@ def test_lints_are_fixed_by_code_actions(tmp_path: Path) -> None:
 ENDLESS = "far(0) :- module(_).\nfar(X+1) :- far(X), X < 2000000000.\n"
 
 
-def test_what_takes_too_long_is_ended_and_hinders_nothing(folder: Path) -> None:
+def test_a_long_analysis_delays_no_answer(folder: Path) -> None:
     rules = folder / "endless.lp"
     rules.write_text(ENDLESS)
 
     async def scenario(client: Editor) -> None:
         uri = client.open(folder / "robot.mars")
-        began = time.monotonic()
         await client.hover(uri, 10, 20)
-        assert time.monotonic() - began < 2
-        (found,) = await client.diagnostics(uri)
-        assert found.message.startswith("this was not analysed: it took longer than 2 s")
+        assert uri not in client.published
 
-    played(scenario, folder, f"--rules={rules}", "--time-limit=2")
+    played(scenario, folder, f"--rules={rules}", "--time-limit=1000")
+
+
+def test_a_long_analysis_is_ended(folder: Path) -> None:
+    rules = folder / "endless.lp"
+    rules.write_text(ENDLESS)
+
+    async def scenario(client: Editor) -> None:
+        uri = client.open(folder / "robot.mars")
+        (found,) = await client.diagnostics(uri)
+        assert found.message.startswith("this was not analysed: it took longer than 1 s")
+
+    played(scenario, folder, f"--rules={rules}", "--time-limit=1")
 
 
 def test_what_takes_too_much_memory_is_ended(folder: Path) -> None:

@@ -14,11 +14,11 @@ from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Mount, 
 from mars_asp.reasoning.facts.compile import configuration_facts, facts_text
 from mars_asp.reasoning.facts.motion import frame_facts
 from mars_asp.reasoning.rules import load_rulebook
-from tests.support.campaigns import seeds
+from tests.support.campaigns import examples
 from tests.support.robots import HERE, module, placed, random_chain, robot
 
 Verdict: TypeAlias = set[tuple[str, str]]
-CHAINS = len(seeds(300, 700))
+CHAINS = examples(300, 700)
 
 
 @pytest.fixture(scope="module")

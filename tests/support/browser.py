@@ -36,7 +36,7 @@ _OPTIONS = (
     "--remote-debugging-pipe",
 )
 #: A browser that does not answer within so many seconds has failed.
-PATIENCE = 60
+PATIENCE = 120
 #: Until what is focused and scrolled is so, and what was opened is told of it.
 _FRAME = "new Promise((done) => requestAnimationFrame(() => setTimeout(done, 20)))"
 #: Keys that write nothing, and what they are called by the browser.

@@ -9,9 +9,14 @@ _Input = TypeVar("_Input")
 IS_CAMPAIGN = "MARS_ASP_CAMPAIGNS" in os.environ
 
 
+def examples(few: int, many: int) -> int:
+    """Return how many random examples are tried, `few` in the suite and `many` in campaigns."""
+    return many if IS_CAMPAIGN else few
+
+
 def seeds(few: int, many: int) -> range:
     """Return the seeds from 0 on, `few` in the suite and `many` in campaigns."""
-    return range(many if IS_CAMPAIGN else few)
+    return range(examples(few, many))
 
 
 def sample(inputs: Sequence[_Input], step: int, first: int = 0) -> Sequence[_Input]:

@@ -403,8 +403,10 @@ def _state(home: Path) -> dict[str, object]:
 
 
 def _run(words: Sequence[str], folder: Path) -> tuple[int, bytes, float, float]:
-    """Return the status of a command, its output, and the megabytes and seconds that it takes."""
-    began = time.monotonic()
+    """Return the status of a command, its output, and the megabytes and seconds that it takes.
+
+    These are seconds of processor time.
+    """
     with tempfile.TemporaryFile() as printed:
         child = os.fork()
         if not child:
@@ -416,7 +418,7 @@ def _run(words: Sequence[str], folder: Path) -> tuple[int, bytes, float, float]:
         os.waitstatus_to_exitcode(status),
         content,
         usage.ru_maxrss / 1024,
-        time.monotonic() - began,
+        usage.ru_utime + usage.ru_stime,
     )
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.support.documents import ROOT
+from tests.support.processes import HANGING
 
 #: Megabytes that the server may have in memory.
 MEMORY = 1000
@@ -159,7 +160,7 @@ def converse(number: int, seed: int) -> tuple[list[str], float]:
             server.stdin.flush()
         except BrokenPipeError:
             wrong.append("it ended")
-        until = time.monotonic() + 60
+        until = time.monotonic() + HANGING
         while not any(b'"last"' in each for each in answers) and time.monotonic() < until:
             if server.poll() is not None:
                 break
@@ -169,11 +170,11 @@ def converse(number: int, seed: int) -> tuple[list[str], float]:
         used = _memory(server.pid)
         server.stdin.close()
         try:
-            server.wait(20)
+            server.wait(HANGING)
         except subprocess.TimeoutExpired:
             wrong.append("it goes on without an editor")
             server.kill()
-        hearing.join(20)
+        hearing.join(HANGING)
         errors.seek(0)
         printed = errors.read()
     if b"Traceback" in printed or b"fault" in printed:

@@ -186,7 +186,7 @@ def _batch(
     at = seeds[0] + len(told)
     if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0:
         return at
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM:
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGPROF:
         seen["ended by the clock"] += 1
     else:
         yield f"{at}: the process ended, status {status}"
@@ -196,11 +196,11 @@ def _batch(
 def _read_all(seeds: Sequence[int], own: Rulebook, folder: str, writer: int) -> None:
     """Read texts in this process, which ends with it, and tell what became of each."""
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)
     path = Path(folder, "mine.lp")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     for seed in seeds:
-        signal.setitimer(signal.ITIMER_REAL, SECONDS)
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)
         try:
             path.write_bytes(mutated(seed))
             line = read(path, own)

@@ -1,9 +1,13 @@
-"""The command as a process of its own."""
+"""The command as a process of its own, and the time that processes take."""
 
 import multiprocessing
 import os
+import resource
 import subprocess
 import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -12,11 +16,49 @@ from tests.support.documents import ROOT
 
 #: Messages in one line, however long they are, and nothing coloured.
 PLAIN = {"COLUMNS": "1000", "NO_COLOR": "1"}
+#: Seconds after which a process hangs. A busy machine delays it by less.
+HANGING = 120.0
+#: Clock ticks in a second of `/proc/PID/stat`.
+_TICKS = os.sysconf("SC_CLK_TCK")
 #: Forks a process for each command, so that the package is imported once.
 _SERVER = multiprocessing.get_context("forkserver")
 _SERVER.set_forkserver_preload(
     ["mars_asp.__main__", "mars_asp.cli.worker", *(f"mars_asp.cli.{verb}" for verb in VERBS)]
 )
+
+
+def await_true(holds: Callable[[], object], waited_for: str = "") -> None:
+    """Wait until something is the case, at most as long as nothing hangs."""
+    until = time.monotonic() + HANGING
+    while not holds():
+        assert time.monotonic() < until, f"hangs: {waited_for}"
+        time.sleep(0.02)
+
+
+def processor_time(process: int) -> float:
+    """Return the seconds of processor time that a running process has used."""
+    stat = Path(f"/proc/{process}/stat").read_text(encoding="utf-8", errors="replace")
+    user, system = stat.rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / _TICKS
+
+
+def ended_children_time() -> float:
+    """Return the seconds of processor time of the children of this process that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+@contextmanager
+def takes_at_most(seconds: float) -> Iterator[None]:
+    """Check the processor time of a block, in seconds of a machine that adds 30 million numbers.
+
+    A loaded or slow machine makes the additions slow, and the block by the same factor.
+    """
+    begun = time.process_time()
+    sum(range(3_000_000))
+    counted = time.process_time()
+    yield
+    assert 0.1 * (time.process_time() - counted) / (counted - begun) < seconds
 
 
 def mars(

@@ -1,8 +1,10 @@
 """Which of our own rules the cases fire, measured for many cases in one program."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 import clingo
@@ -22,12 +24,16 @@ from mars_asp.reasoning.cases import stages_of
 from mars_asp.reasoning.cases.run import tried
 from tests.support.cases_at_once import CHOOSING
 from tests.support.documents import ROOT
-from tests.support.side_by_side import ANY, answered, apart, each_together, together
+from tests.support.side_by_side import ANY, answered, apart, each_together, printed, together
 
 CASES = find_cases([ROOT / "tests" / "rules"])
 #: Cases in one program: more of those that choose take longer together than apart.
-_MOST, _MOST_ANY = 50, 300
+_MOST, _MOST_ANY = 150, 400
 _PROBES = Signature(FIRED, 2), Signature(NEAR, 2)
+#: A probe that holds: its name, the number of the case and that of the rule.
+_HOLDS = re.compile(rf"({FIRED}|{NEAR})\((\d+),(\d+)\)")
+#: The number of a case that has an answer.
+_ANSWERS = re.compile(r"\bin_\((\d+)\)")
 
 
 def covered(rulebook: Rulebook, rules: Sequence[Rule]) -> Coverage:
@@ -71,32 +77,31 @@ def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Iterable[Path]) -
 
 @cache
 def _firings(rulebook: Rulebook) -> Mapping[tuple[str, int], Sequence[Path]]:
-    """Return the cases in which each rule fires or fails by one premise, by its number.
+    """Return the cases in which each rule fires, and some in which it fails by one premise.
 
-    It takes long, so that tests that need it are run by one process.
+    It takes long, so that tests that need it are run by one process. Rules of stages without a case
+    are left out.
     """
-    found: dict[str, list[str]] = {}
+    probes: dict[str, list[tuple[tuple[str, int], str]]] = {}
+    stages = {"base", *chain.from_iterable(map(stages_of, CASES))}
     for number, rule in enumerate(rulebook.rules):
-        bodies = probed(rule) if rule.ast.body else [(FIRED, [])]
-        found.setdefault(rule.stage, []).extend(text for _, text in each_together(bodies, number))
+        if rule.stage in stages:
+            bodies = probed(rule) if rule.ast.body else [(FIRED, [])]
+            texts = each_together(bodies, number)
+            probes.setdefault(rule.stage, []).extend(((name, number), text) for name, text in texts)
     firings: dict[tuple[str, int], list[Path]] = {}
-    for path, name, number in _held(rulebook, found, CASES):
-        firings.setdefault((name, number), []).append(path)
+    # Those of the base first, as its rules are in every program.
+    for stages_of_part, part in sorted(_parts(CASES), key=lambda each: len(each[0])):
+        rules = [together(rulebook.text(stage)) for stage in stages_of_part]
+        for stage in stages_of_part:
+            # One case is enough in which a rule fails by one premise.
+            rules += [t for key, t in probes[stage] if key[0] == FIRED or key not in firings]
+        text = printed([*rules, *_facts(part)], _PROBES)
+        answering = {*_ANSWERS.findall(text)}
+        for name, case, number in _HOLDS.findall(text):
+            if case in answering:
+                firings.setdefault((name, int(number)), []).append(part[int(case)])
     return firings
-
-
-def _held(
-    rulebook: Rulebook, probes: Mapping[str, Iterable[str]], cases: Iterable[Path]
-) -> set[tuple[Path, str, int]]:
-    """Return each case with the probes, by stage, that hold in one of its answers."""
-    found = set[tuple[Path, str, int]]()
-    for stages, part in _parts(cases):
-        rules = [together(rulebook.text(stage)) for stage in stages]
-        rules += [text for stage in stages for text in probes.get(stage, ())]
-        for atom in answered([*rules, *_facts(part)], _PROBES):
-            case, number = (argument.number for argument in atom.arguments)
-            found.add((part[case], atom.name, number))
-    return found
 
 
 def labelled(

@@ -1,19 +1,19 @@
 """Rule packs that would take for ever.
 
-`python -m tests.support.runaways` runs each under every limit. Each ends in time with the
-right reason, or is refused before clingo sees it. Without an option memory is limited to half of
-what there is; what goes on within that is interrupted, and ends.
+`python -m tests.support.runaways` runs each under every limit. Each ends with the right reason and
+in time, which is processor time, or is refused before clingo sees it. Without an option memory is
+limited to half of what there is; what goes on within that is interrupted, and ends.
 """
 
 import signal
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Mapping
 from pathlib import Path
 
 from tests.support.documents import ROOT
+from tests.support.processes import ended_children_time
 
 MARS = (sys.executable, "-m", "mars_asp")
 LEVEL0 = "examples/level0/config.mars"
@@ -62,7 +62,7 @@ def contained(name: str, options: tuple[str, ...], said: str, seconds: float) ->
     with tempfile.TemporaryDirectory() as folder:
         pack = Path(folder) / "pack.lp"
         pack.write_text(PACKS[name])
-        begun = time.monotonic()
+        begun = ended_children_time()
         command = subprocess.Popen(
             [*MARS, "analyse", LEVEL0, "--rules", str(pack), *options],
             cwd=ROOT,
@@ -73,10 +73,10 @@ def contained(name: str, options: tuple[str, ...], said: str, seconds: float) ->
         try:
             _, told = command.communicate(timeout=None if options else seconds)
         except subprocess.TimeoutExpired:
-            seconds = time.monotonic() - begun + _SOON
+            seconds += _SOON
             command.send_signal(signal.SIGINT)
             _, told = command.communicate()
-        took = time.monotonic() - begun
+        took = ended_children_time() - begun
     last = (told.strip().splitlines() or [f"status {command.returncode}"])[-1]
     end = f"{took:.1f} s, {last:.100}"
     if "internal error" in told or "Traceback" in told:

@@ -9,13 +9,17 @@ from mars_asp.diagnostic import point
 from mars_asp.model.declarations import FOREVER, Configuration, Control, Data, Mode, Mount, Name
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate, every
+from tests.support.campaigns import examples
 
 HERE = point("config.mars", 1, 1)
 NAMES = ("A", "B", "/robot1/base", "dora-camera", 'the "3 # eyes"', "Wheel")
 #: Instances: modules that another, which is named or not, describes.
 DESCRIBED = {"B": "A", "dora-camera": 'the eye\'s "driver"', "Wheel": "/base"}
 few = settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+    max_examples=examples(15, 60),
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    derandomize=True,
 )
 
 names = st.sampled_from(NAMES)

@@ -10,6 +10,7 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.execution.executor import Behaviour, Executor
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.model.declarations import GRASP
+from tests.support.campaigns import examples
 from tests.support.execute_builders import Inbox, control_out, effector, executed, ms, sensor
 
 GO = "Trans_Z"
@@ -144,7 +145,7 @@ SCRIPT = st.dictionaries(st.integers(0, 40).map(lambda k: k * 10), st.integers(1
 
 
 @given(SCRIPT, SCRIPT, SCRIPT)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(30, 60), deadline=None)
 def test_a_cascade_behaves_as_one_node(a: Script, b: Script, c: Script) -> None:
     scripts = {"A": a, "B": b, "C": c}
     cascade, _ = arbitrated(scripts, 0.7, CASCADE)
@@ -153,7 +154,7 @@ def test_a_cascade_behaves_as_one_node(a: Script, b: Script, c: Script) -> None:
 
 
 @given(SCRIPT, SCRIPT, SCRIPT)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(30, 60), deadline=None)
 def test_a_cascade_of_equals_behaves_as_one_node(a: Script, b: Script, c: Script) -> None:
     def equal(text: str) -> str:
         return text.replace("B 1", "B 0").replace("C 2", "C 0").replace("Node 1", "Node 0")

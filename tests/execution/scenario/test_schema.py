@@ -16,6 +16,7 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.scenario.schema import SCHEMA, mistakes
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
+from tests.support.campaigns import examples
 from tests.support.documents import ROOT
 from tests.support.trials import BASE
 
@@ -126,7 +127,7 @@ VALUES = st.recursive(
 
 
 @given(st.dictionaries(st.sampled_from([*SCHEMA["properties"], "x"]), VALUES, max_size=4))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(100, 300), deadline=None)
 def test_whatever_stands_in_a_scenario_is_told_or_is_as_the_schema_says(
     tables: dict[str, Any],
 ) -> None:

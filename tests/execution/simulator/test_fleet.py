@@ -23,7 +23,7 @@ from mars_asp.execution.simulator import (
 )
 from mars_asp.execution.simulator.devices import mounted
 from tests.support.bodies import alone
-from tests.support.campaigns import sample, seeds
+from tests.support.campaigns import examples, sample, seeds
 
 
 def row(*rates: float, apart: float = 1000, radius: float = 100) -> tuple[Body, ...]:
@@ -113,7 +113,7 @@ def test_what_happens_does_not_depend_on_who_is_asked_or_listed_first(seed: int)
     assert all(driven(order, order[::-1]) == told for order in orders[1:])
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(st.floats(-400, 400), st.floats(-400, 400), st.floats(50, 2000), st.floats(50, 2000))
 def test_a_ramp_comes_as_far_as_a_rate_that_changes_all_the_time(
     before: float, after: float, up: float, down: float

@@ -95,7 +95,7 @@ def mujoco_rays(geoms: str, origin: Point, angles: Floats) -> Floats:
 
 def test_rays_agree_with_mujocos_in_random_worlds() -> None:
     hits, wrong = 0, []
-    worlds = seeds(250, 1000)
+    worlds = seeds(150, 1000)
     for seed in worlds:
         random = Random(seed)
         world, geoms = random_world(random)

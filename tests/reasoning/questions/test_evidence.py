@@ -48,7 +48,7 @@ def sliced(project: Project, subject: str, rulebook: Rulebook) -> Slice | None:
     )
 
 
-@pytest.mark.parametrize("path", sample(CONFIGURATIONS, 2), ids=lambda path: path.parent.name)
+@pytest.mark.parametrize("path", sample(CONFIGURATIONS, 3), ids=lambda path: path.parent.name)
 def test_a_slice_explains_as_the_whole_does(path: Path) -> None:
     project = load_project(str(path))
     whole = explain(Reasoner(project, RULEBOOK))
