@@ -164,6 +164,9 @@ class Span(NamedTuple):
     end_line: int
     end_column: int
 
+    def __str__(self) -> str:
+        return self.location
+
     @property
     def location(self) -> str:
         """The location as `path:line:column`, or the path alone if it has no line."""

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 from mars_asp.cli.alternatives import alternatives_json, alternatives_lines
 from mars_asp.cli.arguments import arguments_of, rule_pack
@@ -33,7 +33,7 @@ from mars_asp.cli.explain import (
 )
 from mars_asp.cli.import_robot import check_one_tree, foreign_text
 from mars_asp.cli.layout import columns
-from mars_asp.cli.lines import line_text, lines_of
+from mars_asp.cli.lines import line_text, lines_of, remember
 from mars_asp.cli.reason import (
     JUDGING,
     judge_project,
@@ -83,6 +83,7 @@ if TYPE_CHECKING:
 
 
 PathLike: TypeAlias = str | os.PathLike[str]
+Answered = TypeVar("Answered")
 #: A `repr` is at most this long.
 _LONGEST = 200
 
@@ -165,13 +166,12 @@ class _Options:
             near = nearest(format, FORMATS)
             help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(FORMATS)}"
             raise _error("format", f"unknown format `{format}`", help_text)
-        packs = tuple(rule_pack(os.fspath(each)) for each in rules)
+        packs = tuple(rule_pack(each) for each in _paths(rules))
         problems: list[Diagnostic] = []
         find_packs([*map(pathlib.Path, packs)], problems)
         if problems:
             raise MarsError(problems)
-        paths = (os.fspath(each) for each in sources)
-        return cls(format, tuple(paths), packs, budget or ENDLESS)
+        return cls(format, _paths(sources), packs, budget or ENDLESS)
 
     def namespace_for(self, command: str, **values: object) -> argparse.Namespace:
         """Return the arguments of a command."""
@@ -183,6 +183,12 @@ class _Options:
             time_limit=self.budget.seconds,
             **values,
         )
+
+
+def _paths(given: PathLike | Iterable[PathLike]) -> tuple[str, ...]:
+    """Return paths as text; one path alone is meant as one."""
+    paths = [given] if isinstance(given, str | os.PathLike) else given
+    return tuple(os.fspath(each) for each in paths)
 
 
 def _error(code: str, message: str, help_text: str | None = None) -> MarsError:
@@ -397,8 +403,10 @@ class Robot:
         return VerifyResult(
             found,
             f"realises={not found.violations}, minimal={compared.minimal}",
-            lambda: _text_of_lines(verification_lines(found, compared, columns(None))),
-            lambda: verification_json(found, compared),
+            self._quoting(
+                lambda: _text_of_lines(verification_lines(found, compared, columns(None)))
+            ),
+            self._quoting(lambda: verification_json(found, compared)),
             compared,
         )
 
@@ -413,8 +421,8 @@ class Robot:
         return CanResult(
             found,
             f"{query}: {'yes' if found.able else 'no'}",
-            lambda: _text_of_lines(capability_lines(found)),
-            lambda: capability_json(found),
+            self._quoting(lambda: _text_of_lines(capability_lines(found))),
+            self._quoting(lambda: capability_json(found)),
         )
 
     # ---- Synthesis -------------------------------------------------------------------------------
@@ -445,8 +453,8 @@ class Robot:
         return SpecificationResult(
             found,
             f"{len(printed.modules)} modules, {cost['nodes']} introduced, {proof}",
-            lambda: specification_text(printed, self.project, arguments),
-            lambda: synthesis_json(self.project, found),
+            self._quoting(lambda: specification_text(printed, self.project, arguments)),
+            self._quoting(lambda: synthesis_json(self.project, found)),
             self,
         )
 
@@ -465,8 +473,10 @@ class Robot:
         return RobotAnswer(
             found,
             f"{len(found.others)} alternatives",
-            lambda: _text_of_lines(alternatives_lines(found, arguments, columns(None))),
-            lambda: alternatives_json(found),
+            self._quoting(
+                lambda: _text_of_lines(alternatives_lines(found, arguments, columns(None)))
+            ),
+            self._quoting(lambda: alternatives_json(found)),
         )
 
     # ---- Explanation -----------------------------------------------------------------------------
@@ -491,6 +501,10 @@ class Robot:
         >>> load("examples/level0/config.mars").explain("DataSplitter1").topics[0].name
         'DataSplitter1'
         """
+        if only not in (None, "consequences", "nodes"):
+            raise _error("usage", f"`{only}` is not what is explained", '"consequences" or "nodes"')
+        if depth is not None and depth < 1:
+            raise _error("usage", f"the depth {depth} is below 1")
         given = {"subject": subject, "only": only} | ({} if depth is None else {"depth": depth})
         # Traces are part of the answer, also where the text does not show them.
         arguments = self._arguments("explain", **given, format="json")
@@ -507,9 +521,9 @@ class Robot:
         return ExplainResult(
             found,
             ", ".join(topic.name for topic in found.topics) or "nothing to explain",
-            lambda: "".join(explanation_text(shown, spoken)),
-            lambda: topics_document(found.subject, found.topics),
-            make_page,
+            self._quoting(lambda: "".join(explanation_text(shown, spoken))),
+            self._quoting(lambda: topics_document(found.subject, found.topics)),
+            self._quoting(make_page),
         )
 
     def why_not(self, atom: str) -> "WhyNotResult":
@@ -525,8 +539,8 @@ class Robot:
         return WhyNotResult(
             found,
             found.answer,
-            lambda: _text_of_lines(line for part in parts for line in part),
-            lambda: why_not_document(found),
+            self._quoting(lambda: _text_of_lines(line for part in parts for line in part)),
+            self._quoting(lambda: why_not_document(found)),
         )
 
     def repairs(self, subject: str | None = None) -> "tuple[RepairResult, ...]":
@@ -551,12 +565,14 @@ class Robot:
         """
         rules, budget = rulebook_for(self._arguments("diff")), self.options.budget
         old, new = (Reasoner(each.project, rules, budget) for each in (self, other))
-        found = diff(old, new, lines_of)
+        found = other._quoting(self._quoting(lambda: diff(old, new, lines_of)))()
         return RobotAnswer(
             found,
             f"{len(found.consequences)} consequences, {len(found.nodes)} nodes",
-            lambda: _text_of_lines(difference_lines(found, False, False, columns(None))),
-            lambda: difference_json(found),
+            self._quoting(
+                lambda: _text_of_lines(difference_lines(found, False, False, columns(None)))
+            ),
+            self._quoting(lambda: difference_json(found)),
         )
 
     # ---- Execution -------------------------------------------------------------------------------
@@ -586,8 +602,8 @@ class Robot:
         return RunResult(
             found,
             f"{found.verdict}, {len(found.requirements)} requirements",
-            lambda: run_text(trial, found, arguments),
-            lambda: run_json(trial, found),
+            self._quoting(lambda: run_text(trial, found, arguments)),
+            self._quoting(lambda: run_json(trial, found)),
         )
 
     # ---- Pictures and graphs ---------------------------------------------------------------------
@@ -646,6 +662,19 @@ class Robot:
         rules = rulebook_for(self._arguments("synthesise"), ("resolve", "verify"))
         return Reasoner(self.project, rules, self.options.budget)
 
+    def _quoting(self, make: Callable[[], Answered]) -> Callable[[], Answered]:
+        """Return a function that quotes lines of the texts that this robot was read from."""
+
+        def make_with_lines() -> Answered:
+            project = self.project
+            texts = {project.configuration.path: project.text, **project.included}
+            for path, text in texts.items():
+                if text:
+                    remember(path, text)
+            return make()
+
+        return make_with_lines
+
     def _arguments(self, command: str, **values: object) -> argparse.Namespace:
         return self.options.namespace_for(command, **{"files": list(self.paths), **values})
 
@@ -695,7 +724,7 @@ class SpecificationResult(RobotAnswer):
 
     def draw(self) -> str:
         """Return a picture as SVG text."""
-        return loads(self.text, self.robot.paths[0]).draw()
+        return loads(self.text, "<specification>").draw()
 
     #: The picture of a notebook.
     _repr_svg_ = draw
@@ -849,19 +878,15 @@ class RunResult(RobotAnswer):
 def _graph(configuration: Configuration, modules: Mapping[str, Module]) -> dict[str, Any]:
     """Return modules with their classes, and relationships with the values that are stated."""
     described = described_modules(configuration, modules)
+    classes = {name: list(module_classes(module)) for name, module in described.items()}
+    names = [name.text for name in configuration.modules]
+    if configuration.kind == "specification":
+        kinds = {name: configuration.node_kind(name) for name in names}
+        classes |= {name: [kind] for name, kind in kinds.items() if kind is not None}
     return {
-        "modules": [
-            {"name": name.text, "classes": _classes(name.text, configuration, described)}
-            for name in configuration.modules
-        ],
+        "modules": [{"name": name, "classes": classes.get(name, [])} for name in names],
         "relationships": list(map(_edge, configuration.relationships)),
     }
-
-
-def _classes(name: str, configuration: Configuration, described: Mapping[str, Module]) -> list[str]:
-    if configuration.kind == "specification" and (kind := configuration.node_kind(name)):
-        return [kind]
-    return list(module_classes(described[name])) if name in described else []
 
 
 def _edge(relationship: Data | Control | Mount) -> dict[str, Any]:

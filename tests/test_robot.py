@@ -256,3 +256,24 @@ def test_public_names_have_examples_that_are_run() -> None:
     assert runner.summarize(verbose=False).failed == 0
     # A name for several types has no docstring of its own.
     assert without == ["Trace"]
+
+
+def test_answers_quote_the_text_of_their_own_robot() -> None:
+    texts = [f"@configuration\n@modules A, {a}, {b}\n{a} uses_data_from A\n{b} uses_data_from A\n"
+             for a, b in (("B", "C"), ("X", "Y"))]  # fmt: skip
+    first, second = map(loads, texts)
+    answer = first.explain("data_divergence")
+    assert "X uses_data_from A" in second.explain("data_divergence").text
+    assert "B uses_data_from A" in answer.text and "B uses_data_from A" in str(answer.to_dict())
+    assert first.specification.draw().startswith("<svg")
+    assert "B uses_data_from A" in first.explain("data_divergence").text
+
+
+def test_a_path_alone_is_one_path(level0: Robot) -> None:
+    assert load(LEVEL0, rules="examples/own-rules/rules").options.rules == (
+        "examples/own-rules/rules",
+    )
+    with pytest.raises(MarsError, match="is not what is explained"):
+        level0.explain(only="data")  # type: ignore[arg-type]
+    with pytest.raises(MarsError, match="below 1"):
+        level0.explain(depth=-1)

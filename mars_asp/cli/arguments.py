@@ -264,7 +264,10 @@ def ordered(words: Sequence[str]) -> list[str]:
     if not rest or rest[0] in (*_HELP, "help"):
         if not {"-V", "--version"}.isdisjoint(before):
             return ["--version"]
-        return [*(rest[1:2] if rest else ()), "--help"]
+        rest = [each for each in rest[1:2] if each not in (*_HELP, "help")]
+        if not rest:
+            return ["--help"]
+        before = ["--help"]
     if ALIASES.get(rest[0], rest[0]) not in VERBS:
         near = nearest(rest[0], (*VERBS, *ALIASES))
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"

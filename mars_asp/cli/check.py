@@ -1,6 +1,7 @@
 """Parse, extract and analyse; print errors and warnings, and nothing else."""
 
 import argparse
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
@@ -202,7 +203,7 @@ def _each_once(names: Iterable[str]) -> list[str]:
     """Return the names of files without those of a file that was named before."""
     first: dict[str, str] = {}
     for name in names:
-        first.setdefault(name if name == STANDARD_INPUT else str(Path(name).resolve()), name)
+        first.setdefault(name if name == STANDARD_INPUT else os.path.realpath(name), name)
     return list(first.values())
 
 
@@ -346,7 +347,7 @@ def _fix(
             one.text = decode(new, path)
         elif is_hidden(path):
             problems.append(_unfixed(path, OUTSIDE))
-        elif not Path(path).stat().st_mode & 0o222:
+        elif not (Path(path).stat().st_mode & 0o222 and os.access(path, os.W_OK)):
             problems.append(_unfixed(path, "it is read-only"))
         elif (other := edited.get(file_key(path), (one.path, new)))[1] != new:
             problems.append(_unfixed(path, f"it is changed for `{other[0]}`", _AGAIN))

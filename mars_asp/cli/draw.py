@@ -197,7 +197,7 @@ def _named(written: str, picture: "Picture", project: "Project") -> tuple[str, s
         sent = (f"{box.name}.{written}" for box in tails)
         near = next(sent, None) or nearest(written, (*names, *ports))
     help_text = f"did you mean `{near}`?" if near else known
-    span = project.configuration.span
+    span = whole_file(project.configuration.path)
     raise MarsError((Diagnostic("draw", "error", what, span, help=help_text, excerpt=""),))
 
 

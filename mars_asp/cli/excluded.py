@@ -75,13 +75,15 @@ def _spec_of_lines(lines: Sequence[str]) -> GitIgnoreSpec:
     return GitIgnoreSpec.from_lines([line for line in lines if not _SLOW.search(line)])
 
 
-def excluded_in(arguments: argparse.Namespace, root: Path) -> Excluded:
-    """Return the paths that a command passes over in a folder.
+def excluded_in(
+    arguments: argparse.Namespace, root: Path, settings_folder: Path | None = None
+) -> Excluded:
+    """Return the paths that a command passes over in a folder, by the settings of it or another.
 
     Raises:
         MarsError: the settings of the folder are wrong.
     """
-    settings = settings_of(arguments, root)
+    settings = settings_of(arguments, settings_folder or root)
     own = [(Path(settings.path).parent, settings.exclude)] if settings.exclude else []
     return Excluded(root, [*own, (Path(), getattr(arguments, "exclude", ()))])
 

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import re
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -37,6 +38,11 @@ if TYPE_CHECKING:
     from mars_asp.exchange.folders import FolderRobots
 
 STANDARD_INPUT = "-"
+#: The suffixes of files that robots consist of, and that are none by themselves.
+_PARTS = frozenset(
+    ".c .cc .cpp .cxx .h .hpp .py .rs .java .go .m .xml .yaml .yml .json .toml .md .cmake".split()
+)
+_CONFIGURATION = re.compile(r"(?m)^\s*@(?:configuration|specification|modules)\b")
 #: The stages of rules that judge a robot.
 JUDGING = ("resolve", "launch")
 #: Where verbs keep what they read first.
@@ -204,7 +210,7 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
     if text is None and path == STANDARD_INPUT:
         path = shown_input(arguments)
         text = read_input(path)
-    if text is None and Path(path).is_dir():
+    if text is None and os.path.isdir(path):  # noqa: PTH112 -- never raises
         return File(path, "", "ros2")
     if text is None:
         # What comes through a pipe comes once.
@@ -216,7 +222,14 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
         text = plain_lines(text)
     # What is wrong with a file is shown in its own lines.
     remember(path, text)
-    return File(path, text, arguments.from_format or recognised(text))
+    format = arguments.from_format or recognised(text)
+    is_part = Path(path).suffix.lower() in _PARTS and not _CONFIGURATION.search(text)
+    if format == "mars" and arguments.from_format is None and is_part:
+        message = f"`{path}` is not a robot by itself"
+        help_text = "name the workspace, package or launch file that uses it"
+        place = whole_file(path)
+        raise MarsError([Diagnostic("usage", "error", message, place, help=help_text)])
+    return File(path, text, format)
 
 
 def only_robot(arguments: argparse.Namespace, path: str) -> str:
@@ -225,7 +238,7 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
     Raises:
         MarsError: there is none, or there are several.
     """
-    if not Path(path).is_dir():
+    if not os.path.isdir(path):  # noqa: PTH112 -- never raises
         return path
     found = robots_in_folder(arguments, path)
     first, *others = found.paths or (None,)
@@ -291,7 +304,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
         shown = shown_input(arguments) if path == STANDARD_INPUT else path
         if arguments.force_exclude and shown != SHOWN_INPUT and is_excluded(arguments, shown):
             continue
-        if Path(path).is_dir():
+        if os.path.isdir(path):  # noqa: PTH112 -- never raises
             try:
                 within = robots_in_folder(arguments, path)
             except MarsError as error:
@@ -311,9 +324,9 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
                 found.append(RobotFiles(foreign))
             foreign.append(path)
     # A file may be named, and be in a folder that is.
-    first: dict[tuple[Path, ...], RobotFiles] = {}
+    first: dict[tuple[str, ...], RobotFiles] = {}
     for robot in found:
-        first.setdefault(tuple(Path(each).resolve() for each in robot.paths), robot)
+        first.setdefault(tuple(map(os.path.realpath, robot.paths)), robot)
     return list(first.values())
 
 
@@ -325,13 +338,18 @@ def is_excluded(arguments: argparse.Namespace, path: str) -> bool:
     """
     from mars_asp.cli.excluded import excluded_in
 
-    file = Path(path)
-    return excluded_in(arguments, file.parent)(file, file.is_dir())
+    shown = os.path.relpath(path)
+    file = Path(path if shown.startswith(os.pardir) else shown)
+    # Seen from the current folder, patterns name folders above the file as well.
+    root = file.parent if file.is_absolute() else Path()
+    excluded = excluded_in(arguments, root, file.parent)
+    folders = (each for each in file.parents if each not in (root, *root.parents))
+    return excluded(file, os.path.isdir(file)) or any(excluded(each, True) for each in folders)  # noqa: PTH112 -- never raises
 
 
 def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
-    """Whether a file, folder or pipe can be read and is not ours."""
-    if not Path(path).exists():
+    """Whether a file, folder or pipe can be read and is foreign."""
+    if not os.path.exists(path):  # noqa: PTH110 -- never raises
         return False
     try:
         return _read(arguments, path).format != "mars"

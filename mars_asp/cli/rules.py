@@ -216,8 +216,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
         is_whole = with_source or found.because is None
         return "\n\n".join([rule_document(found, "##") if is_whole else summary, *lines])
     if isinstance(found, Kind):
-        document = rule_document if with_source else rule_summary
-        named = (document(rule, "###") for rule in found.rules)
+        named = (_rule_text(rule, rulebook, with_source) for rule in found.rules)
         return "\n\n".join([*kind_document(found), *named])
     if isinstance(found, tuple):
         return "\n\n".join(map(predicate_document, found))
@@ -227,11 +226,25 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
     return "\n\n".join(filter(None, (file_document(found, stage, outline), listed)))
 
 
+def _rule_text(rule: Rule, rulebook: Rulebook, with_source: bool) -> str:
+    """Return a rule of a kind, its sentences filled in by its example if it has one."""
+    if with_source:
+        return rule_document(rule, "###")
+    step, _ = _example(rule, rulebook)
+    return rule_summary(rule, "###", with_names if step is None else step.with_values)
+
+
 def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
     """Return what `rules show` prints of a kind or of the id of a rule, None if it is neither."""
     rulebook = rulebook_for(arguments, STAGES)
-    if not (name in rulebook.by_id or name in kinds(rulebook) or name in INPUT_CODES):
-        return None
+    known = (*rulebook.by_id, *kinds(rulebook), *INPUT_CODES)
+    if name not in known:
+        near = None if "." in name else nearest(name, known)
+        if near is None:
+            return None
+        message = f"there is no file, kind or rule `{name}`"
+        help_text = f"did you mean `{near}`?"
+        raise MarsError([Diagnostic("usage", "error", message, whole_file(name), help=help_text)])
     as_json = arguments.format == "json"
     return encoded(shown_json(rulebook, name)) if as_json else safe(shown(rulebook, name))
 

@@ -8,6 +8,7 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import INPUT_CODES
 from tests.support.documents import ROOT
+from tests.support.processes import mars
 
 
 def test_each_code_has_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
@@ -79,3 +80,38 @@ def test_a_consequence_and_the_node_that_resolves_it_are_one_paragraph(
     # Asked for alone, it has a paragraph of its own.
     assert run_here(["explain", "examples/level0/config.mars", "--only", "consequences"]) == 0
     assert "\ndata_divergence(SonarMap): " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "expected"),
+    [
+        (["help", "nope"], 2, "there is no command `nope`"),
+        (["help", "help"], 0, "usage: mars-asp COMMAND"),
+        (["help", "check"], 0, "usage: mars-asp check"),
+        (["explain", "guard_bypas"], 2, "did you mean `guard_bypass`?"),
+        (["check", "dock.py"], 2, "`dock.py` is not a robot by itself"),
+        (["check", "robot.mars", "loop.mars"], 2, "unused_module"),
+        (["check", "vendor/a.mars", "--exclude", "vendor", "--force-exclude"], 0, ""),
+    ],
+)
+def test_words_that_users_type(
+    words: list[str], status: int, expected: str, tmp_path: Path
+) -> None:
+    (tmp_path / "vendor").mkdir()
+    (tmp_path / "loop.mars").symlink_to("loop.mars")
+    (tmp_path / "dock.py").write_text("import rclpy\n")
+    for name in ("robot.mars", "vendor/a.mars"):
+        (tmp_path / name).write_text("@configuration\n@modules A\n")
+    done = mars(*words, folder=tmp_path)
+    output = " ".join((done.stdout + done.stderr).split())
+    assert (done.returncode, expected in output) == (status, True), output
+    assert "internal error" not in output and "Traceback" not in output
+    if not expected:
+        assert output == ""
+
+
+def test_a_kind_is_shown_in_the_words_of_its_examples(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["rules", "show", "guard_bypass"]) == 0
+    output = capsys.readouterr().out
+    assert "`Joy` commands `Base` past the guard `Monitor`" in output
+    assert "{" not in output

@@ -44,4 +44,4 @@ def test_a_name_that_is_neither_file_nor_rule_is_a_missing_file(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert run_here(["explain", "guard_bypas"]) == 2
-    assert "no such file" in capsys.readouterr().err
+    assert "did you mean `guard_bypass`?" in capsys.readouterr().err
