@@ -335,3 +335,42 @@ def test_angles_of_rosparam_are_read(tmp_path: Path) -> None:
     (tmp_path / "arm/package.xml").write_text(PACKAGE.format("arm"))
     [tree] = import_ros2([("", str(tmp_path))]).trees
     assert not tree.broken
+
+
+def test_files_of_submodules_are_elsewhere(tmp_path: Path) -> None:
+    lines = launch('<include file="$(find-pkg-share base)/third/launch/other.launch.xml"/>')
+    assert missing(tmp_path, lines) == [("third/launch/other.launch.xml", "base", False)]
+    (tmp_path / ".gitmodules").write_text('[submodule "third"]\n\tpath = base/third\n')
+    assert missing(tmp_path, lines) == []
+
+
+def test_a_default_counts_for_nothing_where_the_argument_is_passed(tmp_path: Path) -> None:
+    """A value that only a run knows is a value as well."""
+    inner = (
+        '<launch><arg name="file" default="$(find arm)/config/no.yaml"/>'
+        '<rosparam command="load" file="$(arg file)"/></launch>'
+    )
+    include = '<launch><include file="$(find base)/launch/inner.launch">{}</include></launch>'
+    passed = '<arg name="file" value="$(find arm)/config/$(env ROBOT)/yes.yaml"/>'
+    files = {"base/launch/inner.launch": inner, "base/launch/base.launch": include.format("")}
+    assert missing(tmp_path, files) == [("config/no.yaml", "arm", False)]
+    files["base/launch/base.launch"] = include.format(passed)
+    assert missing(tmp_path, files) == []
+
+
+def test_a_script_of_a_shell_is_not_read_as_python(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    script = '#!/bin/bash\nif [ -f /dev/x ]; then\n  echo "SUBSYSTEM==" >x\nfi\n'
+    cmake = "install(PROGRAMS scripts/create_rules DESTINATION lib/base)\n"
+    built = "<export><build_type>ament_cmake</build_type></export></package>"
+    files = {
+        "base/package.xml": PACKAGE.format("base").replace("</package>", built),
+        "base/scripts/create_rules": script,
+        "base/CMakeLists.txt": cmake,
+        **launch('<node pkg="base" exec="create_rules"/>'),
+    }
+    missing(tmp_path, files)
+    (tmp_path / "base/scripts/create_rules").chmod(0o755)
+    run_here(["check", str(tmp_path)])
+    assert "broken_file" not in "".join(capsys.readouterr())

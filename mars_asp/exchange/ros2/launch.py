@@ -269,11 +269,11 @@ class Launch:
             return
         name = action.name
         value = None if action.value is None else self._plain(action.value, scope, files)
-        if scope.arguments.get(name) is None:
-            self._note_missing(value, action.span, files)
-        variable = None if action.forced else scope.variable(name)
         # An including file may have set it to a value that only a run knows.
         is_open = scope.arguments.get(name) is None and name not in scope.fixed
+        if is_open:
+            self._note_missing(value, action.span, files)
+        variable = None if action.forced else scope.variable(name)
         if action.forced or is_open:
             scope.arguments[name] = value
             if value is not None and variable is not None:

@@ -618,7 +618,7 @@ class _Robot:
         """Return the error that nothing was found."""
         message = "the folder has no launch file and no package with a program"
         help_text = "name a workspace, a package or a launch file"
-        place = point(self.workspace.shown(paths[0]), 1, 1)
+        place = whole_file(self.workspace.shown(paths[0]))
         found = Diagnostic("ros2", "error", message, place, help=help_text)
         return MarsError((found, *notes(_once(self.unread))))
 

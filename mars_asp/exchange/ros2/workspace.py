@@ -43,6 +43,8 @@ _SOURCES = frozenset({".py", ".cpp", ".cc", ".cxx", ".c", ".hpp", ".h", ".hh", "
 _KEPT = frozenset(
     {*_SOURCES, ".xml", ".yaml", ".yml", ".launch", ".cfg", ".txt", ".test", ".toml", ".cmake"}
 )
+#: The path of a submodule in `.gitmodules`.
+_SUBMODULE = re.compile(r"(?m)^\s*path\s*=\s*(\S.*?)\s*$")
 #: The name of a file with an ending, which no folder has.
 _FILE_NAME = re.compile(r"[\w+-][\w .+-]*\.\w+")
 #: What a folder that adds to the launch files of the catalogue is called.
@@ -160,6 +162,7 @@ class Workspace:
         self.find = cache(self._find)
         self.catalogued = cache(self._catalogued)
         self.lacking = cache(self._lacking)
+        self._submodules = cache(self._find_submodules)
         self.not_installed = cache(self._not_installed)
         #: The packages around folders.
         self._around: dict[Path, Package | None] = {}
@@ -413,6 +416,9 @@ class Workspace:
         # Maps and recordings are made by users, and files that git ignores by programs.
         if not is_file or _OF_USERS.search(inside) or self._is_ignored(package, inside):
             return None
+        file = package.folder / inside
+        if any(file.is_relative_to(each) for each in self._submodules(package.folder)):
+            return None
         # A program makes the folder of its results.
         if name.endswith(_OF_RESULTS) and not (package.folder / inside).parent.is_dir():
             return None
@@ -497,6 +503,15 @@ class Workspace:
             return True
         files = (package.folder / name for name in ("setup.cfg", "setup.py", "pyproject.toml"))
         return any(_SCRIPT_FOLDER.search(self._readable(each)) for each in files if each.is_file())
+
+    def _find_submodules(self, folder: Path) -> tuple[Path, ...]:
+        """Return the folders of git submodules around a package, which a clone leaves empty."""
+        found: list[Path] = []
+        for above in (folder, *self._above(folder), self.root):
+            file = above / ".gitmodules"
+            if self._inside(file) is not None:
+                found += (above / path for path in _SUBMODULE.findall(self._readable(file)))
+        return tuple(found)
 
     def _is_ignored(self, package: Package, inside: str) -> bool:
         """Whether git ignores a path in a package, or a folder of that path."""
