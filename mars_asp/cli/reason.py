@@ -223,7 +223,8 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
     # What is wrong with a file is shown in its own lines.
     remember(path, text)
     format = arguments.from_format or recognised(text)
-    is_part = Path(path).suffix.lower() in _PARTS and not _CONFIGURATION.search(text)
+    is_text = "\0" not in text
+    is_part = is_text and Path(path).suffix.lower() in _PARTS and not _CONFIGURATION.search(text)
     if format == "mars" and arguments.from_format is None and is_part:
         message = f"`{path}` is not a robot by itself"
         help_text = "name the workspace, package or launch file that uses it"

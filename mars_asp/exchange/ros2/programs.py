@@ -223,7 +223,10 @@ class Programs:
         ]
         for path in paths:
             found = self.workspace.find(str(package.folder / path), package.folder)
-            if found is not None and found.suffix in ("", ".py") and self._may_be_python(found):
+            if found is not None and found.suffix in ("", ".py"):
+                first = self.workspace.text(found).partition("\n")[0]
+                if first.startswith("#!") and "python" not in first:
+                    continue
                 module = f"{package.name}.{found.stem}"
                 is_inner = self._modules.get(module) == found
                 return self._python.interface(module if is_inner else f"file:{found}", None)
@@ -233,11 +236,6 @@ class Programs:
             if file.stem == executable and file.suffix in _CPP
         ]
         return self._compiled(package, [str(stems[0])]) if stems else None
-
-    def _may_be_python(self, file: Path) -> bool:
-        """Whether a script names no other interpreter in its first line."""
-        first = self.workspace.text(file).partition("\n")[0]
-        return not first.startswith("#!") or "python" in first
 
     def _compiled(
         self, package: Package, sources: Iterable[str], linked: Iterable[str] = ()
