@@ -3,6 +3,7 @@
 import argparse
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 from pathspec import GitIgnoreSpec
@@ -30,7 +31,7 @@ class Excluded:
         self._read: dict[Path, tuple[_Patterns, ...]] = {}
         around = (self._root, *self._root.parents)
         self._is_in_git = any((each / ".git").exists() for each in around)
-        patterns = [(at.resolve(), _spec_of_lines(of)) for at, of in more]
+        patterns = [(at.resolve(), _spec_of_lines(tuple(of))) for at, of in more]
         self._besides = tuple(each for each in patterns if not self._names_root(each))
 
     def __call__(self, path: Path, is_folder: bool) -> bool:
@@ -65,12 +66,14 @@ class Excluded:
 
 def _spec_of(file: Path) -> GitIgnoreSpec:
     try:
-        return _spec_of_lines(plain_lines(read_text(file)).split("\n"))
+        return _spec_of_lines(tuple(plain_lines(read_text(file)).split("\n")))
     except MarsError:
-        return _spec_of_lines([])
+        return _spec_of_lines(())
 
 
-def _spec_of_lines(lines: Sequence[str]) -> GitIgnoreSpec:
+# A folder is walked for its robots, and each workspace again; some files have thousands of lines.
+@lru_cache(maxsize=64)
+def _spec_of_lines(lines: tuple[str, ...]) -> GitIgnoreSpec:
     """Return the patterns of lines, without those that take very long to compare with a name."""
     return GitIgnoreSpec.from_lines([line for line in lines if not _SLOW.search(line)])
 
