@@ -300,7 +300,11 @@ class Robot:
 
     @property
     def modules(self) -> tuple[str, ...]:
-        """The names of the modules, in the order of the files."""
+        """The names of the modules, in the order of the files.
+
+        >>> len(load("examples/level0/config.mars").modules)
+        8
+        """
         return tuple(name.text for name in self.project.configuration.modules)
 
     @property
@@ -309,6 +313,9 @@ class Robot:
 
         Raises:
             MarsError: several launch files start a robot each.
+
+        >>> load("examples/level0/config.mars").text.split()[0]
+        '@configuration'
         """
         if self.project.format is None:
             return self.project.text
@@ -318,7 +325,11 @@ class Robot:
 
     @property
     def facts(self) -> str:
-        """The facts that `facts` prints, input of clingo."""
+        """The facts that `facts` prints, input of clingo.
+
+        >>> "architecture(hierarchical)." in load("examples/level0/config.mars").facts
+        True
+        """
         return facts_text(self._reasoner.facts)
 
     # ---- Judgement -------------------------------------------------------------------------------
@@ -415,6 +426,9 @@ class Robot:
 
         Raises:
             MarsError: the query is wrong.
+
+        >>> bool(load("examples/mobile-camera/config.mars").can("Rotn_Y of Camera"))
+        True
         """
         rules = rulebook_for(self._arguments("can"), ("can", "account"))
         found = capability(self.project, rules, query)
@@ -463,6 +477,9 @@ class Robot:
 
         Raises:
             MarsError: nothing realises the robot.
+
+        >>> load("examples/level0/config.mars").alternatives(1)
+        RobotAnswer(0 alternatives)
         """
         arguments = self._arguments("explain", alternatives=n)
         rules = rulebook_for(arguments, ("resolve", "account"))
@@ -531,6 +548,9 @@ class Robot:
 
         Raises:
             MarsError: the atom names nothing that there can be.
+
+        >>> load("examples/level0/config.mars").why_not("DataSplitter(Turn)").present
+        False
         """
         arguments = self._arguments("explain", why_not=atom)
         reasoner = Reasoner(self.project, rulebook_for(arguments), self.options.budget)
@@ -550,6 +570,9 @@ class Robot:
 
         Raises:
             MarsError: the subject names nothing.
+
+        >>> len(load("examples/module-conflict/config.mars").repairs()) > 0
+        True
         """
         rules = rulebook_for(self._arguments("explain"), STAGES)
         found = repairs(self.project, rules, subject, self.options.budget.seconds)
@@ -582,6 +605,9 @@ class Robot:
 
         Raises:
             MarsError: the scenario is wrong, or nothing realises the robot.
+
+        >>> load("examples/level0/config.mars").run("examples/level0/scenario.toml", seed=1).verdict
+        'pass'
         """
         from mars_asp.cli.perform import performed, runnable
         from mars_asp.cli.run import read_run_scenario
@@ -626,6 +652,9 @@ class Robot:
 
         Raises:
             MarsError: there is no such module, or the picture is too large.
+
+        >>> load("examples/level0/config.mars").draw(about="Turn", only="data")[:4]
+        '<svg'
         """
         from mars_asp.cli.draw import drawn, relationship_kinds
 
@@ -640,7 +669,11 @@ class Robot:
     _repr_svg_ = draw
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the modules with their classes, and the relationships."""
+        """Return the modules with their classes, and the relationships.
+
+        >>> load("examples/level0/config.mars").to_dict()["modules"][0]["name"]
+        'Sonar'
+        """
         return _graph(self.project.configuration, self.project.modules)
 
     def to_networkx(self) -> "networkx.MultiDiGraph":
