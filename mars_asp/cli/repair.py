@@ -9,7 +9,7 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, spent, wrapped
 from mars_asp.cli.lines import line_json, line_text
 from mars_asp.cli.progress import progress_bar
-from mars_asp.cli.reason import rulebook_for
+from mars_asp.cli.reason import JUDGING, judge_project, rulebook_for
 from mars_asp.cli.report import colours, paint
 from mars_asp.cli.selection import Selection
 from mars_asp.diagnostic import Diagnostic
@@ -17,7 +17,14 @@ from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.repair import STAGES, Edit, Mend, Repair, repairs
+from mars_asp.reasoning.questions.repair import (
+    STAGES,
+    Edit,
+    Mend,
+    Repair,
+    repairs,
+    repairs_by_hand,
+)
 from mars_asp.reasoning.rules import COSTS
 
 #: A mend of more lines is printed once, however many findings it mends.
@@ -33,10 +40,16 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
 
     Without a subject, they are those of findings that are reported.
     """
-    rulebook = rulebook_for(arguments, STAGES)
+    is_foreign = project.format is not None
+    rulebook = rulebook_for(arguments, JUDGING if is_foreign else STAGES)
     selection = Selection(arguments, rulebook)
-    with progress_bar(arguments, "sets of edits") as progress:
-        found = repairs(project, rulebook, subject, arguments.time_limit, progress)
+    if is_foreign:
+        # The findings are those of `check`.
+        analysis = judge_project(project, rulebook, arguments)
+        found = repairs_by_hand(project, rulebook, analysis, subject)
+    else:
+        with progress_bar(arguments, "sets of edits") as progress:
+            found = repairs(project, rulebook, subject, arguments.time_limit, progress)
     shown = selection.among(project, [repair.consequence for repair in found]).shown
     if subject is None:
         found = tuple(repair for repair in found if repair.consequence in shown)
@@ -44,7 +57,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
         print(encoded({"subject": subject, "repairs": [repair_json(r) for r in found]}))
     else:
         coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
-        for line in _text(found, coloured, width, foreign=project.format is not None):
+        for line in _text(found, coloured, width, foreign=is_foreign):
             print(line)
     if any(repair.late for repair in found):
         print("mars-asp: the time limit ended the search", file=sys.stderr)
@@ -67,7 +80,8 @@ def _text(found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: boo
             first = printed.setdefault(mend.lines, here)
             yield from _mend_text(number, mend, first, here, width)
         if foreign:
-            yield from wrapped(_by_hand(consequence), width, "  ", "    ")
+            for text in _by_hand(consequence):
+                yield from wrapped(text, width, "  ", "    ")
         elif not repair.proposed:
             yield from wrapped(_unproposed(consequence), width, "  ", "    ")
         elif not repair.mends and not repair.tried and not repair.complete:
@@ -81,18 +95,12 @@ def _text(found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: boo
             yield f"  no repair found: {tried} of edits {were} tried{end}"
 
 
-def _by_hand(consequence: Consequence) -> str:
-    """Return what to do about a finding in a file that is not ours, and where."""
-    lines: dict[str, dict[int, None]] = {}
-    for span in consequence.spans:
-        lines.setdefault(span.path, {})[span.line] = None
-    first = consequence.spans[0].path
-    places = " and ".join(
-        f"line{'s' * (len(of) > 1)} {', '.join(map(str, of))}{f' of {path}' * (path != first)}"
-        for path, of in lines.items()
-    )
-    told = consequence.help or "only `.mars` files are edited here"
-    return visible(f"change it by hand, {places}: {told}")
+def _by_hand(consequence: Consequence) -> Iterator[str]:
+    """Yield the help of a finding in a foreign file, and its further places."""
+    yield f"by hand: {visible(consequence.help or 'only `.mars` files are edited here')}"
+    first, *further = dict.fromkeys(f"{span.path}:{span.line}" for span in consequence.spans)
+    if further:
+        yield f"see also {', '.join(map(visible, further))}"
 
 
 def _unproposed(consequence: Consequence) -> str:

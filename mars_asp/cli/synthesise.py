@@ -10,7 +10,14 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.limits import seconds_to_search
 from mars_asp.cli.progress import progress_bar, stage
-from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
+from mars_asp.cli.reason import (
+    JUDGING,
+    add_file,
+    analyse_project,
+    judge_project,
+    read_project,
+    rulebook_for,
+)
 from mars_asp.cli.report import report, report_unrealisable
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.diagnostic import Diagnostic, MarsError
@@ -49,11 +56,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the specification; 1 where an error is reported, 3 where no time was left."""
-    rulebook = rulebook_for(arguments, ("resolve", "verify"))
-    selection = Selection(arguments, rulebook)
     project = read_project(arguments)
+    rulebook = rulebook_for(arguments, ("resolve", "verify"))
     analysis = analyse_project(project, rulebook, arguments)
-    selected = selection.of(project, analysis, notes=False)
+    if project.trees:
+        # The findings are those of `check`.
+        judging = rulebook_for(arguments, JUDGING)
+        selection = Selection(arguments, judging)
+        findings = judge_project(project, judging, arguments)
+    else:
+        selection = Selection(arguments, rulebook)
+        findings = analysis
+    selected = selection.of(project, findings, notes=False)
     report(map(diagnostic, selected.shown), arguments)
     report((*selected.remarks, *selection.end()), arguments)
     found = minimal_specification(project, analysis, rulebook, arguments)

@@ -14,6 +14,7 @@ from mars_asp.cli import run_here
 from mars_asp.cli.check_output import FORMATS
 from mars_asp.cli.deliver import replace_files
 from mars_asp.cli.schemas import check_schema
+from mars_asp.robot import load
 from tests.support.documents import ROOT
 from tests.support.processes import mars
 
@@ -280,15 +281,29 @@ def test_warnings_fail_where_that_is_asked_for(
     assert run_here(["check", robot, *words]) == status
 
 
-def test_what_to_change_by_hand_is_placed_in_each_file(
+def test_changes_by_hand_name_the_other_files(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(ROOT)
     monkeypatch.setenv("COLUMNS", "400")
     run_here(["explain", "examples/ros2_workspace", "--repair", "loose_end", "--quiet"])
-    told = capsys.readouterr().out
+    output = capsys.readouterr().out
     base = "examples/ros2_workspace/src/scout_base/src/base_driver.cpp"
-    assert f"change it by hand, line 15 and line 12 of {base}: " in told
+    assert "by hand: give both one name: rename `/odometry` of `/patrol` to `/odom`" in output
+    assert f"see also {base}:12" in output
+
+
+@pytest.mark.parametrize("command", ["synthesise", "explain --repair"])
+def test_findings_of_a_workspace_are_the_same_in_every_command(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    workspace = str(ROOT / "examples" / "ros2_workspace")
+    run_here([*command.split(), workspace])
+    output = " ".join("".join(capsys.readouterr()).split())
+    for finding in load(workspace).check():
+        if finding.severity != "note":
+            assert finding.message in output, finding
+    assert "control `/velocity_smoother` with the same priority" not in output
 
 
 # ---- Streams and formats -------------------------------------------------------------------------

@@ -207,7 +207,7 @@ def test_a_file_of_others_is_never_written(mux: Path, capsys: pytest.CaptureFixt
     assert status == 2
     assert "`robot.txt` is a file of twist_mux" in found.replace("\n  ", " ")
     _, repairs, _ = told("explain --repair robot.txt ambiguous_priority", capsys)
-    assert "change it by hand, lines 2, 3: give `bumper response` and `tablet`" in repairs
+    assert "by hand: give `bumper response` and `tablet`" in repairs
     assert mux.read_text(encoding="utf-8") == SCUTTLE
 
 

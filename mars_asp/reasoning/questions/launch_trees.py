@@ -44,7 +44,7 @@ def explain_findings(
         The findings, or None if none is about the subject.
     """
     chosen = sorted(
-        (each for each in analysis.consequences if subject is None or _is_about(each, subject)),
+        (each for each in analysis.consequences if subject is None or is_about(each, subject)),
         key=lambda finding: _GRAVITY[finding.severity],
     )
     if subject is not None and not chosen:
@@ -73,7 +73,7 @@ def explain_findings(
     return Explanation(subject, tuple(topics), analysis, None)
 
 
-def _is_about(finding: Consequence, subject: str) -> bool:
+def is_about(finding: Consequence, subject: str) -> bool:
     """Whether a finding has a kind, rule, subject, participant or place."""
     names = {finding.kind, finding.rule.id, f"{finding.kind}({finding.subject})", str(finding.atom)}
     names |= {finding.subject, *finding.participants}

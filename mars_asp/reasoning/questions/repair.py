@@ -30,6 +30,7 @@ from mars_asp.reasoning.questions.edits import (
     UnknownEditError,
     apply_edits,
 )
+from mars_asp.reasoning.questions.launch_trees import is_about
 from mars_asp.reasoning.questions.subject import wrong_subject
 from mars_asp.reasoning.synthesis.synthesise import least_cost
 from mars_asp.spelling import nearest
@@ -129,14 +130,13 @@ def repairs(
     deadline = None if seconds is None else began + seconds
     facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span, with_labels=True)
+    if project.format is not None:
+        return repairs_by_hand(project, rulebook, analysis, subject)
     findings = _asked(analysis.consequences, subject, with_warnings)
     if not findings:
         if subject is not None:
             _check_subject(subject, project, rulebook)
         return ()
-    if project.format is not None:
-        # Edits are of `.mars` text.
-        return tuple(Repair(finding, (), 0, 0, True, False) for finding in findings)
     proposed = _proposals(analysis, rulebook)
     most = (MOST_FACTS if most_facts is None else most_facts) // (len(facts) + FACTS_OF_A_TRY)
     search = _Search(project, rulebook, analysis.consequences, findings, deadline)
@@ -146,6 +146,21 @@ def repairs(
         time.monotonic() - began,
         progress,
     )
+
+
+def repairs_by_hand(
+    project: Project, rulebook: Rulebook, analysis: Analysis, subject: str | None = None
+) -> tuple[Repair, ...]:
+    """Return the findings of an analysis of foreign files, each without edits.
+
+    Raises:
+        MarsError: the subject names neither a module nor a kind of consequence.
+    """
+    chosen = (c for c in analysis.consequences if subject is None or is_about(c, subject))
+    findings = [each for each in chosen if each.severity != "note"]
+    if not findings and subject is not None:
+        _check_subject(subject, project, rulebook)
+    return tuple(Repair(finding, (), 0, 0, True, False) for finding in findings)
 
 
 def _asked(
