@@ -108,6 +108,7 @@ def tables() -> Iterator[tuple[str, bytes]]:
     from mars_asp.asp.rules.premises import premises_of_rule, read_premises
     from mars_asp.asp.rules.statements import constants_of, statements_of
     from mars_asp.asp.slice.reach import outlines_of
+    from mars_asp.cli.rules_example import table_examples
     from mars_asp.reasoning.facts.vocabulary import given_in
     from mars_asp.reasoning.questions.explain import explain
     from mars_asp.reasoning.rules import STAGES, load_rulebook, seal
@@ -137,6 +138,10 @@ def tables() -> Iterator[tuple[str, bytes]]:
         for subject in subjects:
             explain(Reasoner(project, rulebook), subject)
     yield from cache.written()
+    # Of the examples, their sentences are enough: the case is not in the wheel.
+    cache.forget(BESIDE / "none")
+    table_examples(whole)
+    yield from (table for table in cache.written() if table[0] == "examples")
 
 
 if __name__ == "__main__":

@@ -80,6 +80,13 @@ def test_the_wheel_works_outside_the_checkout(site: Path) -> None:
         assert (site / "mars_asp" / carried).is_file()
 
 
+def test_rules_are_shown_with_the_values_of_their_examples(site: Path) -> None:
+    """The cases that hold the examples are not in the wheel, but the sentences are."""
+    shown = python(site, "-m", "mars_asp", "rules", "show", "dead_remap")
+    assert "topic `/x`" in shown
+    assert "{" not in shown + python(site, "-m", "mars_asp", "rules")
+
+
 def test_what_the_build_has_made_is_not_made_again(site: Path) -> None:
     python(site, "-c", UNMADE)
 

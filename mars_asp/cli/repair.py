@@ -98,7 +98,7 @@ def _text(found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: boo
 def _by_hand(consequence: Consequence) -> Iterator[str]:
     """Yield the help of a finding in a foreign file, and its further places."""
     yield f"by hand: {visible(consequence.help or 'only `.mars` files are edited here')}"
-    first, *further = dict.fromkeys(f"{span.path}:{span.line}" for span in consequence.spans)
+    _, *further = dict.fromkeys(f"{span.path}:{span.line}" for span in consequence.spans)
     if further:
         yield f"see also {', '.join(map(visible, further))}"
 

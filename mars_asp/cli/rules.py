@@ -12,10 +12,7 @@ from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.trace.tree import Derived
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns
-from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import Suggestion, report
 from mars_asp.cli.rules_document import (
@@ -35,10 +32,11 @@ from mars_asp.cli.rules_document import (
     with_names,
     write_pages,
 )
+from mars_asp.cli.rules_example import rule_example, tabled_example
 from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
 from mars_asp.diagnostic import INPUT_CODES, Diagnostic, InputCode, MarsError, whole_file
 from mars_asp.language.text_edits import Draft, LineEdit
-from mars_asp.output import replace_together, visible
+from mars_asp.output import fenced, replace_together, visible
 from mars_asp.reasoning.lint import Linted, lint
 from mars_asp.reasoning.packs import installed_packs, with_companions
 from mars_asp.reasoning.rules import STAGES, is_rule_base
@@ -210,11 +208,13 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
         hint = "`--ignore` hides it." if found.can_be_ignored else "It cannot be ignored."
         return f"## {name}\n\n{found.meaning}\n\n{hint}"
     if isinstance(found, Rule):
-        step, lines = _example(found, rulebook)
-        summary = rule_summary(found, "##", with_names if step is None else step.with_values)
         # Without a message there is nothing else to show.
         is_whole = with_source or found.because is None
-        return "\n\n".join([rule_document(found, "##") if is_whole else summary, *lines])
+        example = rule_example(found, rulebook)
+        text = rule_document(found, "##") if is_whole else rule_summary(found, "##", example)
+        if example is None:
+            return text
+        return "\n\n".join([text, "In its example:", fenced("\n".join(example.trace), "text")])
     if isinstance(found, Kind):
         named = (_rule_text(rule, rulebook, with_source) for rule in found.rules)
         return "\n\n".join([*kind_document(found), *named])
@@ -222,7 +222,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
         return "\n\n".join(map(predicate_document, found))
     stage, outline = rulebook.outlines[found]
     rules = [rule for rule in speaking(rulebook, stage) if rule.span.path == found]
-    listed = "\n".join(f"- `{rule.id}`: {rule.because}" for rule in rules)
+    listed = "\n".join(f"- `{rule.id}`: {_sentence(rule)}" for rule in rules)
     return "\n\n".join(filter(None, (file_document(found, stage, outline), listed)))
 
 
@@ -230,8 +230,7 @@ def _rule_text(rule: Rule, rulebook: Rulebook, with_source: bool) -> str:
     """Return a rule of a kind, its sentences filled in by its example if it has one."""
     if with_source:
         return rule_document(rule, "###")
-    step, _ = _example(rule, rulebook)
-    return rule_summary(rule, "###", with_names if step is None else step.with_values)
+    return rule_summary(rule, "###", rule_example(rule, rulebook))
 
 
 def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
@@ -339,10 +338,16 @@ def _listed(rulebook: Rulebook, stage: str) -> str:
     rules = tuple(speaking(rulebook, stage))
     width = max((len(rule.id) for rule in rules), default=0)
     lines = [
-        visible(f"{rule.id:<{width}}  {rule.span.path}:{rule.span.line}  {rule.because}")
+        visible(f"{rule.id:<{width}}  {rule.span.path}:{rule.span.line}  {_sentence(rule)}")
         for rule in rules
     ]
     return "\n".join([f"{stage}: {PURPOSES[stage]}", *lines])
+
+
+def _sentence(rule: Rule) -> str | None:
+    """Return the message of a rule with the values of its example, else with names of variables."""
+    example = tabled_example(rule)
+    return with_names(rule.because) if example is None else example.because
 
 
 def _listed_packs() -> Iterator[str]:
@@ -352,16 +357,3 @@ def _listed_packs() -> Iterator[str]:
     lines = [visible(f"{name:<{width}}  {folder}") for name, folder in packs.items()]
     if lines:
         yield "\n".join(["installed packs, which `--rules NAME` applies", *lines])
-
-
-def _example(rule: Rule, rulebook: Rulebook) -> tuple[Derived | None, list[str]]:
-    """Return a firing of a rule in the case that it names as its example, and a trace of it."""
-    from mars_asp.asp.trace.text import traces_text
-    from mars_asp.reasoning.cases.examples import example_trace
-
-    found = example_trace(rule, rulebook)
-    if found is None:
-        return None, []
-    lines = map(visible, traces_text([found], line_at, width=columns(sys.stdout)))
-    step = found[1] if isinstance(found[1], Derived) else None
-    return step, ["\n".join(["In its example:", "", "```text", *lines, "```"])]

@@ -1,7 +1,7 @@
 """Rules, predicates and files of rules as pages: what `rules show` and `rules doc` print."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from urllib.parse import quote
@@ -13,6 +13,7 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, plain
 from mars_asp.cli.deliver import write_file
+from mars_asp.cli.rules_example import RuleExample
 from mars_asp.output import fenced, markdown, visible
 from mars_asp.reasoning.findings import EXPANSIONS
 from mars_asp.reasoning.packs import FOLDERS
@@ -113,17 +114,17 @@ def with_names(text: str | None) -> str | None:
     return text and _HOLE.sub(r"\1", text)
 
 
-def rule_summary(
-    rule: Rule, heading: str, filled: Callable[[str | None], str | None] = with_names
-) -> str:
+def rule_summary(rule: Rule, heading: str, example: RuleExample | None) -> str:
     """Return the message, effect, help and reason of a rule, below a heading such as `##`.
 
-    `filled` fills the holes of their texts, such as with the values of an example.
+    Their texts have the values of the example; without one, the names of variables.
     """
-    named = {"Effect": filled(rule.effect), "Help": filled(rule.help), "Why": rule.why}
+    texts = example or map(with_names, (rule.because, rule.effect, rule.help))
+    because, effect, help_text, *_ = texts
+    named = {"Effect": effect, "Help": help_text, "Why": rule.why}
     parts = [f"{label}: {markdown(text)}" for label, text in named.items() if text]
     place = markdown(f"{rule.span.path}:{rule.span.line}")
-    because = markdown(filled(rule.because) or "no message")
+    because = markdown(because or "no message")
     return "\n\n".join([f"{heading} {markdown(rule.id)}", because, *parts, place])
 
 

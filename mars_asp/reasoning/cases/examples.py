@@ -19,6 +19,7 @@ from mars_asp.asp.trace.tree import Derived
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.reasoning.cases.configurations import SUFFIX
 from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.launch_trees import launch_rules
 from mars_asp.reasoning.packs import MANIFEST
 from mars_asp.reasoning.project import load_project, project_facts, with_brought
 from mars_asp.reasoning.rules import rules_directory
@@ -37,14 +38,18 @@ def example_of(rule: Rule) -> Path | None:
 
 
 def example_trace(rule: Rule, rulebook: Rulebook) -> tuple[str, Trace] | None:
-    """Return an atom that a rule of the base derives in its example, and why.
+    """Return an atom that a rule about configurations or launch files derives in its example.
+
+    The trace of the atom is beside it.
 
     Raises:
         MarsError: the example cannot be read.
     """
     path = example_of(rule)
-    if path is None or rule.stage != "base":
+    if path is None or rule.stage not in ("base", "launch"):
         return None
+    if rule.stage == "launch":
+        rulebook = launch_rules(rulebook)
     for text, facts in _examples(path, rulebook):
         program = [*rulebook.fragments("base"), Fragment(text, str(path))]
         grounding = Grounding(program)
