@@ -120,8 +120,8 @@ FILES = {
         "completion draw export facts fmt import_robot winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
-        "rules_document rules_new rules_diff rules repair check_output check lsp_files "
-        "lsp_rules lsp_answers lsp explain_page explain ament ros2_command"
+        "rules_example rules_document rules_new rules_diff rules repair check_output check "
+        "lsp_files lsp_rules lsp_answers lsp explain_page explain ament ros2_command"
     ),
 }
 #: The packages whose imports `docs/explanation/design.md` draws, in its order.

@@ -216,7 +216,12 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
             return text
         return "\n\n".join([text, "In its example:", fenced("\n".join(example.trace), "text")])
     if isinstance(found, Kind):
-        named = (_rule_text(rule, rulebook, with_source) for rule in found.rules)
+        named = (
+            rule_document(rule, "###")
+            if with_source
+            else rule_summary(rule, "###", rule_example(rule, rulebook))
+            for rule in found.rules
+        )
         return "\n\n".join([*kind_document(found), *named])
     if isinstance(found, tuple):
         return "\n\n".join(map(predicate_document, found))
@@ -224,13 +229,6 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
     rules = [rule for rule in speaking(rulebook, stage) if rule.span.path == found]
     listed = "\n".join(f"- `{rule.id}`: {_sentence(rule)}" for rule in rules)
     return "\n\n".join(filter(None, (file_document(found, stage, outline), listed)))
-
-
-def _rule_text(rule: Rule, rulebook: Rulebook, with_source: bool) -> str:
-    """Return a rule of a kind, its sentences filled in by its example if it has one."""
-    if with_source:
-        return rule_document(rule, "###")
-    return rule_summary(rule, "###", rule_example(rule, rulebook))
 
 
 def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:

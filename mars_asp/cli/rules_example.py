@@ -32,9 +32,13 @@ def rule_example(rule: Rule, rulebook: Rulebook) -> RuleExample | None:
     return _solve_example(rule, rulebook) or tabled_example(rule)
 
 
-def tabled_example(rule: Rule) -> RuleExample | None:
-    """Return the example of a rule from the table of the wheel, None if it has none."""
-    return _example_in_table(rule, None)
+def tabled_example(rule: Rule, solved: RuleExample | None = None) -> RuleExample | None:
+    """Return the example of a rule from the table of the wheel, or the `solved` one if it has none.
+
+    A build enters solved examples in this way.
+    """
+    key = (rule.id, digest(rule.text.encode()))
+    return made_of("examples", (Path(__file__),), [key], lambda _: solved)[key]
 
 
 def table_examples(rulebook: Rulebook) -> None:
@@ -42,12 +46,7 @@ def table_examples(rulebook: Rulebook) -> None:
     for rule in rulebook.rules:
         example = None if rule.because is None else _solve_example(rule, rulebook)
         if example is not None:
-            _example_in_table(rule, example)
-
-
-def _example_in_table(rule: Rule, example: RuleExample | None) -> RuleExample | None:
-    key = (rule.id, digest(rule.text.encode()))
-    return made_of("examples", (Path(__file__),), [key], lambda _: example)[key]
+            tabled_example(rule, example)
 
 
 def _solve_example(rule: Rule, rulebook: Rulebook) -> RuleExample | None:
