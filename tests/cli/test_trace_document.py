@@ -50,6 +50,9 @@ def test_both_forms_fit_their_schemas_and_tell_the_same(path: Any, every: bool) 
     assert [line["title"] for line in lines if "topic" in line] == [
         topic["title"] for topic in document["topics"]
     ]
+    # The absence of an atom is a sentence, never the atom itself.
+    unworded = [s["atom"] for s in steps(document) if s["kind"] == "absent" and not s["message"]]
+    assert unworded == []
 
 
 @pytest.mark.parametrize(
