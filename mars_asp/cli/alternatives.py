@@ -74,7 +74,7 @@ def _alternative_lines(
     yield from _example(found, arguments, width)
     for number, other in enumerate(found.others, 1):
         yield ""
-        yield f"{number}. {_price(other)}"
+        yield f"{number}. {compared(by_name(other.extra))}"
         yield from (f"     - {line}" for line in other.removed)
         yield from (f"     + {line}" for line in other.added)
     yield ""
@@ -239,10 +239,6 @@ def _example(found: Alternatives, arguments: argparse.Namespace, width: int) -> 
                     yield asked
                     yield from wrapped(told, width, _GAP, _GAP * 3)
                 return
-
-
-def _price(other: Alternative) -> str:
-    return f"costs {compared(by_name(other.extra)) or 'the same'}"
 
 
 def alternatives_json(found: Alternatives, subject: str | None = None) -> dict[str, object]:

@@ -485,7 +485,8 @@ def why_not_paragraphs(
 
 def _price(extra: Mapping[int, int]) -> str:
     """Return what a specification with what is asked for costs beyond the minimal one."""
-    return f"A specification with it costs {compared(by_name(extra)) or 'the same'}."
+    price = compared(by_name(extra))
+    return f"A specification with it{'' if price.startswith('costs') else ':'} {price}."
 
 
 def _count(text: str) -> int:

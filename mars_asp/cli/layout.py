@@ -81,32 +81,32 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-#: What costs are counted in, by their names.
-_UNITS = {
-    "nodes": "node",
-    "conversion": "unit of conversion cost",
-    "relationships": "relationship",
-}
+#: The units of costs that count something, by their names.
+_UNITS = {"nodes": "node", "relationships": "relationship"}
+_CONVERSION = "conversion"
 
 
 def compared(extra: Mapping[str, int]) -> str:
-    """Return what something costs more or less by the names of costs; nothing where it is equal.
+    """Return how costs differ, by the names of costs; "costs the same" if they are equal.
 
-    `{"nodes": 1, "relationships": 2}` is `1 node and 2 relationships more`.
+    `{"nodes": 1, "conversion": 2}` is `costs 1 node more, conversion cost +2`.
     """
-    costs = [(_UNITS[name], number) for name, number in extra.items()]
-    more = [_counted_cost(number, unit) for unit, number in costs if number > 0]
-    less = [_counted_cost(-number, unit) for unit, number in costs if number < 0]
+    costs = [(unit, extra.get(name, 0)) for name, unit in _UNITS.items()]
+    more = [counted(number, unit) for unit, number in costs if number > 0]
+    less = [counted(-number, unit) for unit, number in costs if number < 0]
     words = [" and ".join(each) + than for each, than in ((more, " more"), (less, " less")) if each]
-    return ", but ".join(words)
+    differences = [f"costs {', but '.join(words)}"] if words else []
+    conversion = extra.get(_CONVERSION, 0)
+    if conversion:
+        differences.append(f"conversion cost {conversion:+d}")
+    return ", ".join(differences) or "costs the same"
 
 
 def spent(costs: Mapping[str, int]) -> str:
     """Return costs by their names in words, as `2 nodes and 6 relationships`; nothing for none."""
-    counts = [_counted_cost(number, _UNITS[name]) for name, number in costs.items() if number]
+    counts = [
+        f"conversion cost {number}" if name == _CONVERSION else counted(number, _UNITS[name])
+        for name, number in costs.items()
+        if number
+    ]
     return listing(counts)
-
-
-def _counted_cost(number: int, unit: str) -> str:
-    first, _, rest = unit.partition(" ")
-    return f"{counted(number, first)}{' ' * bool(rest)}{rest}"
