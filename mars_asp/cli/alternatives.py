@@ -16,7 +16,6 @@ from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.alternatives import (
     MOST_CONVERSIONS,
-    Alternative,
     Alternatives,
     Need,
     alternatives,
