@@ -163,14 +163,22 @@ class AbsentFile:
     It is a file or program that a launch file names, a file that the package has and does not
     install, the function of a console script, or all programs of a package whose `setup.cfg` does
     not set where they are installed; the name is then that of the package. Of an argument that is
-    passed to a launch file, `package` is that file, and of a parameter it is the program.
+    passed to a launch file, `package` is that file, and of a parameter it is the program. ROS 1
+    refuses an argument that is not declared, and ROS 2 passes over it.
     """
 
     name: str
     package: str
     span: Span
     sort: Literal[
-        "file", "program", "not installed", "function", "programs", "argument", "parameter"
+        "file",
+        "program",
+        "not installed",
+        "function",
+        "programs",
+        "argument",
+        "refused argument",
+        "parameter",
     ] = "file"
 
 

@@ -403,7 +403,7 @@ class Launch:
         self.missing = {
             **missing,
             **dict.fromkeys(
-                replace(each, span=span) for each in self.missing if each.sort != "argument"
+                replace(each, span=span) for each in self.missing if "argument" not in each.sort
             ),
         }
         rewrites = file.parent.parent.name in _REWRITING
@@ -473,7 +473,11 @@ class Launch:
             name = plain(each.name) or ""
             if name.isidentifier() and all(name not in found for found in words):
                 shown = self.workspace.shown(file)
-                self.missing[AbsentFile(name, shown, each.keys[0][1], "argument")] = None
+                sort: Literal["argument", "refused argument"] = "argument"
+                package = self.workspace.package_of(file)
+                if package is not None and package.is_of_ros1 and not package.is_of_ros2:
+                    sort = "refused argument"
+                self.missing[AbsentFile(name, shown, each.keys[0][1], sort)] = None
 
     def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> bool:
         """Note that a package here lacks the file of a path, and return whether it does.

@@ -36,6 +36,7 @@ _ABSENT = {
     "not installed": "leaves_out",
     "function": "calls_missing",
     "argument": "passes_in_vain",
+    "refused argument": "passes_in_vain",
     "parameter": "sets_in_vain",
     "programs": "hides_programs",
 }
@@ -128,6 +129,8 @@ class _TreeFacts:
                 (path, each.package) if each.sort == "programs" else (path, each.package, each.name)
             )
             yield from self.with_place(each.span, _ABSENT[each.sort], *terms)
+            if each.sort == "refused argument":
+                yield _fact_at(each.span, "refuses_arguments", each.package)
         for file in self.tree.shared:
             yield _fact_at(point(path, 1, 1), "is_shared", file)
         for node in self.tree.by_hand:
