@@ -427,7 +427,8 @@ def test_arguments_that_are_passed_are_read(
     }
     parsed = read(written, tmp_path, "catkin" if find == "find" else "ament_cmake")
     [tree] = [each for each in parsed.trees if Path(each.path).name.startswith("top")]
-    assert [each.name for each in tree.missing if each.sort == "argument"] == found
+    sort = "refused argument" if find == "find" else "argument"
+    assert [each.name for each in tree.missing if each.sort == sort] == found
 
 
 def test_arguments_whose_names_are_put_together_may_be_read(tmp_path: Path) -> None:
@@ -586,3 +587,30 @@ def test_very_many_names_are_one_finding(
     read(written, tmp_path, "catkin")
     assert run_here(["check", str(tmp_path)]) == 0
     assert "2 warnings in 1 folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("package", "topics"), [("mine", []), ("elsewhere", ["/scan"])], ids=["here", "elsewhere"]
+)
+def test_a_missing_parameter_file_of_a_package_here_hides_the_defaults(
+    package: str, topics: list[str], tmp_path: Path
+) -> None:
+    """A file of another package is assumed to give the defaults of its programs."""
+    source = (
+        "from rclpy.node import Node\n"
+        "class Watch(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('watch')\n"
+        "        topic = self.declare_parameter('topic', '/scan').value\n"
+        "        self.create_subscription(LaserScan, topic, self.on_scan, 10)\n"
+        "def main():\n"
+        "    Watch()\n"
+    )
+    launch = (
+        '<launch><node pkg="mine" exec="watch" name="watch">'
+        f'<param from="$(find-pkg-share {package})/config/lost.yaml"/></node></launch>'
+    )
+    setup = "setup(entry_points={'console_scripts': ['watch = mine.watch:main']})"
+    written = {"setup.py": SETUP + setup, "mine/watch.py": source, "x.launch.xml": launch}
+    (tree,) = read(written, tmp_path, "ament_python").trees
+    assert [end.topic for node in tree.nodes for end in node.subscribed] == topics

@@ -644,8 +644,7 @@ class Launch:
                 action.span,
                 (*scope.conditions, *conditions),
                 tuple(words),
-                # A file of another package is taken to say what its programs assume anyway.
-                any(self._plain(path, scope, files) is None for path in paths),
+                any(self._is_unknown(path, scope, files) for path in paths),
                 action.is_rewritten,
                 _ANONYMOUS.search(name or "") is not None,
             )
@@ -721,6 +720,16 @@ class Launch:
                 called = self._shown(each, scope)
                 is_missing = self._note_missing(path, span, files)
                 self.unread.append(Unread(ABSENT if is_missing else _NO_PARAMETERS, called, span))
+
+    def _is_unknown(self, path: Text, scope: _Scope, files: tuple[Path, ...]) -> bool:
+        """Whether a parameter file is unknown, or is missing in a package here.
+
+        A file of another package is assumed to give the defaults of its programs.
+        """
+        name, folder = self._plain(path, scope, files), files[-1].parent
+        if name is None or self.workspace.find(name, folder) is not None:
+            return name is None
+        return self.workspace.lacking(name, folder) is not None
 
     def _plain(self, text: Text, scope: _Scope, files: tuple[Path, ...]) -> str | None:
         """Return a text with its parts known, if they are."""
