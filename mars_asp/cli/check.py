@@ -144,11 +144,10 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
         print(text, end="")
     else:
         write_file(arguments.output, text)
-    if status < 2:
-        return int(bool(changes))
-    results = (each for one in checked for each in one.results)
-    report([each.diagnostic for each in results if each.consequence is None], arguments)
-    return status
+    messages = (each.diagnostic for one in checked for each in one.results if not each.consequence)
+    is_wrong = status >= 2
+    report([each for each in messages if is_wrong or each.code == "unfixed"], arguments)
+    return status if is_wrong else int(bool(changes))
 
 
 def _conflict_of_options(arguments: argparse.Namespace) -> str | None:
@@ -280,8 +279,8 @@ def judge(
     for path, _, _ in one.written:
         forget(path)
     if project.format is not None and arguments.fix:
-        one.append_results([Result(_unfixed(project.configuration.path, _FOREIGN, _BY_HAND))])
-        one.status = 2
+        note = _unfixed(project.configuration.path, _FOREIGN, _BY_HAND, "note")
+        one.append_results([Result(note)])
     failing = _FAILING[arguments.fail_on]
     one.status = max(one.status, int(any(one.counted[severity] for severity in failing)))
 
@@ -381,6 +380,8 @@ _BY_HAND = "change it by hand, as the help of each finding suggests"
 _AGAIN = "run the command again"
 
 
-def _unfixed(path: str, why: str, help_text: str | None = None) -> Diagnostic:
+def _unfixed(
+    path: str, why: str, help_text: str | None = None, severity: Severity = "error"
+) -> Diagnostic:
     message = f"`{path}` was not fixed: {why}"
-    return Diagnostic("unfixed", "error", message, whole_file(path), help=help_text)
+    return Diagnostic("unfixed", severity, message, whole_file(path), help=help_text)

@@ -200,9 +200,12 @@ def test_quiet_hides_what_was_not_read_and_json_never_does(
 
 
 def test_a_file_of_others_is_never_written(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    status, found, _ = told("check --fix robot.txt", capsys)
-    assert status == 2
-    assert "`robot.txt` was not fixed" in found
+    status, found, notes = told("check --fix robot.txt", capsys)
+    assert (status, found) == told("check robot.txt", capsys)[:2]
+    assert "`robot.txt` was not fixed" in notes
+    status, found, notes = told("check --diff robot.txt", capsys)
+    assert (status, found) == (0, "")
+    assert "`robot.txt` was not fixed" in notes
     status, _, found = told("fmt robot.txt", capsys)
     assert status == 2
     assert "`robot.txt` is a file of twist_mux" in found.replace("\n  ", " ")
