@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.rules import load_rulebook
     from mars_asp.reasoning.session import Reasoner
     from mars_asp.robot import (
+        AnalyseResult,
         CanResult,
         ExplainResult,
         Finding,
@@ -45,6 +46,7 @@ __version__ = "0.1.0"
 #: The module of each public name; it is loaded when the name is used.
 _PLACES = {
     "Absent": "mars_asp.asp.trace.tree",
+    "AnalyseResult": "mars_asp.robot",
     "Analysis": "mars_asp.reasoning.analysis",
     "Budget": "mars_asp.reasoning.budget",
     "CanResult": "mars_asp.robot",
@@ -81,6 +83,7 @@ _PLACES = {
 
 __all__ = [
     "Absent",
+    "AnalyseResult",
     "Analysis",
     "Budget",
     "CanResult",

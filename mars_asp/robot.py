@@ -12,12 +12,13 @@ import argparse
 import os
 import pathlib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cache, cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 from mars_asp.cli.alternatives import alternatives_json, alternatives_lines
+from mars_asp.cli.analyse import analysis_json, analysis_lines
 from mars_asp.cli.arguments import arguments_of, rule_pack
 from mars_asp.cli.can import capability_json, capability_lines
 from mars_asp.cli.check import judge
@@ -196,17 +197,9 @@ def _error(code: str, message: str, help_text: str | None = None) -> MarsError:
     return MarsError([Diagnostic(code, "error", message, span, help=help_text, excerpt="")])
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class RobotAnswer:
-    """The answer of a command: `str()` is the text that it prints, `found` the value behind it.
+class CommandAnswer:
+    """The text and the JSON of a command, each made when it is needed."""
 
-    >>> answer = load("examples/level0/config.mars").alternatives(1)
-    >>> answer.to_dict()["proven_minimal"]
-    True
-    """
-
-    found: Any
-    summary: str
     make_text: Callable[[], str]
     make_json: Callable[[], dict[str, object]]
 
@@ -221,6 +214,21 @@ class RobotAnswer:
 
     def __str__(self) -> str:
         return self.text
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotAnswer(CommandAnswer):
+    """The answer of a command: `str()` is the text that it prints, `found` the value behind it.
+
+    >>> answer = load("examples/level0/config.mars").alternatives(1)
+    >>> answer.to_dict()["proven_minimal"]
+    True
+    """
+
+    found: Any
+    summary: str
+    make_text: Callable[[], str]
+    make_json: Callable[[], dict[str, object]]
 
     def __repr__(self) -> str:
         return _short(f"{type(self).__name__}({self.summary})")
@@ -366,7 +374,7 @@ class Robot:
         results = [*checked.results, *map(Result, selection.end())]
         return tuple(map(Finding.from_result, reported_findings(results)))
 
-    def analyse(self) -> Analysis:
+    def analyse(self) -> "AnalyseResult":
         """Return all consequences, or of launch files all findings.
 
         Raises:
@@ -375,9 +383,20 @@ class Robot:
         >>> load("examples/level0/config.mars").analyse().consequences[0].kind
         'data_divergence'
         """
-        arguments = self._arguments("analyse")
+        arguments = self._arguments("analyse", quiet=False)
         rules = rulebook_for(arguments, JUDGING if self.project.trees else ("resolve",))
-        return judge_project(self.project, rules, arguments)
+        analysis = judge_project(self.project, rules, arguments)
+        selected = cache(lambda: Selection(arguments, rules).of(self.project, analysis))
+        parts = {each.name: getattr(analysis, each.name) for each in fields(Analysis)}
+        return AnalyseResult(
+            **parts,
+            make_text=self._quoting(
+                lambda: _text_of_lines(
+                    analysis_lines(self.project, analysis, selected(), arguments)
+                )
+            ),
+            make_json=self._quoting(lambda: analysis_json(self.project, analysis, selected())),
+        )
 
     def verify(
         self, specification: "PathLike | Robot | SpecificationResult | None" = None
@@ -481,6 +500,8 @@ class Robot:
         >>> load("examples/level0/config.mars").alternatives(1)
         RobotAnswer(0 alternatives)
         """
+        if n < 1:
+            raise _error("usage", f"{n} alternatives cannot be listed", "ask for 1 or more")
         arguments = self._arguments("explain", alternatives=n)
         rules = rulebook_for(arguments, ("resolve", "account"))
         reasoner = Reasoner(self.project, rules, self.options.budget)
@@ -586,6 +607,9 @@ class Robot:
         nothing changed
         cost: nodes 3, conversion 0, relationships 12
         """
+        if not isinstance(other, Robot):
+            help_text = "load it first: `robot.diff(mars_asp.load(PATH))`"
+            raise _error("usage", f"`{other!r}` is not a robot", help_text)
         rules, budget = rulebook_for(self._arguments("diff")), self.options.budget
         old, new = (Reasoner(each.project, rules, budget) for each in (self, other))
         found = other._quoting(self._quoting(lambda: diff(old, new, lines_of)))()
@@ -616,6 +640,8 @@ class Robot:
         from mars_asp.execution.judgement import run_rulebook
         from mars_asp.execution.scenario.functions import bind_kinds
 
+        if not isinstance(seed, int | None):
+            raise _error("usage", f"the seed `{seed!r}` is not a whole number")
         arguments = self._arguments("run", scenario=os.fspath(scenario), seed=seed)
         configuration = self.project.configuration
         if configuration.kind == "configuration":
@@ -713,6 +739,18 @@ class Robot:
 
 
 # ---- Answers -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AnalyseResult(CommandAnswer, Analysis):
+    """The consequences of a robot, as `analyse` prints them.
+
+    >>> "3 consequences: 3 notes" in str(load("examples/level0/config.mars").analyse())
+    True
+    """
+
+    make_text: Callable[[], str] = field(kw_only=True)
+    make_json: Callable[[], dict[str, object]] = field(kw_only=True)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -27,6 +27,7 @@ A is_controlled_by B 3
 #: The answer of a robot, and the words of the command that prints it; `FILE` is the robot.
 ANSWERS: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "specification": (lambda robot: robot.specification, "synthesise FILE"),
+    "analyse": (lambda robot: robot.analyse(), "analyse FILE"),
     "explain": (lambda robot: robot.explain(), "explain FILE"),
     "explain nodes": (lambda robot: robot.explain(only="nodes"), "explain FILE --only nodes"),
     "explain subject": (lambda robot: robot.explain("Turn"), "explain FILE Turn"),
@@ -188,6 +189,9 @@ MISTAKES: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "relationships": (lambda r: r.draw(only="dat"), "did you mean `data`?"),
     "query": (lambda r: r.can("Trans_X of Mobile"), "MobilePlatform"),
     "pack": (lambda _: load(LEVEL0, rules=["no-such-pack"]), "`no-such-pack`"),
+    "path for a robot": (lambda r: r.diff(LEVEL0), "`robot.diff(mars_asp.load(PATH))`"),
+    "seed": (lambda r: r.run("nope.toml", seed="x"), "is not a whole number"),
+    "no alternatives": (lambda r: r.alternatives(0), "ask for 1 or more"),
     "scenario": (lambda r: r.run("nope.toml"), "nope.toml: no such file"),
     "unrealisable": (
         lambda _: loads(IMPOSSIBLE).specification,

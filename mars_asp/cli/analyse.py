@@ -60,14 +60,20 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         print(encoded(analysis_json(project, analysis, selected)))
     else:
-        coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
-        is_told = not (arguments.quiet or arguments.write_baseline)
-        for line in _text(analysis, selected, coloured, width, is_told):
+        for line in analysis_lines(project, analysis, selected, arguments):
             print(line)
-        if is_told:
-            for line in _closing(project, analysis, selected, arguments, width):
-                print(line)
     return status
+
+
+def analysis_lines(
+    project: Project, analysis: Analysis, selected: Selected, arguments: argparse.Namespace
+) -> Iterator[str]:
+    """Yield the lines of the text of an analysis; of the findings alone if it is quiet."""
+    coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
+    has_summary = not (arguments.quiet or arguments.write_baseline)
+    yield from _text(analysis, selected, coloured, width, has_summary)
+    if has_summary:
+        yield from _closing(project, analysis, selected, arguments, width)
 
 
 def analysis_json(project: Project, analysis: Analysis, selected: Selected) -> dict[str, object]:
@@ -135,7 +141,7 @@ def location_json(span: Span) -> dict[str, object]:
 
 
 def _text(
-    analysis: Analysis, selected: Selected, coloured: bool, width: int, is_told: bool
+    analysis: Analysis, selected: Selected, coloured: bool, width: int, has_summary: bool
 ) -> Iterator[str]:
     for consequence in selected.shown:
         found = diagnostic(consequence)
@@ -144,7 +150,7 @@ def _text(
             found = replace(found, labels=(), help=None, effect=None, excerpt="")
         kind = paint(visible(consequence.kind), consequence.severity, coloured)
         yield from finding_lines(found, f"{kind}: {visible(found.message)}", coloured, width)
-    if not is_told:
+    if not has_summary:
         return
     count = Counter(consequence.severity for consequence in selected.shown)
     parts = ", ".join(counted(count[of], of) for of in reversed(SEVERITIES) if count[of])
