@@ -33,7 +33,7 @@ from mars_asp.cli.explain import (
     why_not_paragraphs,
 )
 from mars_asp.cli.import_robot import check_one_tree, foreign_text
-from mars_asp.cli.layout import columns
+from mars_asp.cli.layout import columns, counted
 from mars_asp.cli.lines import line_text, lines_of, remember
 from mars_asp.cli.reason import (
     JUDGING,
@@ -300,8 +300,9 @@ class Robot:
     options: _Options = field(repr=False)
 
     def __repr__(self) -> str:
-        modules, lines = len(self.modules), len(self.project.configuration.relationships)
-        counts = f": {modules} modules, {lines} relationships)"
+        modules = counted(len(self.modules), "module")
+        relationships = counted(len(self.project.configuration.relationships), "relationship")
+        counts = f": {modules}, {relationships})"
         path = visible(" ".join(self.paths))
         most = _LONGEST - len(counts) - len('Robot("..."')
         return f'Robot("{path if len(path) <= most else f"{path[:most]}..."}"{counts}'

@@ -25,6 +25,8 @@ _HELP = ("--help", "-h")
 _WRITING = frozenset(
     {"--fix", "--write-baseline", "-o", "--output", "--update", "--snapshot", "--junit"}
 )
+#: So alike are options that are proposed; the dashes make any two a little alike.
+_ALIKE = 0.7
 #: What every verb prints a result in; one with more of them names all as its `RESULT_FORMATS`.
 FORMATS = ("text", "json")
 
@@ -181,7 +183,7 @@ class Parser(argparse.ArgumentParser):
 
         unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
         names = {name for action in self.options() for name in action.option_strings}
-        near = nearest(unknown[1], sorted(names - _WRITING)) if unknown else None
+        near = nearest(unknown[1], sorted(names - _WRITING), _ALIKE) if unknown else None
         told = f"{message}: did you mean `{near}`?" if near else message
         mark = "" if told.endswith("?") else ";"
         whole = f"{self.prog}: {visible(told)}{mark} see `{self.prog} --help`"
@@ -255,7 +257,7 @@ def ordered(words: Sequence[str]) -> list[str]:
     while at < len(words) and words[at].startswith("-") and words[at] not in _HELP:
         name, equals, _ = words[at].partition("=")
         if name not in takes:
-            near = nearest(name, (*takes, "--help"))
+            near = nearest(name, (*takes, "--help"), _ALIKE)
             parser.error(
                 f"unknown option `{words[at]}`{f': did you mean `{near}`?' if near else ''}"
             )
@@ -269,7 +271,8 @@ def ordered(words: Sequence[str]) -> list[str]:
             return ["--help"]
         before = ["--help"]
     if ALIASES.get(rest[0], rest[0]) not in VERBS:
-        near = nearest(rest[0], (*VERBS, *ALIASES))
+        is_option = f"--{rest[0]}" in (*takes, "--version")
+        near = f"--{rest[0]}" if is_option else nearest(rest[0], (*VERBS, *ALIASES))
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
         parser.error(f"there is no command `{rest[0]}`: {hint}")
     return [rest[0], *before, *rest[1:]]

@@ -10,6 +10,8 @@ from pathlib import Path
 from mars_asp.annotations.files import Extraction, extract, find_paths
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.report import report
+from mars_asp.diagnostic import MarsError
+from mars_asp.language.parse import unreadable
 from mars_asp.language.print import print_attribute
 from mars_asp.model.declarations import Function, Module, Service
 from mars_asp.model.described import module_classes
@@ -30,11 +32,13 @@ def run(arguments: argparse.Namespace) -> int:
     for word in (*arguments.paths, *arguments.sources):
         matches = find_paths(word)
         if not matches:
-            print(f"mars-asp: `{visible(word)}` names no file or folder", file=sys.stderr)
-            return 2
+            raise MarsError([unreadable(word, "no such file")])
         paths += matches
     found = extract(paths)
     report(found.diagnostics, arguments)
+    if not (found.modules or found.diagnostics or arguments.quiet):
+        where = ", ".join(map(visible, arguments.paths))
+        print(f"mars-asp extract: no annotated module in {where}", file=sys.stderr)
     if arguments.format == "json":
         print(encoded(extraction_json(found)))
     else:

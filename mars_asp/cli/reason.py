@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.layout import counted
 from mars_asp.cli.lines import remember
 from mars_asp.cli.progress import detail, stage
 from mars_asp.cli.report import report
@@ -132,6 +133,8 @@ def read_project(
     if path == STANDARD_INPUT:
         path = shown_input(arguments)
         text = read_input(path)
+    if not os.path.isdir(path):  # noqa: PTH112 -- never raises
+        _print_settings(arguments, Path(path).parent)
     path, *further = (only_robot(arguments, each) for each in (path, *further))
     project = load(arguments, path, text, further)
     if not quietly:
@@ -269,12 +272,18 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
     if getattr(arguments, "launch", ()) or arguments.from_format == "ros2":
         return FolderRobots((Path(path),))
     found = robots_in(Path(path), excluded_in(arguments, Path(path)))
-    settings = settings_of(arguments, Path(path)).path
-    detail(arguments, f"settings {settings}" if settings else "no settings")
+    _print_settings(arguments, Path(path))
     for each in found.paths:
         detail(arguments, f"robot {each}")
-    detail(arguments, f"{found.passed_over} other files in {path} passed over")
+    detail(arguments, f"{counted(found.passed_over, 'other file')} in {path} passed over")
     return found
+
+
+def _print_settings(arguments: argparse.Namespace, folder: Path) -> None:
+    """Print with `--verbose` which settings file counts for a folder."""
+    if arguments.verbose:
+        path = settings_of(arguments, folder).path
+        detail(arguments, f"settings {path}" if path else "no settings")
 
 
 def _nothing_in(path: str) -> Diagnostic:
@@ -318,6 +327,9 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
                 found += (RobotFiles([str(each)]) for each in within.paths)
                 found[-1] = found[-1]._replace(notes=within.notes)
                 continue
+        else:
+            _print_settings(arguments, Path(shown).parent)
+        detail(arguments, f"robot {path}")
         if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
             found.append(RobotFiles([path]))
         else:

@@ -12,6 +12,7 @@ from mars_asp.cli.cases_report import Ran, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.language.parse import unreadable
 from mars_asp.output import visible
 from mars_asp.reasoning.cases import Found, cases_of, run_case
 from mars_asp.reasoning.cases.configurations import SUFFIX, snapshot
@@ -89,6 +90,9 @@ def run_once(arguments: argparse.Namespace) -> int:
         MarsError: what is wrong with rules or cases, all of it.
     """
     rules = [Path(path) for path in arguments.rules]
+    missing = [path for path in arguments.paths if not Path(path).exists()]
+    if missing:
+        raise MarsError([unreadable(path, "no such file") for path in missing])
     found = cases_of(map(Path, arguments.paths), rules)
     robots = [each for each in found if each.pack is None and each.path.suffix == SUFFIX]
     if robots and not rules:
@@ -97,8 +101,8 @@ def run_once(arguments: argparse.Namespace) -> int:
         return _snapshot(found, rules, arguments)
     if not found:
         where = ", ".join(map(visible, arguments.paths))
-        told = f"no case, a `.lp` file besides --rules, in {where}"
-        print(f"mars-asp test: {told}", file=sys.stderr)
+        message = f"no case in {where}: cases are `.lp` and `.mars` files with an expectation"
+        print(f"mars-asp test: {message}", file=sys.stderr)
     packs = {each.pack for each in found}
     books = {pack: _rulebook(pack, rules, arguments.trust) for pack in packs}
     ran = [_ran(each, books[each.pack]) for each in found]

@@ -120,7 +120,7 @@ def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) 
         reason = error.strerror or "cannot be read"
         if isinstance(error, FileNotFoundError):
             reason = "no such file"
-        found = _unreadable(str(path), f"{reason[:1].lower()}{reason[1:]}", advice)
+        found = unreadable(str(path), f"{reason[:1].lower()}{reason[1:]}", advice)
         raise MarsError((found,)) from None
 
 
@@ -131,7 +131,7 @@ def decode(raw: bytes, shown: str, most: int = MOST_BYTES) -> str:
         MarsError: the bytes are too many, or no text.
     """
     if len(raw) > most:
-        raise MarsError((_unreadable(shown, f"is larger than {most} bytes"),))
+        raise MarsError((unreadable(shown, f"is larger than {most} bytes"),))
     encoding = "utf-16" if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
     try:
         return raw.decode(encoding)
@@ -360,7 +360,8 @@ def _about_nobody(
             )
 
 
-def _unreadable(shown: str, reason: str, advice: str | None = None) -> Diagnostic:
+def unreadable(shown: str, reason: str, advice: str | None = None) -> Diagnostic:
+    """Return the error that a file cannot be read, with the reason."""
     place = whole_file(shown)
     # To quote a line all of it would be read.
     return Diagnostic("unreadable", "error", reason, place, help=advice, excerpt="")

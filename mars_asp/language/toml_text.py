@@ -45,7 +45,8 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
-        raise _wrong(point(path, line, column), str(error).split(" (at")[0], code) from None
+        found = str(error).split(" (at")[0]
+        raise _wrong(point(path, line, column), found, code, "this file is read as TOML") from None
     except RecursionError:
         where = _match_span(text, _NESTED, path)
         raise _wrong(where, "its lists and tables are nested too deep", code) from None
@@ -183,5 +184,5 @@ def _unescaped(match: re.Match[str]) -> str:
     return chr(int(code, 16)) if code else _CONTROL.get(match[3], match[3])
 
 
-def _wrong(span: Span, message: str, code: str) -> MarsError:
-    return MarsError([Diagnostic(code, "error", message, span)])
+def _wrong(span: Span, message: str, code: str, help_text: str | None = None) -> MarsError:
+    return MarsError([Diagnostic(code, "error", message, span, help=help_text)])

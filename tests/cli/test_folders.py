@@ -234,10 +234,34 @@ def test_verbose_lists_settings_robots_and_steps(
         "settings mars.toml",
         "robot b.mars",
         "robot w",
-        "1 other files in . passed over",
+        "1 other file in . passed over",
         "reading b.mars",
         "analysing",
         "reading w",
         "launch file w/src/a/launch/r.launch.xml",
         "analysing",
     ]
+    assert run_here(["check", "-v", "b.mars"]) == 0
+    assert "settings mars.toml\nmars-asp: robot b.mars" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("check nope", "nope: no such file"),
+        ("fmt nope", "nope: no such file"),
+        ("explain nope.mars", "nope.mars: no such file"),
+        ("extract nope.cpp", "nope.cpp: no such file"),
+        ("test nope", "nope: no such file"),
+        ("diff nope b.mars", "nope: no such file"),
+        ("check b.mars --config b.mars", "this file is read as TOML"),
+        ("test empty", "no case in empty: cases are `.lp` and `.mars` files with an expectation"),
+        ("extract empty", "no annotated module in empty"),
+    ],
+)
+def test_paths_without_anything_to_read_are_named(
+    command: str, message: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"b.mars": MARS, "empty/x.txt": ""})
+    run_here(command.split())
+    assert message in " ".join(capsys.readouterr().err.split())
