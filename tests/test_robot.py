@@ -5,7 +5,7 @@ import json
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -189,8 +189,11 @@ MISTAKES: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "relationships": (lambda r: r.draw(only="dat"), "did you mean `data`?"),
     "query": (lambda r: r.can("Trans_X of Mobile"), "MobilePlatform"),
     "pack": (lambda _: load(LEVEL0, rules=["no-such-pack"]), "`no-such-pack`"),
-    "path for a robot": (lambda r: r.diff(LEVEL0), "`robot.diff(mars_asp.load(PATH))`"),
-    "seed": (lambda r: r.run("nope.toml", seed="x"), "is not a whole number"),
+    "path for a robot": (
+        lambda r: r.diff(cast("Any", LEVEL0)),
+        "`robot.diff(mars_asp.load(PATH))`",
+    ),
+    "seed": (lambda r: r.run("nope.toml", seed=cast("Any", "x")), "is not a whole number"),
     "no alternatives": (lambda r: r.alternatives(0), "ask for 1 or more"),
     "scenario": (lambda r: r.run("nope.toml"), "nope.toml: no such file"),
     "unrealisable": (

@@ -254,7 +254,7 @@ def test_verbose_lists_settings_robots_and_steps(
         ("extract nope.cpp", "nope.cpp: no such file"),
         ("test nope", "nope: no such file"),
         ("diff nope b.mars", "nope: no such file"),
-        ("check b.mars --config b.mars", "this file is read as TOML"),
+        ("check b.mars --config b.mars --format full", "this file is read as TOML"),
         ("test empty", "no case in empty: cases are `.lp` and `.mars` files with an expectation"),
         ("extract empty", "no annotated module in empty"),
     ],
@@ -264,4 +264,4 @@ def test_paths_without_anything_to_read_are_named(
 ) -> None:
     write(here, {"b.mars": MARS, "empty/x.txt": ""})
     run_here(command.split())
-    assert message in " ".join(capsys.readouterr().err.split())
+    assert message in " ".join("".join(capsys.readouterr()).split())
