@@ -340,7 +340,7 @@ def test_rules_of_a_pack_are_no_cases(tmp_path: Path) -> None:
 def test_a_folder_without_cases_says_so(tmp_path: Path) -> None:
     done = mars("test", str(tmp_path))
     assert done.returncode == 1
-    assert f"no case, a `.lp` file besides --rules, in {tmp_path}" in done.stderr
+    assert f"no case in {tmp_path}: " in done.stderr
 
 
 def test_a_severity_that_a_rule_takes_from_its_body_is_checked(tmp_path: Path) -> None:

@@ -198,7 +198,7 @@ def _closing(
 
 
 def _summary_sentences(checked: Sequence[Checked], is_full: bool) -> Iterator[str]:
-    """Yield how much was found and repaired in how many files; nothing where all is well."""
+    """Yield the numbers of findings and repairs, and of the files."""
     total: Counter[Severity] = sum((one.counted for one in checked), Counter())
     read = [path for one in checked for path in (one.path, *one.further)]
     folders = sum(Path(path).is_dir() for path in read)
@@ -211,6 +211,8 @@ def _summary_sentences(checked: Sequence[Checked], is_full: bool) -> Iterator[st
     if found or mended:
         parts = [", ".join(found) or "no errors or warnings", f"in {within}"]
         yield f"{' '.join(parts)}{f'; {mended} fixed' if mended else ''}"
+    elif not hidden:
+        yield f"no problems found in {within}" if within else "no file checked: all are excluded"
     if hidden:
         yield hidden_text(hidden)
     if mendable:

@@ -91,7 +91,7 @@ def test_a_consequence_and_the_node_that_resolves_it_are_one_paragraph(
         (["explain", "guard_bypas"], 2, "did you mean `guard_bypass`?"),
         (["check", "dock.py"], 2, "`dock.py` is not a robot by itself"),
         (["check", "robot.mars", "loop.mars"], 2, "unused_module"),
-        (["check", "vendor/a.mars", "--exclude", "vendor", "--force-exclude"], 0, ""),
+        (["check", "vendor/a.mars", "--exclude", "vendor", "--force-exclude"], 0, "no file checked"),
     ],
 )
 def test_words_that_users_type(
@@ -106,8 +106,6 @@ def test_words_that_users_type(
     output = " ".join((done.stdout + done.stderr).split())
     assert (done.returncode, expected in output) == (status, True), output
     assert "internal error" not in output and "Traceback" not in output
-    if not expected:
-        assert output == ""
 
 
 def test_a_kind_is_shown_in_the_words_of_its_examples(capsys: pytest.CaptureFixture[str]) -> None:
