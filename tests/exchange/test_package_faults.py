@@ -614,3 +614,45 @@ def test_a_missing_parameter_file_of_a_package_here_hides_the_defaults(
     written = {"setup.py": SETUP + setup, "mine/watch.py": source, "x.launch.xml": launch}
     (tree,) = read(written, tmp_path, "ament_python").trees
     assert [end.topic for node in tree.nodes for end in node.subscribed] == topics
+
+
+SCRIPTS = {
+    "listed": "setup(entry_points={'console_scripts': ['talk = mine.talk:main']})",
+    "in a variable": "s = ['talk = mine.talk:main']\nsetup(entry_points={'console_scripts': s})",
+    "by a loop": "s = []\nfor f in names:\n    s.append(f + ' = mine:main')\n"
+    "setup(entry_points={'console_scripts': s})",
+    "by a call": "setup(entry_points={'console_scripts': found()})",
+}
+
+
+@pytest.mark.parametrize("scripts", SCRIPTS)
+def test_a_program_is_missing_only_where_the_scripts_are_known(
+    scripts: str, tmp_path: Path
+) -> None:
+    launch = '<launch><node pkg="mine" exec="tlk"/></launch>'
+    written = {"setup.py": SETUP + SCRIPTS[scripts], "mine/talk.py": "", "x.launch.xml": launch}
+    found = lacking(read(written, tmp_path, "ament_python"))
+    is_known = scripts in ("listed", "in a variable")
+    assert (("program", "tlk") in found) is is_known
+
+
+@pytest.mark.parametrize(
+    "loading",
+    [
+        "yaml.safe_load(open(path))",
+        "yaml.load(open(path), Loader=yaml.Loader)",
+        "load_file(path)",
+    ],
+)
+def test_values_of_a_file_that_is_loaded_are_unknown(loading: str, tmp_path: Path) -> None:
+    launch = (
+        "path = os.path.join(get_package_share_directory('mine'), 'car.yaml')\n"
+        f"config = {loading}\n"
+        "def generate_launch_description():\n"
+        "    chosen = config['car']['algorithm']\n"
+        "    return LaunchDescription([Node(package='mine', executable=f'{chosen}_policy')])\n"
+    )
+    setup = SETUP + SCRIPTS["listed"]
+    written = {"setup.py": setup, "mine/talk.py": "", "x.launch.py": launch, "car.yaml": "a: 1"}
+    sorts = [sort for sort, _ in lacking(read(written, tmp_path, "ament_python"))]
+    assert "program" not in sorts

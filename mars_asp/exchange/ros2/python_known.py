@@ -71,7 +71,7 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
             return Plain(folder_of(text_from(first)), call.span)
         case "open" | "safe_load" | "full_load" | "load":
             # Of a file of parameters it is enough to know which.
-            return File(text_from(first), call.span)
+            return File(first.text if isinstance(first, File) else text_from(first), call.span)
         case "ParameterFile":
             file = call.get("param_file", 0)
             return file if isinstance(file, Rewritten) else Plain(text_from(file), call.span)

@@ -92,7 +92,7 @@ def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[Paramete
             # `"A" if HasNodeParams(A) else "B"`: B is used where A has nothing for the node.
             files += _texts_in_quotes(text_from(item.get("expression", 0)))[::-1] or [UNKNOWN]
         else:
-            files.append(text_from(item))
+            files.append(item.text if isinstance(item, File) else text_from(item))
         if isinstance(item, Rewritten):
             parameters += _flat(item.rewrites, item.span)
     return tuple(files), tuple(parameters)

@@ -129,7 +129,7 @@ Names: TypeAlias = dict[str, Value]
 
 def text_from(value: Value) -> Text:
     """Return the text that a value is; a list of texts is one, as substitutions are."""
-    if isinstance(value, Plain | File | Rewritten):
+    if isinstance(value, Plain | Rewritten):
         return value.text
     if not isinstance(value, Listed):
         return UNKNOWN

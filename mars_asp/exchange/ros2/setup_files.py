@@ -2,11 +2,33 @@
 
 import ast
 import configparser
+import re
 from collections.abc import Iterator, Mapping
 
 from mars_asp.exchange.ros2.cmake import Installed
 
 _MOST_SOURCES = 200
+
+
+def has_unknown_scripts(text: str) -> bool:
+    """Whether a `setup.py` has console scripts that are not written as a list."""
+    tree, names = _parsed(text)
+    return any(
+        isinstance(key, ast.Constant)
+        and key.value == "console_scripts"
+        and not _is_list(listed, names, text)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Dict)
+        for key, listed in zip(node.keys, node.values, strict=True)
+    )
+
+
+def _is_list(listed: ast.expr, names: Mapping[str, ast.expr], text: str) -> bool:
+    """Whether scripts are a list, by itself or in a variable that nothing changes."""
+    if isinstance(listed, ast.Name):
+        is_changed = re.search(rf"\b{listed.id}\s*(?:\.\w|\+=|\[)", text) is not None
+        return not is_changed and isinstance(names.get(listed.id), ast.List | ast.Tuple)
+    return isinstance(listed, ast.List | ast.Tuple | ast.Constant)
 
 
 def scripts_of_setup(text: str) -> Iterator[tuple[str, str]]:

@@ -23,7 +23,7 @@ from mars_asp.exchange.ros2.cmake import (
     read_cmake,
     words_of_programs,
 )
-from mars_asp.exchange.ros2.setup_files import files_of_setup, lists_all_files
+from mars_asp.exchange.ros2.setup_files import files_of_setup, has_unknown_scripts, lists_all_files
 from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
 
@@ -581,6 +581,8 @@ class Workspace:
             is_listed = package.is_of_python and not installs_files and self._lists_all(package)
             return _mentions(python, name) if is_listed else self._may_have(package, name)
         if "console_scripts" in python and not is_of_cmake:
+            if has_unknown_scripts(self._readable(package.folder / "setup.py")):
+                return True
             # A package of Python has the programs that its build file lists, whatever its files.
             if name == package.name:
                 entry = rf"(?m)(?:^|[\"'])[ \t]*{re.escape(name)}[ \t]*="
