@@ -31,7 +31,13 @@ MADE = "<!-- Made by `make site`; edit the parsers, the rules or the decisions i
 #: Files and packages that a user writes, by the kind of finding that each shows.
 EXAMPLES = {path.stem: path for path in sorted((ROOT / "docs/reference/findings").iterdir())}
 #: The languages of their files.
-LANGUAGES = {".mars": "text", ".py": "python", ".xml": "xml", ".yaml": "yaml"}
+LANGUAGES = {
+    ".mars": "text",
+    ".launch": "xml",
+    ".py": "python",
+    ".xml": "xml",
+    ".yaml": "yaml",
+}
 #: The public names of Python to begin with.
 FIRST = ("load", "loads", "Robot", "Finding")
 #: Stages whose rules are sentences alone.

@@ -164,7 +164,8 @@ class AbsentFile:
     install, the function of a console script, or all programs of a package whose `setup.cfg` does
     not set where they are installed; the name is then that of the package. Of an argument that is
     passed to a launch file, `package` is that file, and of a parameter it is the program. ROS 1
-    refuses an argument that is not declared, and ROS 2 passes over it.
+    refuses an argument that is not declared, and ROS 2 passes over it. An undeclared argument
+    is one that a launch file of ROS 1, the `package`, reads.
     """
 
     name: str
@@ -178,6 +179,7 @@ class AbsentFile:
         "programs",
         "argument",
         "refused argument",
+        "undeclared argument",
         "parameter",
     ] = "file"
 

@@ -91,7 +91,11 @@ def test_a_consequence_and_the_node_that_resolves_it_are_one_paragraph(
         (["explain", "guard_bypas"], 2, "did you mean `guard_bypass`?"),
         (["check", "dock.py"], 2, "`dock.py` is not a robot by itself"),
         (["check", "robot.mars", "loop.mars"], 2, "unused_module"),
-        (["check", "vendor/a.mars", "--exclude", "vendor", "--force-exclude"], 0, "no file checked"),
+        (
+            ["check", "vendor/a.mars", "--exclude", "vendor", "--force-exclude"],
+            0,
+            "no file checked",
+        ),
     ],
 )
 def test_words_that_users_type(

@@ -656,3 +656,43 @@ def test_values_of_a_file_that_is_loaded_are_unknown(loading: str, tmp_path: Pat
     written = {"setup.py": setup, "mine/talk.py": "", "x.launch.py": launch, "car.yaml": "a: 1"}
     sorts = [sort for sort, _ in lacking(read(written, tmp_path, "ament_python"))]
     assert "program" not in sorts
+
+
+UNDECLARED = {
+    "read": ('<node pkg="joy" type="joy_node" name="joy" if="$(arg u)"/>', ["u"]),
+    "read twice": ('<param name="a" value="$(arg u)"/><param name="b" value="$(arg u)"/>', ["u"]),
+    "declared": ('<arg name="u"/><param name="a" value="$(arg u)"/>', []),
+    "declared in a group": ('<group><arg name="u" default="1"/></group><x y="$(arg u)"/>', []),
+    "passed to another": (
+        '<include file="b"><arg name="u" value="1"/></include><x y="$(arg u)"/>',
+        ["u"],
+    ),
+    "behind a condition": ('<group if="0"><param name="a" value="$(arg u)"/></group>', []),
+    "in an expression": ('<param name="a" value="$(eval arg(\'u\'))"/>', []),
+    "in a comment": ("<!-- $(arg u) -->", []),
+}
+
+
+@pytest.mark.parametrize("name", UNDECLARED)
+def test_roslaunch_refuses_arguments_that_the_file_does_not_declare(
+    name: str, tmp_path: Path
+) -> None:
+    body, found = UNDECLARED[name]
+    node = '<node pkg="joy" type="joy_node" name="joy_2"/>'
+    parsed = read({"launch/a.launch": f"<launch>{node}{body}</launch>"}, tmp_path, "catkin")
+    assert [each for sort, each in lacking(parsed) if sort == "undeclared argument"] == found
+
+
+def test_an_include_hands_on_all_arguments_where_it_states_so(tmp_path: Path) -> None:
+    include = '<include file="$(find mine)/b.launch" pass_all_args="{}"/>'
+    inner = '<launch><node pkg="joy" type="joy_node" name="joy" output="$(arg u)"/></launch>'
+    for passed, found in (("true", []), ("false", ["u"])):
+        outer = f'<launch><arg name="u" default="log"/>{include.format(passed)}</launch>'
+        written = {"a.launch": outer, "b.launch": inner}
+        parsed = read(written, tmp_path / passed, "catkin")
+        assert [name for sort, name in lacking(parsed) if "undeclared" in sort] == found
+
+
+def test_ros2_reads_arguments_of_including_files(tmp_path: Path) -> None:
+    text = '<launch><node pkg="joy" exec="joy_node" name="$(arg u)"/></launch>'
+    assert lacking(read({"launch/a.launch": text}, tmp_path)) == []

@@ -199,6 +199,14 @@ class NotRead:
     span: Span
 
 
+@dataclass(frozen=True, slots=True)
+class Undeclared:
+    """An argument that a launch file of ROS 1 reads, and that it does not declare."""
+
+    name: str
+    span: Span
+
+
 Action: TypeAlias = (
     Start
     | Group
@@ -210,6 +218,7 @@ Action: TypeAlias = (
     | Reads
     | Readings
     | NotRead
+    | Undeclared
 )
 
 

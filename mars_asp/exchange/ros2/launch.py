@@ -28,6 +28,7 @@ from mars_asp.exchange.ros2.actions import (
     Start,
     Tests,
     Text,
+    Undeclared,
     plain,
     text_of,
 )
@@ -221,7 +222,7 @@ class Launch:
             self._texts.actions[file] = (read_python if is_python else read_markup)(text, shown)
         return self._texts.actions[file]
 
-    def _walk(self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]) -> None:
+    def _walk(self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]) -> None:  # noqa: C901 -- one case for each action
         for action in actions:
             if len(self.started) >= _MOST_NODES:
                 return
@@ -262,6 +263,8 @@ class Launch:
                     self._either(readings, taken, scope, files)
                 case NotRead(sort, name, span):
                     self.unread.append(Unread(sort, name, span))
+                case Undeclared(name, span):
+                    self._note_undeclared(name, span, scope, files)
 
     def _declare(self, action: Declare, scope: _Scope, files: tuple[Path, ...]) -> None:
         """Take up a launch argument, and note a default that names a file which is not there."""
@@ -478,6 +481,20 @@ class Launch:
                 if package is not None and package.is_of_ros1 and not package.is_of_ros2:
                     sort = "refused argument"
                 self.missing[AbsentFile(name, shown, each.keys[0][1], sort)] = None
+
+    def _note_undeclared(
+        self, name: str, span: Span, scope: _Scope, files: tuple[Path, ...]
+    ) -> None:
+        """Note an argument of ROS 1 that its file reads and does not declare.
+
+        An include may hand on all arguments of the file around it.
+        """
+        package = self.workspace.package_of(files[-1])
+        is_of_ros2 = package is not None and package.is_of_ros2
+        is_handed_on = len(files) > 1 and not scope.closed
+        if not (is_of_ros2 or is_handed_on):
+            shown = self.workspace.shown(files[-1])
+            self.missing[AbsentFile(name, shown, span, "undeclared argument")] = None
 
     def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> bool:
         """Note that a package here lacks the file of a path, and return whether it does.

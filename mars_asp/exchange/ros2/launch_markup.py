@@ -1,5 +1,6 @@
 """Launch files in XML and YAML, those of ROS 1 too, as actions: elements with attributes."""
 
+import ast
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from mars_asp.exchange.ros2.actions import (
     Test,
     Tests,
     Text,
+    Undeclared,
     text_of,
     together,
 )
@@ -35,13 +37,17 @@ from mars_asp.exchange.ros2.conditions import tests_of_text
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_yaml
 
 _DEEPEST = 60
+_LONGEST_EXPRESSION = 500
 #: What begins a substitution, and what may end or nest in one.
 _MARK = re.compile(r"\$\(|\)")
+_PARENTHESIS = re.compile(r"[()]")
 #: In an expression a text, or an argument by its name.
 _BARE_NAME = re.compile(
     r"""'[^']*'|"[^"]*"|arg\(\s*['"](?P<called>\w+)['"]\s*\)|(?P<name>[A-Za-z_]\w*)"""
 )
 _WORDS_OF_PYTHON = frozenset("and or not in is if else True False None true false int str".split())
+#: An argument that a text of ROS 1 reads.
+_ARGUMENT = re.compile(r"\$\(arg\s+(\w+)\s*\)")
 _COMMAND = re.compile(r"\$\(command (.*)\)", re.DOTALL)
 #: What holds no node and changes no name.
 _PASSED = frozenset("env set_env unset_env log sys_setting machine master timer_period".split())
@@ -79,7 +85,8 @@ def read_markup(text: str, path: str) -> tuple[Action, ...]:
         root = _of_element(read_elements(text, path, _DEEPEST, whole=True, code="launch"))
         if root.name != "launch":
             raise _wrong(root.span, f"the document is `{root.name}`, not `launch`")
-        return tuple(_actions(root.children))
+        undeclared = _undeclared(root) if path.endswith(".launch") else ()
+        return (*undeclared, *_actions(root.children))
     document = read_yaml(text, path)
     if isinstance(document, Pairs):
         for key, value in document.pairs:
@@ -87,6 +94,30 @@ def read_markup(text: str, path: str) -> tuple[Action, ...]:
                 return tuple(_actions(tuple(_listed(value))))
     place = document.span._replace(end_line=document.span.line, end_column=document.span.column)
     raise _wrong(place, "the file has no `launch:` with a list of actions")
+
+
+def _undeclared(root: _Entity) -> Iterator[Undeclared]:
+    """Yield the arguments that the file reads for sure, and that none of its elements declares.
+
+    In ROS 1 arguments belong to one file. Each attribute of an element is evaluated, unless the
+    element is in one with a condition.
+    """
+    declared: set[str] = set()
+    read: dict[str, Span] = {}
+    waiting = [(root, False)]
+    while waiting:
+        entity, is_conditional = waiting.pop()
+        for text in () if is_conditional else entity.attributes.values():
+            for name in _ARGUMENT.findall(text):
+                read.setdefault(name, entity.span)
+        is_conditional |= not entity.attributes.keys().isdisjoint(("if", "unless"))
+        for child in reversed(entity.children):
+            if child.name == "arg" and entity.name != "include":
+                declared.add(child.attributes.get("name", ""))
+            waiting.append((child, is_conditional))
+    for name, span in read.items():
+        if name not in declared:
+            yield Undeclared(name, span)
 
 
 def _wrong(place: Span, message: str) -> MarsError:
@@ -363,8 +394,10 @@ def substituted(written: str) -> Text:
     at = 0
     while (begin := written.find("$(", at)) >= 0:
         depth, end = 0, None
-        for mark in _MARK.finditer(written, begin):
-            depth += 1 if mark[0] == "$(" else -1
+        # Expressions have parentheses of their own.
+        marks = _PARENTHESIS if written.startswith("$(eval ", begin) else _MARK
+        for mark in marks.finditer(written, begin):
+            depth += -1 if mark[0] == ")" else 1
             if not depth:
                 end = mark.end()
                 break
@@ -374,6 +407,38 @@ def substituted(written: str) -> Text:
         parts.append(_substitution(written[begin + 2 : end - 1]))
         at = end
     return text_of(*parts, written[at:])
+
+
+def _has_text(tree: ast.AST) -> bool:
+    """Whether an expression of ROS 1 has a text or a package, so that a sum in it joins texts."""
+    return any(
+        isinstance(each, ast.Call) and isinstance(each.func, ast.Name) and each.func.id == "find"
+        for each in ast.walk(tree)
+    ) or (
+        isinstance(tree, ast.Expression)
+        and isinstance(tree.body, ast.BinOp)
+        and any(
+            isinstance(each, ast.Constant) and isinstance(each.value, str)
+            for each in (tree.body.left, tree.body.right)
+        )
+    )
+
+
+def _sum_of_texts(node: ast.expr) -> Text:
+    """Return the text of an expression of ROS 1 that joins texts, arguments and packages."""
+    match node:
+        case ast.Constant(value=str(text)):
+            return (text,)
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            return text_of(_sum_of_texts(left), _sum_of_texts(right))
+        case ast.Call(func=ast.Name(id="arg"), args=[ast.Constant(value=str(name))]):
+            return (Argument(name),)
+        case ast.Call(func=ast.Name(id="find"), args=[package]):
+            return (Share(_sum_of_texts(package)),)
+        case ast.Name(id=name) if name not in _WORDS_OF_PYTHON:
+            return (Argument(name),)
+        case _:
+            return UNKNOWN
 
 
 def _substitution(inside: str) -> Part | Text:
@@ -395,5 +460,11 @@ def _substitution(inside: str) -> Part | Text:
             return Argument(f"env {name}", (default.strip("'\" "),) if blank else None)
         case "anon":
             return f"$(anon {rest})"
+        case "eval" if len(rest) < _LONGEST_EXPRESSION:
+            try:
+                tree = ast.parse(rest.strip("\"'") if "$(" in rest else rest, mode="eval")
+            except (SyntaxError, ValueError, RecursionError, MemoryError):
+                return UNKNOWN
+            return _sum_of_texts(tree.body) if _has_text(tree) else UNKNOWN
         case _:
             return UNKNOWN

@@ -271,9 +271,10 @@ class _Robot:
             if alone.started:
                 launched = [alone]
                 message = (
-                    "no launch file was found, so every program of the packages counts as started"
+                    f"no launch file {'starts a known node' if launches else 'was found'}, "
+                    "so every program of the packages counts as started"
                 )
-                place = point(self.workspace.shown(paths[0]), 1, 1)
+                place = whole_file(self.workspace.shown(paths[0]))
                 self.problems.append(Diagnostic("launch", "note", message, place, kind="launch"))
         for launch in launched:
             tree = self._tree(launch, paths)

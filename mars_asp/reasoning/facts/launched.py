@@ -37,6 +37,7 @@ _ABSENT = {
     "function": "calls_missing",
     "argument": "passes_in_vain",
     "refused argument": "passes_in_vain",
+    "undeclared argument": "reads_undeclared",
     "parameter": "sets_in_vain",
     "programs": "hides_programs",
 }
