@@ -289,7 +289,7 @@ def _explained_findings(
         of, rules = "the dataflow", rulebook
         analysis = analyse_project(project, rulebook, arguments)
     answer = launch_trees.explain_findings(
-        project, analysis, rules, subject, every=arguments.every, traced=traced
+        analysis, rules, subject, every=arguments.every, traced=traced
     )
     messages = (*selection.messages(project)[0], *unapplied_packs(project, rulebook))
     if answer is None:

@@ -122,7 +122,7 @@ def test_a_finding_of_check_can_be_explained(
 ) -> None:
     assert run_here(["explain", str(workspace), subject]) == 0
     lines = [line.strip() for line in capsys.readouterr().out.splitlines()]
-    assert any(line.startswith("src/drive/drive/sender.py:9") for line in lines)
+    assert any(line.startswith(f"{workspace}/src/drive/drive/sender.py:9") for line in lines)
     assert "only if `second` is `true`" in lines
     assert run_here(["explain", str(workspace), subject, "--format", "json"]) == 0
     document = json.loads(capsys.readouterr().out)

@@ -2,14 +2,11 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace.tree import Unexplained
-from mars_asp.diagnostic import Span
 from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
 from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
-from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Explanation, Topic
 from mars_asp.reasoning.session import Evidence
@@ -21,7 +18,6 @@ _AGAIN = re.compile(r"\b(?:too|as well|again|same)\b")
 
 
 def explain_findings(
-    project: Project,
     analysis: Analysis,
     rules: Rulebook,
     subject: str | None,
@@ -32,8 +28,7 @@ def explain_findings(
     """Explain the findings of an analysis, or those of a kind, name, file or line.
 
     Args:
-        project: A project with launch trees or a dataflow.
-        analysis: Its findings.
+        analysis: The findings in launch trees or a dataflow.
         rules: The rules that the analysis was made with.
         subject: The subject of the findings: their kind, `KIND(NAME)`, a node, a topic, or
             `FILE:LINE`; all if it is None.
@@ -51,12 +46,11 @@ def explain_findings(
         return None
     evidence = Evidence(rules, analysis.facts, analysis)
     traces = evidence.explainer.why([each.atom for each in chosen], every) if traced else {}
-    folder = Path(project.configuration.path)
     topics = []
     for each in chosen:
         title = f"{each.kind}({each.subject})"
         trace = traces.get(each.atom) or Unexplained(title, "no trace was requested")
-        account = Account(each.message, tuple(_finding_lines(each, folder)), tuple(_notes(each)))
+        account = Account(each.message, tuple(_finding_lines(each)), tuple(_notes(each)))
         topics.append(
             Topic(
                 title,
@@ -83,7 +77,7 @@ def is_about(finding: Consequence, subject: str) -> bool:
     )
 
 
-def _finding_lines(finding: Consequence, folder: Path) -> Iterator[Cited]:
+def _finding_lines(finding: Consequence) -> Iterator[Cited]:
     """Yield the places of a finding, then those of its conditions."""
     labels = dict(finding.labels)
     if _AGAIN.search(labels.get(finding.spans[0], "") if finding.spans else ""):
@@ -102,15 +96,7 @@ def _finding_lines(finding: Consequence, folder: Path) -> Iterator[Cited]:
     for span, label in sorted(
         lines.values(), key=lambda line: (order.get(line[0], len(order)), line)
     ):
-        yield Cited(span, _where(span, folder), label)
-
-
-def _where(span: Span, folder: Path) -> str:
-    """Return a line as `launch/robot.launch.py:3`, seen from the folder that was read."""
-    path = Path(span.path)
-    if folder.is_dir() and path.is_relative_to(folder) and path != folder:
-        path = path.relative_to(folder)
-    return f"{path}:{span.line}"
+        yield Cited(span, f"{span.path}:{span.line}", label)
 
 
 def _notes(finding: Consequence) -> Sequence[str]:
