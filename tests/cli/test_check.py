@@ -441,6 +441,7 @@ def test_errors_of_the_selection_are_in_the_document(
         (["choice.mars", "--fail-on", "never"], 0),
         (["twice.mars", "--fail-on", "warning"], 1),
         (["twice.mars", "--fail-on", "warning", "--exit-zero"], 0),
+        (["twice.mars", "--exit-zero", "--fail-on", "warning"], 0),
         (["bad.mars", "choice.mars", "--exit-zero"], 2),
         (["choice.mars", "bad.mars"], 2),
         (["choice.mars", "--exit-zero", "--select", "no"], 2),
