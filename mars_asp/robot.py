@@ -782,7 +782,7 @@ class SpecificationResult(RobotAnswer):
 
     @property
     def resolves(self) -> Mapping[str, tuple[str, ...]]:
-        """The kinds of consequences that each introduced node resolves."""
+        """The consequences that each introduced node resolves, as `kind(subject)`."""
         return {name: tuple(of) for name, of in self.found.specification.resolves.items()}
 
     @property

@@ -3,6 +3,8 @@
 import doctest
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
@@ -10,7 +12,7 @@ from typing import Any, cast
 import pytest
 
 import mars_asp
-from mars_asp import MarsError, Robot, load, loads
+from mars_asp import Budget, MarsError, Reasoner, Robot, load, load_project, loads
 from mars_asp.cli import run_here
 from tests.support.configurations import IMPOSSIBLE
 from tests.support.documents import ROOT
@@ -287,3 +289,68 @@ def test_a_path_alone_is_one_path(level0: Robot) -> None:
         level0.explain(only="data")  # type: ignore[arg-type]
     with pytest.raises(MarsError, match="below 1"):
         level0.explain(depth=-1)
+
+
+# ---- The signatures ------------------------------------------------------------------------------
+
+
+def test_paths_are_text_or_path_likes(tmp_path: Path) -> None:
+    text = (ROOT / LEVEL0).read_text(encoding="utf-8")
+    (tmp_path / "robot.mars").write_text(text, encoding="utf-8")
+    robot = load(tmp_path / "robot.mars")
+    assert robot.paths == (str(tmp_path / "robot.mars"),)
+    assert len(load_project(tmp_path / "robot.mars").configuration.modules) == 8
+    assert bool(robot.verify(tmp_path / "robot.mars")) is False
+    scenario = ROOT / "examples/level0/scenario.toml"
+    assert load(ROOT / LEVEL0).run(scenario, seed=3).verdict == "pass"
+
+
+def test_sources_and_the_time_of_searches_are_options(tmp_path: Path) -> None:
+    source = tmp_path / "eye.py"
+    source.write_text(
+        "# @module_start\n# @module_name Eye\n# @Sense NotifyAtFrequency 5\n# @Output Image\n"
+        "def look(): ...\n# @module_end\n",
+        encoding="utf-8",
+    )
+    text = "@configuration\n@modules Eye, Map\nMap uses_data_from Eye\n"
+    described = loads(text, sources=[source], budget=Budget(20))
+    classes = {each["name"]: each["classes"] for each in described.to_dict()["modules"]}
+    assert classes["Eye"] and not classes["Map"]
+    assert described.specification.cost["nodes"] == 0
+
+
+def test_a_specification_has_its_parts(level0: Robot) -> None:
+    found = level0.specification
+    assert level0.specification is found
+    assert found.proven_minimal
+    assert found.cost == {"nodes": 3, "conversion": 0, "relationships": 12}
+    assert set(found.modules) >= {*level0.modules, "DataSplitter1", "ArbitrationNode"}
+    assert found.resolves["ArbitrationNode"] == ("control_convergence(MobilePlatform)",)
+    assert found.to_networkx().has_edge("Collide", "ArbitrationNode")
+    assert found.draw().startswith("<svg") and found._repr_svg_().startswith("<svg")
+
+
+def test_pictures_show_classes_where_it_is_requested() -> None:
+    robot = load("examples/scara/config.mars")
+    assert len(robot.draw(classes=True)) > len(robot.draw())
+    assert "</svg>" in robot.draw(about=robot.modules[0], depth=1, only="mounts")
+
+
+def test_a_verification_and_a_run_have_their_parts(level0: Robot) -> None:
+    verification = level0.verify()
+    assert (verification.realises, verification.minimal) == (True, True)
+    assert (verification.violations, verification.warnings) == ((), ())
+    run = level0.run("examples/level0/scenario.toml", seed=1)
+    assert run.verdict == "pass" and bool(run)
+    assert all(each.holds for each in run.requirements)
+    assert run.to_dict()["verdict"] == "pass"
+    assert level0.alternatives(2).to_dict()["proven_minimal"] is True
+
+
+def test_the_lower_level_has_the_shipped_rules_as_default() -> None:
+    assert len(Reasoner(load_project(LEVEL0)).analysis.consequences) == 3
+
+
+def test_to_import_the_package_loads_no_solver() -> None:
+    code = "import sys, mars_asp; sys.exit('clingo' in sys.modules or 'networkx' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
