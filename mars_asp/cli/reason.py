@@ -148,7 +148,7 @@ def one_of_several(project: Project) -> Iterator[Diagnostic]:
         number = len(project.trees)
         message = f"the nodes of {number} launch files were taken for one robot"
         help_text = "`--launch LAUNCHFILE` takes one of them; `check -v` lists them"
-        span = project.configuration.span
+        span = whole_file(project.configuration.path)
         yield Diagnostic("launch", "note", message, span, help=help_text, excerpt="", kind="launch")
 
 
@@ -441,7 +441,7 @@ def unapplied_packs(project: Project, rulebook: Rulebook) -> Iterator[Diagnostic
     if project.trees and rulebook.packs:
         message = "rule packs judge configurations, so they were not applied to the launch trees"
         help_text = "write one with `mars-asp import ros2 FILE -o robot.mars`, and check that"
-        span = project.configuration.span
+        span = whole_file(project.configuration.path)
         yield Diagnostic("launch", "note", message, span, help=help_text, excerpt="", kind="launch")
 
 

@@ -212,7 +212,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
         is_whole = with_source or found.because is None
         example = rule_example(found, rulebook)
         text = rule_document(found, "##") if is_whole else rule_summary(found, "##", example)
-        if example is None:
+        if example is None or not example.trace:
             return text
         return "\n\n".join([text, "In its example:", fenced("\n".join(example.trace), "text")])
     if isinstance(found, Kind):

@@ -17,12 +17,15 @@ _WIDTH = 80
 
 
 class RuleExample(NamedTuple):
-    """The message, effect and help of a rule with the values of its example, and the trace."""
+    """The message, effect and help of a rule with the values of its example, and the trace.
+
+    The table of the wheel has no traces, which are large.
+    """
 
     because: str | None
     effect: str | None
     help: str | None
-    trace: tuple[str, ...]
+    trace: tuple[str, ...] = ()
 
 
 def rule_example(rule: Rule, rulebook: Rulebook) -> RuleExample | None:
@@ -46,7 +49,7 @@ def table_examples(rulebook: Rulebook) -> None:
     for rule in rulebook.rules:
         example = None if rule.because is None else _solve_example(rule, rulebook)
         if example is not None:
-            tabled_example(rule, example)
+            tabled_example(rule, example._replace(trace=()))
 
 
 def _solve_example(rule: Rule, rulebook: Rulebook) -> RuleExample | None:
