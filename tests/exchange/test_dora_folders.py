@@ -163,6 +163,14 @@ def test_a_dataflow_away_from_all_its_programs_lacks_none(
     write(tmp_path, d="nodes:\n- id: a\n  path: ./x.py\n- id: b\n  path: ./y.py\n")
     run_here(["check", str(tmp_path / "d.yml")])
     assert "which is not there" not in capsys.readouterr().out
+    (tmp_path / "nodes").mkdir()
+    (tmp_path / "nodes/x.py").touch()
+    run_here(["check", str(tmp_path / "d.yml")])
+    assert "which is not there" not in capsys.readouterr().out
+    # With all of them in one folder, the paths are wrong.
+    (tmp_path / "nodes/y.py").touch()
+    run_here(["check", str(tmp_path / "d.yml")])
+    assert capsys.readouterr().out.count("which is not there") == 2
 
 
 def test_nodes_that_lack_one_file_are_one_finding(

@@ -62,7 +62,8 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
 def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
     """Yield the programs of nodes that do not exist beside the dataflow.
 
-    A dataflow that is not a file, or of which no program exists, is away from its sources.
+    A dataflow that is not a file, or of which no program exists, is away from its sources, unless
+    all of them are in one folder beside it.
     """
     found: list[MissingFile] = []
     there = 0
@@ -73,7 +74,17 @@ def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
                     there += 1
                     continue
             found.append(MissingFile(worker.name, *worker.program))
-    yield from found if there else ()
+    if there or (found and _are_in_a_folder(found, path.parent)):
+        yield from found
+
+
+def _are_in_a_folder(missing: Sequence[MissingFile], around: Path) -> bool:
+    """Whether a folder has a file of each name."""
+    names = {Path(each.path).name for each in missing}
+    with suppress(OSError):
+        folders = [each for each in around.iterdir() if each.is_dir()]
+        return any(all((folder / name).is_file() for name in names) for folder in folders)
+    return False
 
 
 def _named_twice(worker: Worker, first: Worker) -> Diagnostic:
