@@ -696,3 +696,34 @@ def test_an_include_hands_on_all_arguments_where_it_states_so(tmp_path: Path) ->
 def test_ros2_reads_arguments_of_including_files(tmp_path: Path) -> None:
     text = '<launch><node pkg="joy" exec="joy_node" name="$(arg u)"/></launch>'
     assert lacking(read({"launch/a.launch": text}, tmp_path)) == []
+
+
+@pytest.mark.parametrize(
+    ("topic", "further", "is_border"),
+    [
+        ("/uav1/mavros/state", "", True),
+        ("/mavros/state", "", True),
+        ("/mavros/stat", "", False),
+        ("/uav1/autopilot/state", "", False),
+        ("/uav1/mavros/state", '<node pkg="mavros" exec="mavros_node" name="fcu"/>', False),
+    ],
+)
+def test_a_topic_of_a_known_node_that_nothing_starts_is_the_border_of_the_robot(
+    topic: str, further: str, is_border: bool, tmp_path: Path
+) -> None:
+    source = (
+        "from rclpy.node import Node\n"
+        "class Watch(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('watch')\n"
+        f"        self.create_subscription(State, '{topic}', self.on_state, 10)\n"
+        "def main():\n"
+        "    Watch()\n"
+    )
+    setup = SETUP + SCRIPTS["listed"].replace("talk", "watch")
+    node = '<node pkg="mine" exec="watch" name="watch"/>'
+    launch = f"<launch>{node}{further}</launch>"
+    written = {"setup.py": setup, "mine/watch.py": source, "x.launch.xml": launch}
+    (tree,) = read(written, tmp_path, "ament_python").trees
+    [end] = [end for each in tree.nodes for end in each.subscribed if each.name == "/watch"]
+    assert end.optional is is_border

@@ -36,6 +36,22 @@ class Catalogue:
         """Take programs; of two with one name the later one holds."""
         self._programs = {(each.package, each.executable): each.interface for each in entries}
         self._plugins = {each.plugin: each.interface for each in entries if each.plugin}
+        #: The package of a program whose node has a usual name, by that name and a private topic.
+        self._private = {
+            (each.interface.node, topic.name.removeprefix("~/")): each.package
+            for each in entries
+            for topic in each.interface.published
+            if topic.name.startswith("~/")
+        }
+
+    def package_of_topic(self, topic: str) -> str | None:
+        """Return the package whose node publishes a private topic, such as `/uav/mavros/state`."""
+        words = topic.split("/")
+        for at, name in enumerate(words):
+            package = self._private.get((name, "/".join(words[at + 1 :])))
+            if package is not None:
+                return package
+        return None
 
     def interface(self, package: str, executable: str, plugin: bool) -> Interface | None:
         """Return the interface of a program, or of a component by its class."""

@@ -253,6 +253,8 @@ class _Robot:
         self.catalogued: dict[str, Span] = {}
         self.conditional: dict[str, Span] = {}
         self.trees: list[LaunchTree] = []
+        #: The packages of the programs that launch files start.
+        self.packages: set[str] = set()
         self.empty: list[Path] = []
         #: The launch files that others include, each as if it were launched by itself.
         self.parts: list[Launch] = []
@@ -264,6 +266,7 @@ class _Robot:
         """Return the nodes that files, or those of folders, start."""
         self.catalogue = self._catalogue()
         launches = list(self._launches(paths))
+        self.packages = {each.package for launch in launches for each in launch.started}
         launched = launches
         if not any(launch.started for launch in launches):
             alone = Launch(self.workspace)
@@ -852,7 +855,10 @@ class _Robot:
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
                 span = topic.span or self._renaming(written, full, started, name) or started.span
-                marks = topic.optional, topic.measured, topic.last
+                # Such a topic is the border of a robot whose launch files start no such node.
+                package = self.catalogue.package_of_topic(full)
+                is_border = package is not None and package not in self.packages
+                marks = topic.optional or is_border, topic.measured, topic.last
                 yield Endpoint(full, topic.type, span, topic.hz, *marks)
 
     def _written(
