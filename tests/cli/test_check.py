@@ -500,10 +500,14 @@ def test_a_difference_shows_repairs_and_writes_nothing(
     assert output.out.startswith("--- twice.mars\n+++ twice.mars\n@@ ")
     removed = [line for line in output.out.splitlines()[3:] if line.startswith("-")]
     assert removed == ["-Base is_controlled_by B 1", "-B uses_data_from C"]
-    assert output.err == ""
+    assert output.err == "2 findings would be fixed in 1 file\n"
     assert (robots / "twice.mars").read_text() == TWICE
-    assert run_here(["check", "--diff", "clean.mars"]) == 0
-    assert capsys.readouterr().out == ""
+    assert run_here(["check", "--diff", "clean.mars", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert run_here(["check", "--diff", str(ROOT / "examples" / "ros2_workspace")]) == 0
+    output = capsys.readouterr()
+    assert output.out == "" and "repairs are edits of `.mars` files" in output.err
+    assert output.err.endswith("0 findings would be fixed\n")
     assert run_here(["check", "--diff", "bad.mars", "twice.mars"]) == 2
     output = capsys.readouterr()
     assert output.out.startswith("--- twice.mars\n")
