@@ -517,7 +517,7 @@ class Robot:
         proof = "proven minimal" if found.resolution.proven else "best found"
         return SpecificationResult(
             found,
-            f"{len(printed.modules)} modules, {cost['nodes']} introduced, {proof}",
+            f"{counted(len(printed.modules), 'module')}, {cost['nodes']} introduced, {proof}",
             self._quoting(lambda: specification_text(printed, self.project, arguments)),
             self._quoting(lambda: synthesis_json(self.project, found)),
             self,
@@ -543,7 +543,7 @@ class Robot:
             raise _error("unrealisable", "no specification realises the configuration")
         return RobotAnswer(
             found,
-            f"{len(found.others)} alternatives",
+            counted(len(found.others), "alternative"),
             self._quoting(
                 lambda: _text_of_lines(alternatives_lines(found, arguments, columns(None)))
             ),
@@ -651,7 +651,7 @@ class Robot:
         found = other._quoting(self._quoting(lambda: diff(old, new, lines_of)))()
         return RobotAnswer(
             found,
-            f"{len(found.consequences)} consequences, {len(found.nodes)} nodes",
+            f"{counted(len(found.consequences), 'consequence')}, {counted(len(found.nodes), 'node')}",
             self._quoting(
                 lambda: _text_of_lines(difference_lines(found, False, False, columns(None)))
             ),

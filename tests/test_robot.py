@@ -261,6 +261,8 @@ def test_a_repr_is_one_short_line_and_solves_nothing(level0: Robot) -> None:
     fresh = load(LEVEL0)
     assert repr(fresh) == f'Robot("{LEVEL0}": 8 modules, 10 relationships)'
     assert not {"specification", "_reasoner"} & vars(fresh).keys()
+    changed = level0.diff(load("examples/level0/flat.mars"))
+    assert repr(changed) == "RobotAnswer(1 consequence, 1 node)"
     analysis = robot.analyse()
     explanation = level0.explain()
     reasoner = mars_asp.Reasoner(level0.project)
