@@ -649,9 +649,10 @@ class Robot:
         rules, budget = rulebook_for(self._arguments("diff")), self.options.budget
         old, new = (Reasoner(each.project, rules, budget) for each in (self, other))
         found = other._quoting(self._quoting(lambda: diff(old, new, lines_of)))()
+        consequences = counted(len(found.consequences), "consequence")
         return RobotAnswer(
             found,
-            f"{counted(len(found.consequences), 'consequence')}, {counted(len(found.nodes), 'node')}",
+            f"{consequences}, {counted(len(found.nodes), 'node')}",
             self._quoting(
                 lambda: _text_of_lines(difference_lines(found, False, False, columns(None)))
             ),

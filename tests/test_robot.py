@@ -206,28 +206,28 @@ MISTAKES: dict[str, tuple[Callable[[Robot], Any], str]] = {
 
 #: Calls with a value of another type.
 WRONG: Any = 3
-TEXT: Any = "x"
+WORD: Any = "x"
 OTHER_TYPES: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "path": (lambda _: load(WRONG), "`3` is not a path"),
     "format": (lambda _: load(LEVEL0, format=WRONG), "`format` is `3`, and not a text"),
     "sources": (lambda _: load(LEVEL0, sources=WRONG), "`3` is not a path"),
     "budget": (lambda _: load(LEVEL0, budget=WRONG), "`budget` is `3`, and not a `Budget`"),
     "text": (lambda _: loads(WRONG), "`text` is `3`, and not a text"),
-    "name": (lambda _: loads(TEXT, WRONG), "`name` is `3`, and not a text"),
+    "name": (lambda _: loads(WORD, WRONG), "`name` is `3`, and not a text"),
     "select": (lambda r: r.check(select=WRONG), "`select` is `3`, and not a text"),
     "ignore": (lambda r: r.check(ignore=[WRONG]), "`ignore` is `3`, and not a text"),
     "baseline": (lambda r: r.check(baseline=WRONG), "`3` is not a path"),
     "specification": (lambda r: r.verify(WRONG), "`3` is not a path"),
     "query": (lambda r: r.can(WRONG), "`query` is `3`, and not a text"),
-    "number": (lambda r: r.alternatives(TEXT), "`n` is `'x'`, and not a whole number"),
+    "number": (lambda r: r.alternatives(WORD), "`n` is `'x'`, and not a whole number"),
     "topic": (lambda r: r.explain(WRONG), "`subject` is `3`, and not a text"),
-    "depth": (lambda r: r.explain(depth=TEXT), "`depth` is `'x'`, and not a whole number"),
+    "depth": (lambda r: r.explain(depth=WORD), "`depth` is `'x'`, and not a whole number"),
     "atom": (lambda r: r.why_not(WRONG), "`atom` is `3`, and not a text"),
     "subject": (lambda r: r.repairs(WRONG), "`subject` is `3`, and not a text"),
     "about": (lambda r: r.draw(about=WRONG), "`about` is `3`, and not a text"),
     "only": (lambda r: r.draw(only=WRONG), "`only` is `3`, and not a text"),
     "scenario": (lambda r: r.run(WRONG), "`3` is not a path"),
-    "seed": (lambda r: r.run("nope.toml", seed=TEXT), "`seed` is `'x'`, and not a whole number"),
+    "seed": (lambda r: r.run("nope.toml", seed=WORD), "`seed` is `'x'`, and not a whole number"),
 }
 MISTAKES |= {f"{name} of another type": each for name, each in OTHER_TYPES.items()}
 
