@@ -486,6 +486,9 @@ def test_standard_input_has_the_locations_and_settings_of_a_name(
     assert "duplicate_relationship" not in done.stdout
     done = mars("check", "-", "--stdin-filename", "new.mars", text=TWICE, folder=robots)
     assert done.stdout.startswith("new.mars:4:1: warning: ")
+    words = ("analyse", "-", "--stdin-filename", "new.mars", "--format", "json")
+    document = json.loads(mars(*words, text=TWICE, folder=robots).stdout)
+    assert document["consequences"][0]["locations"][0]["path"] == "new.mars"
     done = mars("fmt", "--check", "-", "--stdin-filename", "new.mars", text=BAD, folder=robots)
     assert done.stderr.startswith("new.mars:2:12: error: ")
     assert run_here(["check", "clean.mars", "--stdin-filename", "new.mars"]) == 2
