@@ -129,7 +129,10 @@ def _bash(verbs: tuple[_Words, ...]) -> Iterator[str]:
     for verb in verbs:
         for option in (each for each in verb.options if each.takes):
             patterns = "|".join(f'"{name} {form}"' for name in verb.names for form in option.names)
-            yield f"        {patterns}) {_bash_values(option)} ;;"
+            chosen = f'words="{" ".join(option.values)}"' if option.values else "return"
+            if not _LISTS.isdisjoint(option.names):
+                chosen = 'words=$kinds prefix=${word%"${word##*,}"}'
+            yield f"        {patterns}) {chosen} ;;"
     yield "        *)"
     yield "            case $verb in"
     for verb in verbs:
@@ -143,13 +146,6 @@ def _bash(verbs: tuple[_Words, ...]) -> Iterator[str]:
     yield '    mapfile -t COMPREPLY < <(compgen -P "$prefix" -W "$words" -- "${word#"$prefix"}")'
     yield "}"
     yield f"complete -o default -o bashdefault -F _mars_asp {_COMMAND}"
-
-
-def _bash_values(option: _Option) -> str:
-    """Return the statement that sets the words that may follow an option, or returns."""
-    if not _LISTS.isdisjoint(option.names):
-        return 'words=$kinds prefix=${word%"${word##*,}"}'
-    return f'words="{" ".join(option.values)}"' if option.values else "return"
 
 
 def _zsh(verbs: tuple[_Words, ...]) -> Iterator[str]:

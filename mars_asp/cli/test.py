@@ -101,7 +101,7 @@ def _run_with_input(arguments: argparse.Namespace) -> int:
     """
     for option in ("update", "snapshot", "watch", "mutate"):
         if getattr(arguments, option):
-            raise refusal("usage", "standard input is no file to change", f"--{option}", None)
+            raise refusal("usage", "standard input cannot be changed", f"--{option}", None)
     text = decode(read_standard_input(MOST_BYTES + 1), "<stdin>")
     name = f"<stdin>{SUFFIX if _HEADER.search(text) else '.lp'}"
     arguments.paths = [name if path == STANDARD_INPUT else path for path in arguments.paths]

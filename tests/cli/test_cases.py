@@ -73,7 +73,7 @@ FACTS = 'module("A").\n#show module/1.\n%= module("A")\n'
         ([], FACTS.replace('= module("A")', '= module("B")'), 1, "FAILED <stdin>.lp"),
         ([], "@configuration\n@modules A\n# expect nodes: Arbiter 0\n", 2, "<stdin>.mars:3:"),
         ([], "@configuration\n@modules A\n# expect cost: nodes 0\n", 0, "1 passed, 0 failed\n"),
-        (["--update"], FACTS, 2, "--update: standard input is no file to change"),
+        (["--update"], FACTS, 2, "--update: standard input cannot be changed"),
     ],
 )
 def test_a_case_comes_from_standard_input(

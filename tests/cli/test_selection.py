@@ -116,7 +116,7 @@ def test_settings_take_kinds_and_rules(folder: Path, capsys: pytest.CaptureFixtu
 def test_kinds_and_rules_name_findings_to_explain(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run_here(["explain", "a.mars", name]) == 0
+    assert run_here(["explain", "a.mars", name]) == 1
     output = capsys.readouterr().out
     assert "ambiguous_priority(Base)" in output and ERROR not in output
 
