@@ -72,7 +72,7 @@ INPUT_ERRORS: Mapping[str, str] = {
     "rules-refused": "clingo or the gate refuses a rule file.",
     "settings": "The settings in `mars.toml` or `pyproject.toml` are wrong.",
     "sources": "The path of a source cannot be written in `@sources`.",
-    "sources-missing": "A path of `@sources` or `--sources` is not a file or folder.",
+    "sources-missing": "A path of `@sources` or `--sources` does not exist.",
     "subject": "A question names nothing that there is.",
     "syntax": "A `.mars` file is wrong: the message names what was found and expected.",
     "unfixed": "A repair could not be written to a file.",

@@ -114,7 +114,7 @@ def load(
     ('Sonar', 'SonarMap')
     """
     options = _Options.from_values(format, sources, rules, budget)
-    files = [os.fspath(each) for each in (path, *more)]
+    files = list(_paths((path, *more)))
     arguments = options.namespace_for("check", files=files)
     return Robot(tuple(files), read_project(arguments, quietly=True), options)
 
@@ -136,6 +136,7 @@ def loads(
     >>> loads("@configuration\n@modules A, B\nA uses_data_from B").modules
     ('A', 'B')
     """
+    _check_types(text=(text, str), name=(name, str))
     options = _Options.from_values(format or "mars", sources, rules, budget)
     arguments = options.namespace_for("check", files=[name])
     return Robot((name,), load_text(arguments, name, text), options)
@@ -163,6 +164,7 @@ class _Options:
         Raises:
             MarsError: there is no such format, or a rule pack is wrong.
         """
+        _check_types(format=(format, str), budget=(budget, Budget))
         if format is not None and format not in FORMATS:
             near = nearest(format, FORMATS)
             help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(FORMATS)}"
@@ -188,8 +190,36 @@ class _Options:
 
 def _paths(given: PathLike | Iterable[PathLike]) -> tuple[str, ...]:
     """Return paths as text; one path alone is meant as one."""
-    paths = [given] if isinstance(given, str | os.PathLike) else given
-    return tuple(os.fspath(each) for each in paths)
+    paths = given if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+    return tuple(map(_path_text, paths))
+
+
+def _path_text(given: object) -> str:
+    """Return a path as text.
+
+    Raises:
+        MarsError: the value has another type.
+    """
+    path = os.fspath(given) if isinstance(given, os.PathLike) else given
+    if not isinstance(path, str):
+        raise _error("usage", f"`{given!r:.60}` is not a path", "give a text or a `pathlib.Path`")
+    return path
+
+
+def _check_types(**values: tuple[object, type]) -> None:
+    """Check that each argument is None or has its type.
+
+    Raises:
+        MarsError: one has another type.
+    """
+    for name, (value, kind) in values.items():
+        if value is not None and (not isinstance(value, kind) or isinstance(value, bool)):
+            message = f"`{name}` is `{value!r:.60}`, and not {_NOUNS[kind]}"
+            raise _error("usage", message)
+
+
+#: The types of arguments in words.
+_NOUNS: Mapping[type, str] = {str: "a text", int: "a whole number", Budget: "a `Budget`"}
 
 
 def _error(code: str, message: str, help_text: str | None = None) -> MarsError:
@@ -367,7 +397,7 @@ class Robot:
         arguments = self._arguments("check")
         arguments.select = None if select is None else _name_list("select", select)
         arguments.ignore = None if ignore is None else _name_list("ignore", ignore)
-        arguments.baseline = None if baseline is None else os.fspath(baseline)
+        arguments.baseline = None if baseline is None else _path_text(baseline)
         rules = cache(lambda stages: rulebook_for(arguments, stages))
         selection = Selection(arguments, rules(JUDGING))
         checked = Checked(self.paths[0], self.paths[1:])
@@ -427,7 +457,7 @@ class Robot:
             project = (
                 specification.project
                 if isinstance(specification, Robot)
-                else read_specification(arguments, os.fspath(specification))
+                else read_specification(arguments, _path_text(specification))
             )
             configuration, modules = project.configuration, project.modules
         found, compared = judge_wiring(configuration, modules, self.project, arguments)
@@ -450,6 +480,7 @@ class Robot:
         >>> bool(load("examples/mobile-camera/config.mars").can("Rotn_Y of Camera"))
         True
         """
+        _check_types(query=(query, str))
         rules = rulebook_for(self._arguments("can"), ("can", "account"))
         found = capability(self.project, rules, query)
         return CanResult(
@@ -486,7 +517,7 @@ class Robot:
         proof = "proven minimal" if found.resolution.proven else "best found"
         return SpecificationResult(
             found,
-            f"{len(printed.modules)} modules, {cost['nodes']} introduced, {proof}",
+            f"{counted(len(printed.modules), 'module')}, {cost['nodes']} introduced, {proof}",
             self._quoting(lambda: specification_text(printed, self.project, arguments)),
             self._quoting(lambda: synthesis_json(self.project, found)),
             self,
@@ -501,6 +532,7 @@ class Robot:
         >>> load("examples/level0/config.mars").alternatives(1)
         RobotAnswer(0 alternatives)
         """
+        _check_types(n=(n, int))
         if n < 1:
             raise _error("usage", f"{n} alternatives cannot be listed", "ask for 1 or more")
         arguments = self._arguments("explain", alternatives=n)
@@ -511,7 +543,7 @@ class Robot:
             raise _error("unrealisable", "no specification realises the configuration")
         return RobotAnswer(
             found,
-            f"{len(found.others)} alternatives",
+            counted(len(found.others), "alternative"),
             self._quoting(
                 lambda: _text_of_lines(alternatives_lines(found, arguments, columns(None)))
             ),
@@ -540,6 +572,7 @@ class Robot:
         >>> load("examples/level0/config.mars").explain("DataSplitter1").topics[0].name
         'DataSplitter1'
         """
+        _check_types(subject=(subject, str), depth=(depth, int))
         if only not in (None, "consequences", "nodes"):
             raise _error("usage", f"`{only}` is not what is explained", '"consequences" or "nodes"')
         if depth is not None and depth < 1:
@@ -574,6 +607,7 @@ class Robot:
         >>> load("examples/level0/config.mars").why_not("DataSplitter(Turn)").present
         False
         """
+        _check_types(atom=(atom, str))
         arguments = self._arguments("explain", why_not=atom)
         reasoner = Reasoner(self.project, rulebook_for(arguments), self.options.budget)
         found = why_not_answer(reasoner, atom)
@@ -596,6 +630,7 @@ class Robot:
         >>> len(load("examples/module-conflict/config.mars").repairs()) > 0
         True
         """
+        _check_types(subject=(subject, str))
         rules = rulebook_for(self._arguments("explain"), STAGES)
         found = repairs(self.project, rules, subject, self.options.budget.seconds)
         return tuple(_repair(of.consequence, each) for of in found for each in of.mends)
@@ -614,9 +649,10 @@ class Robot:
         rules, budget = rulebook_for(self._arguments("diff")), self.options.budget
         old, new = (Reasoner(each.project, rules, budget) for each in (self, other))
         found = other._quoting(self._quoting(lambda: diff(old, new, lines_of)))()
+        consequences = counted(len(found.consequences), "consequence")
         return RobotAnswer(
             found,
-            f"{len(found.consequences)} consequences, {len(found.nodes)} nodes",
+            f"{consequences}, {counted(len(found.nodes), 'node')}",
             self._quoting(
                 lambda: _text_of_lines(difference_lines(found, False, False, columns(None)))
             ),
@@ -641,9 +677,8 @@ class Robot:
         from mars_asp.execution.judgement import run_rulebook
         from mars_asp.execution.scenario.functions import bind_kinds
 
-        if not isinstance(seed, int | None):
-            raise _error("usage", f"the seed `{seed!r}` is not a whole number")
-        arguments = self._arguments("run", scenario=os.fspath(scenario), seed=seed)
+        _check_types(seed=(seed, int))
+        arguments = self._arguments("run", scenario=_path_text(scenario), seed=seed)
         configuration = self.project.configuration
         if configuration.kind == "configuration":
             configuration = self.specification.configuration
@@ -685,10 +720,11 @@ class Robot:
         """
         from mars_asp.cli.draw import drawn, relationship_kinds
 
+        _check_types(about=(about, str), depth=(depth, int), only=(only, str))
         try:
             kinds = None if only is None else relationship_kinds(only)
         except argparse.ArgumentTypeError as error:
-            raise _error("usage", str(error)) from None
+            raise _error("usage", f"`only`: {error}") from None
         arguments = self._arguments("draw", about=about, depth=depth, only=kinds, classes=classes)
         return str(drawn(self.project, "svg", arguments))
 
@@ -1011,8 +1047,11 @@ def _name_list(option: str, names: Iterable[str]) -> list[str]:
     """Return names of findings; a text alone is most likely a mistake.
 
     Raises:
-        MarsError: it is one text.
+        MarsError: it is one text, or holds another value.
     """
     if isinstance(names, str):
         raise _error("usage", f"`{option}` is a text", f'write {option}=["{names}"]')
-    return list(names)
+    listed = list(names) if isinstance(names, Iterable) else [names]
+    for each in listed:
+        _check_types(**{option: (each, str)})
+    return listed

@@ -43,7 +43,7 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
             ["analyse", "-", "--sources", "missing"],
             GOOD,
             2,
-            "mars-asp: error: `missing` is not a file",
+            "mars-asp: error: `missing`: no such file or folder",
         ),
         (["analyse", "-", "--sources", "missing"], GOOD, 2, "paths of `--sources` are relative"),
         (["analyse", "-", "--time-limit", "0"], GOOD, 2, "positive"),

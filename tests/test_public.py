@@ -1,5 +1,6 @@
 """What `import mars_asp` offers."""
 
+import keyword
 import subprocess
 import sys
 from importlib.resources import files
@@ -20,6 +21,11 @@ def test_everything_public_can_be_had() -> None:
     with pytest.raises(AttributeError, match="nothing_here"):
         mars_asp.nothing_here  # noqa: B018
     assert files("mars_asp").joinpath("py.typed").is_file()
+
+
+def test_modules_have_names_that_can_be_imported() -> None:
+    names = [path.stem for path in Path(mars_asp.__file__).parent.rglob("*.py")]
+    assert [name for name in names if not name.isidentifier() or keyword.iskeyword(name)] == []
 
 
 def test_nothing_is_loaded_before_it_is_asked_for() -> None:

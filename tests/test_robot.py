@@ -190,12 +190,11 @@ MISTAKES: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "box": (lambda r: r.draw(about="Sonr"), "did you mean `Sonar`?"),
     "relationships": (lambda r: r.draw(only="dat"), "did you mean `data`?"),
     "query": (lambda r: r.can("Trans_X of Mobile"), "MobilePlatform"),
-    "pack": (lambda _: load(LEVEL0, rules=["no-such-pack"]), "`no-such-pack`"),
+    "pack": (lambda _: load(LEVEL0, rules=["no-such-pack"]), "no-such-pack: no such file or"),
     "path for a robot": (
         lambda r: r.diff(cast("Any", LEVEL0)),
         "`robot.diff(mars_asp.load(PATH))`",
     ),
-    "seed": (lambda r: r.run("nope.toml", seed=cast("Any", "x")), "is not a whole number"),
     "no alternatives": (lambda r: r.alternatives(0), "ask for 1 or more"),
     "scenario": (lambda r: r.run("nope.toml"), "nope.toml: no such file"),
     "unrealisable": (
@@ -203,6 +202,34 @@ MISTAKES: dict[str, tuple[Callable[[Robot], Any], str]] = {
         "no specification realises",
     ),
 }
+
+
+#: Calls with a value of another type.
+WRONG: Any = 3
+WORD: Any = "x"
+OTHER_TYPES: dict[str, tuple[Callable[[Robot], Any], str]] = {
+    "path": (lambda _: load(WRONG), "`3` is not a path"),
+    "format": (lambda _: load(LEVEL0, format=WRONG), "`format` is `3`, and not a text"),
+    "sources": (lambda _: load(LEVEL0, sources=WRONG), "`3` is not a path"),
+    "budget": (lambda _: load(LEVEL0, budget=WRONG), "`budget` is `3`, and not a `Budget`"),
+    "text": (lambda _: loads(WRONG), "`text` is `3`, and not a text"),
+    "name": (lambda _: loads(WORD, WRONG), "`name` is `3`, and not a text"),
+    "select": (lambda r: r.check(select=WRONG), "`select` is `3`, and not a text"),
+    "ignore": (lambda r: r.check(ignore=[WRONG]), "`ignore` is `3`, and not a text"),
+    "baseline": (lambda r: r.check(baseline=WRONG), "`3` is not a path"),
+    "specification": (lambda r: r.verify(WRONG), "`3` is not a path"),
+    "query": (lambda r: r.can(WRONG), "`query` is `3`, and not a text"),
+    "number": (lambda r: r.alternatives(WORD), "`n` is `'x'`, and not a whole number"),
+    "topic": (lambda r: r.explain(WRONG), "`subject` is `3`, and not a text"),
+    "depth": (lambda r: r.explain(depth=WORD), "`depth` is `'x'`, and not a whole number"),
+    "atom": (lambda r: r.why_not(WRONG), "`atom` is `3`, and not a text"),
+    "subject": (lambda r: r.repairs(WRONG), "`subject` is `3`, and not a text"),
+    "about": (lambda r: r.draw(about=WRONG), "`about` is `3`, and not a text"),
+    "only": (lambda r: r.draw(only=WRONG), "`only` is `3`, and not a text"),
+    "scenario": (lambda r: r.run(WRONG), "`3` is not a path"),
+    "seed": (lambda r: r.run("nope.toml", seed=WORD), "`seed` is `'x'`, and not a whole number"),
+}
+MISTAKES |= {f"{name} of another type": each for name, each in OTHER_TYPES.items()}
 
 
 @pytest.mark.parametrize("name", MISTAKES)
@@ -234,6 +261,8 @@ def test_a_repr_is_one_short_line_and_solves_nothing(level0: Robot) -> None:
     fresh = load(LEVEL0)
     assert repr(fresh) == f'Robot("{LEVEL0}": 8 modules, 10 relationships)'
     assert not {"specification", "_reasoner"} & vars(fresh).keys()
+    changed = level0.diff(load("examples/level0/flat.mars"))
+    assert repr(changed) == "RobotAnswer(1 consequence, 1 node)"
     analysis = robot.analyse()
     explanation = level0.explain()
     reasoner = mars_asp.Reasoner(level0.project)

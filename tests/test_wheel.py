@@ -154,6 +154,9 @@ def test_versions_agree(installed: Distribution) -> None:
     assert package.findtext("version") == installed.version
     assert package.findtext("license") == installed.metadata.json["license_expression"]
     assert all(package.findtext(name) for name in ("name", "description", "maintainer"))
+    # Of packages of this type colcon runs `setup.py`; without one it has to pass over the folder.
+    assert package.findtext("export/build_type") == "ament_python"
+    assert (ROOT / "setup.py").exists() or (ROOT / "COLCON_IGNORE").exists()
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert citation["version"] == installed.version
     assert [each["title"] for each in citation["references"]] == [PAPER]

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, write_report
-from mars_asp.cli.deliver import file_key, replace_files, write_file
+from mars_asp.cli.deliver import file_key, replace_files, write_closing, write_file
 from mars_asp.cli.excluded import add_exclusion
 from mars_asp.cli.fmt import unified_diff
 from mars_asp.cli.folding import instances_of
+from mars_asp.cli.layout import counted
 from mars_asp.cli.lines import forget, remember
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import (
@@ -147,6 +148,10 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
     messages = (each.diagnostic for one in checked for each in one.results if not each.consequence)
     is_wrong = status >= 2
     report([each for each in messages if is_wrong or each.code == "unfixed"], arguments)
+    if not arguments.quiet:
+        repairs = sum(len(one.mended) for one in checked)
+        within = f" in {counted(len(changes), 'file')}" if changes else ""
+        write_closing(f"{counted(repairs, 'finding')} would be fixed{within}\n")
     return status if is_wrong else int(bool(changes))
 
 

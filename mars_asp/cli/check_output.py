@@ -177,10 +177,9 @@ def _closing(
     if arguments.format not in _WITH_NOTES and not arguments.quiet:
         notes = filter(_is_note, _unhidden(checked, remarks))
         yield from _diagnostic_text(notes, arguments, sys.stderr)
-    if arguments.format in ("json", "sarif"):
-        return
     width = columns(sys.stderr)
-    for repair in (each for one in checked for each in one.mended):
+    is_listed = arguments.format in ("json", "sarif")
+    for repair in (each for one in checked for each in one.mended if not is_listed):
         consequence, mend = repair.consequence, repair.mends[0]
         span = consequence.spans[0]
         about = f"{consequence.kind}({consequence.subject})"
@@ -192,12 +191,14 @@ def _closing(
             for line in line_text(edit):
                 yield f"{line.removeprefix('   ')}\n"
     if not arguments.quiet:
-        for sentence in _summary_sentences(checked, _is_full(arguments)):
+        for sentence in _summary_sentences(checked, remarks, arguments):
             for line in wrapped(sentence, width, further="  "):
                 yield f"{line}\n"
 
 
-def _summary_sentences(checked: Sequence[Checked], is_full: bool) -> Iterator[str]:
+def _summary_sentences(
+    checked: Sequence[Checked], remarks: Sequence[Result], arguments: argparse.Namespace
+) -> Iterator[str]:
     """Yield the numbers of findings and repairs, and of the files."""
     total: Counter[Severity] = sum((one.counted for one in checked), Counter())
     read = [path for one in checked for path in (one.path, *one.further)]
@@ -211,13 +212,15 @@ def _summary_sentences(checked: Sequence[Checked], is_full: bool) -> Iterator[st
     if found or mended:
         parts = [", ".join(found) or "no errors or warnings", f"in {within}"]
         yield f"{' '.join(parts)}{f'; {mended} fixed' if mended else ''}"
-    elif not hidden:
-        yield f"no problems found in {within}" if within else "no file checked: all are excluded"
+    elif within and not hidden and arguments.write_baseline is None:
+        yield f"no problems found in {within}"
+    elif not within and not reported_findings(remarks):
+        yield "no file checked: all are excluded"
     if hidden:
         yield hidden_text(hidden)
     if mendable:
         has = "has" if mendable == 1 else "have"
-        shows = "shown above; --fix applies it" if is_full else "which --fix applies"
+        shows = "shown above; --fix applies it" if _is_full(arguments) else "which --fix applies"
         yield f"{mendable} of them {has} exactly one repair, {shows}"
 
 

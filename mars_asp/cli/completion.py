@@ -1,11 +1,13 @@
-"""Print what completes words of this command in a shell: verbs, options, their values and files."""
+"""Print what completes words of this command in a shell: commands, options, values and files."""
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from mars_asp.cli.arguments import ALIASES, VERBS, Parser, parser_of
 
+#: The options that take kinds of findings, with commas between them.
+_LISTS = frozenset({"--select", "--ignore"})
 #: The command that words are completed of.
 _COMMAND = "mars-asp"
 
@@ -17,6 +19,10 @@ class _Option(NamedTuple):
     about: str
     takes: bool
     values: tuple[str, ...]
+
+
+#: The option of every command that the parser of common options lacks.
+_HELP = _Option(("--help", "-h"), "", False, ())
 
 
 class _Words(NamedTuple):
@@ -54,16 +60,27 @@ def _verbs() -> Iterator[_Words]:
         _, parser = parser_of(name)
         aliases = tuple(alias for alias, of in ALIASES.items() if of == name)
         words = [str(choice) for action in parser.positionals() for choice in action.choices or ()]
-        yield _Words((name, *aliases), verb.summary, tuple(_options(parser)), tuple(words))
+        yield _Words(
+            (name, *aliases), verb.summary, tuple(_options_of(parser.options())), tuple(words)
+        )
 
 
-def _options(parser: Parser) -> Iterator[_Option]:
+def _options_of(actions: Iterable[argparse.Action]) -> Iterator[_Option]:
     common = {name: each.help for each in _described() for name in each.option_strings}
-    for action in parser.options():
+    for action in actions:
         about = common.get(action.option_strings[0]) or action.help or ""
         values = tuple(map(str, action.choices or ()))
         takes = action.nargs not in (0, "?")
         yield _Option(tuple(action.option_strings), about.replace("%%", "%"), takes, values)
+
+
+def _kinds() -> list[str]:
+    """Return the kinds of findings of the built-in rules, and the codes of warnings on reading."""
+    from mars_asp.diagnostic import INPUT_WARNINGS
+    from mars_asp.reasoning.findings import consequence_kinds
+    from mars_asp.reasoning.rules import STAGES, load_rulebook
+
+    return sorted(consequence_kinds(load_rulebook(stages=STAGES)).union(INPUT_WARNINGS))
 
 
 def _described() -> list[argparse.Action]:
@@ -79,42 +96,60 @@ def _described() -> list[argparse.Action]:
 
 
 def _bash(verbs: tuple[_Words, ...]) -> Iterator[str]:
+    commands = tuple(name for verb in verbs for name in verb.names[:1])
+    common = tuple(_options_of(_described()))
+    before = _Words(("",), "", (_HELP, *common), (*commands, "help"))
+    verbs = (before, _Words(("help",), "", (), commands), *verbs)
     yield f"# Completion of {_COMMAND} for bash."
     yield "_mars_asp() {"
     yield "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}"
-    yield "    local verb=${COMP_WORDS[1]} words="
+    yield "    local verb= words= prefix= at"
+    yield f'    local kinds="{" ".join(_kinds())}"'
     yield "    COMPREPLY=()"
+    # Options, some with a value, may precede the command.
+    yield "    for ((at = 1; at < COMP_CWORD; at++)); do"
+    yield "        case ${COMP_WORDS[at]} in"
+    valued = "|".join(name for option in common if option.takes for name in option.names)
+    yield f"            {valued})"
+    yield '                [[ ${COMP_WORDS[at+1]} == "=" ]] && ((at++))'
+    yield "                ((at++)) ;;"
+    yield "            -*) ;;"
+    yield "            *)"
+    yield "                verb=${COMP_WORDS[at]}"
+    yield "                break ;;"
+    yield "        esac"
+    yield "    done"
     # Readline takes `--format=json` for three words.
     yield '    if [[ $word == "=" ]]; then'
     yield "        word="
     yield '    elif [[ $before == "=" ]]; then'
     yield "        before=${COMP_WORDS[COMP_CWORD-2]}"
     yield "    fi"
-    yield "    if ((COMP_CWORD == 1)); then"
-    yield f'        words="{" ".join((*VERBS, "--help", "--version"))}"'
-    yield "    else"
-    yield '        case "$verb $before" in'
+    yield '    case "$verb $before" in'
     for verb in verbs:
         for option in (each for each in verb.options if each.takes):
             patterns = "|".join(f'"{name} {form}"' for name in verb.names for form in option.names)
             chosen = f'words="{" ".join(option.values)}"' if option.values else "return"
-            yield f"            {patterns}) {chosen} ;;"
-    yield "            *)"
-    yield "                case $verb in"
+            if not _LISTS.isdisjoint(option.names):
+                chosen = 'words=$kinds prefix=${word%"${word##*,}"}'
+            yield f"        {patterns}) {chosen} ;;"
+    yield "        *)"
+    yield "            case $verb in"
     for verb in verbs:
         names = " ".join(name for option in verb.options for name in option.names)
-        yield f"                    {'|'.join(verb.names)})"
-        yield f'                        words="{" ".join(verb.words)}"'
-        yield f'                        [[ $word == -* ]] && words="{names}" ;;'
-    yield "                esac ;;"
-    yield "        esac"
-    yield "    fi"
-    yield '    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")'
+        pattern = "|".join(verb.names) or '""'
+        yield f"                {pattern})"
+        yield f'                    words="{" ".join(verb.words)}"'
+        yield f'                    [[ $word == -* ]] && words="{names}" ;;'
+    yield "            esac ;;"
+    yield "    esac"
+    yield '    mapfile -t COMPREPLY < <(compgen -P "$prefix" -W "$words" -- "${word#"$prefix"}")'
     yield "}"
     yield f"complete -o default -o bashdefault -F _mars_asp {_COMMAND}"
 
 
 def _zsh(verbs: tuple[_Words, ...]) -> Iterator[str]:
+    kinds = " ".join(_kinds())
     yield f"#compdef {_COMMAND}"
     yield f"# Completion of {_COMMAND} for zsh."
     yield "_mars_asp() {"
@@ -123,7 +158,7 @@ def _zsh(verbs: tuple[_Words, ...]) -> Iterator[str]:
     for verb in verbs:
         yield f"        {_quoted(f'{verb.names[0]}:{verb.about}')}"
     yield "    )"
-    yield "    if (( CURRENT == 2 )); then"
+    yield "    if (( CURRENT == 2 )) || [[ $words[2] == help ]]; then"
     yield "        _describe command verbs"
     yield "        return"
     yield "    fi"
@@ -137,6 +172,8 @@ def _zsh(verbs: tuple[_Words, ...]) -> Iterator[str]:
         for option in verb.options:
             about = option.about.replace("[", "(").replace("]", ")").replace(":", "\\:")
             value = f":value:({' '.join(option.values)})" if option.values else ":value:_files"
+            if not _LISTS.isdisjoint(option.names):
+                value = f":value:_values -s , kind {kinds}"
             value = value if option.takes else ""
             for name in option.names:
                 yield f"                {_quoted(f'*{name}[{about}]{value}')} \\"
@@ -148,10 +185,12 @@ def _zsh(verbs: tuple[_Words, ...]) -> Iterator[str]:
 
 
 def _fish(verbs: tuple[_Words, ...]) -> Iterator[str]:
+    kinds = " ".join(_kinds())
     yield f"# Completion of {_COMMAND} for fish."
+    shown = "-n '__fish_use_subcommand; or __fish_seen_subcommand_from help'"
     for verb in verbs:
         about = _quoted(verb.about)
-        yield f"complete -c {_COMMAND} -f -n __fish_use_subcommand -a {verb.names[0]} -d {about}"
+        yield f"complete -c {_COMMAND} -f {shown} -a {verb.names[0]} -d {about}"
     for verb in verbs:
         seen = f"-n '__fish_seen_subcommand_from {' '.join(verb.names)}'"
         if verb.words:
@@ -161,7 +200,8 @@ def _fish(verbs: tuple[_Words, ...]) -> Iterator[str]:
                 f"-l {name[2:]}" if name.startswith("--") else f"-s {name[1:]}"
                 for name in option.names
             )
-            value = f" -xa '{' '.join(option.values)}'" if option.values else " -r"
+            values = kinds if not _LISTS.isdisjoint(option.names) else " ".join(option.values)
+            value = f" -xa '{values}'" if values else " -r"
             said = f"{forms}{value if option.takes else ''} -d {_quoted(option.about)}"
             yield f"complete -c {_COMMAND} {seen} {said}"
 

@@ -400,7 +400,7 @@ class Told:
         Raises:
             BrokenPipeError: nobody reads standard output any more.
         """
-        status = self.status or 0
+        is_unwritten = False
         for path in sorted(self._whole):
             try:
                 if path in self._unwritten:
@@ -408,7 +408,7 @@ class Told:
                 self._begun[path].replace()
             except OSError as error:
                 _say_unwritten(f"`{visible(path)}`", error)
-                status = 2
+                is_unwritten = True
         for group in self.files:
             path = group[0].path if group else ""
             try:
@@ -419,7 +419,7 @@ class Told:
             except OSError as error:
                 named = error.filename if isinstance(error.filename, str) else path
                 _say_unwritten(f"`{visible(named)}`", error)
-                status = 2
+                is_unwritten = True
         end_growing()
         if self.output:
             try:
@@ -428,9 +428,11 @@ class Told:
                 raise
             except OSError as error:
                 _say_unwritten("standard output", error)
-                status = 2
-        sys.stderr.write(self.closing)
-        return status
+                is_unwritten = True
+        # After a failure the summary would count repairs, or a baseline, that do not exist.
+        if not is_unwritten:
+            sys.stderr.write(self.closing)
+        return 2 if is_unwritten else self.status or 0
 
 
 def _path(header: bytes) -> str:

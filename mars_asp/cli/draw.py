@@ -114,8 +114,8 @@ def run(arguments: argparse.Namespace) -> int:
     configuration = project.configuration
     picture = _part(project, kind in _PAINTED, arguments)
     if picture.remark:
-        report([_told(picture, configuration.span)], arguments)
-    content = _drawn(picture, kind, arguments.layout, configuration.span)
+        report([_told(picture, whole_file(configuration.path))], arguments)
+    content = _drawn(picture, kind, arguments.layout, whole_file(configuration.path))
     if arguments.output != "-":
         write_file(arguments.output, content)
     elif isinstance(content, str):
@@ -132,7 +132,7 @@ def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str |
         MarsError: there is no such module, or the picture is too large.
     """
     picture = _part(project, kind in _PAINTED, arguments)
-    return _drawn(picture, kind, arguments.layout, project.configuration.span)
+    return _drawn(picture, kind, arguments.layout, whole_file(project.configuration.path))
 
 
 def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
@@ -254,8 +254,7 @@ def _drawn(picture: "Picture", kind: str, layout: str, span: "Span") -> str | by
         raise MarsError((_too_large(picture, span),)) from None
     except NoGraphvizError as error:
         advice = "install Graphviz, or leave out `--layout dot`"
-        at = whole_file(span.path)
-        raise MarsError((Diagnostic("draw", "error", str(error), at, help=advice),)) from None
+        raise MarsError((Diagnostic("draw", "error", str(error), span, help=advice),)) from None
     if kind == "svg":
         return svg
     from mars_asp.draw.png import png_bytes

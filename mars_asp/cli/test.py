@@ -1,6 +1,7 @@
 """Run cases: facts or configurations, and what the rules are expected to make of them."""
 
 import argparse
+import re
 import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,14 +11,20 @@ from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.cases_report import Ran, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
+from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.settings import settings_of
-from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
-from mars_asp.language.parse import unreadable
+from mars_asp.cli.worker import read_standard_input
+from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
+from mars_asp.language.parse import MOST_BYTES, decode, unreadable
 from mars_asp.output import visible
+from mars_asp.reading import unsaved, unsaved_bytes
 from mars_asp.reasoning.cases import Found, cases_of, run_case
 from mars_asp.reasoning.cases.configurations import SUFFIX, snapshot
 from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.rules import STAGES, load_rulebook
+
+#: The header of a `.mars` file.
+_HEADER = re.compile(r"(?m)^\s*@(configuration|specification)\b")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=["."],
         metavar="PATH",
         help="files of cases, `.lp` or `.mars`, or folders of them (default: this folder); those"
-        " of a pack, in its folder `cases` or `tests`, have its rules without --rules",
+        " of a pack, in its folder `cases` or `tests`, have its rules without --rules; `-` is"
+        " standard input",
     )
     parser.add_argument(
         "--update",
@@ -76,11 +84,29 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         MarsError: what is wrong with rules or cases, all of it.
     """
+    if STANDARD_INPUT in arguments.paths:
+        return _run_with_input(arguments)
     if arguments.watch:
         from mars_asp.cli.cases_watch import watched
 
         return watched(run_once, arguments)
     return run_once(arguments)
+
+
+def _run_with_input(arguments: argparse.Namespace) -> int:
+    """Run the cases of standard input as those of a file that its text shows the kind of.
+
+    Raises:
+        MarsError: an option needs a file, or the rules or cases are wrong.
+    """
+    for option in ("update", "snapshot", "watch", "mutate"):
+        if getattr(arguments, option):
+            raise refusal("usage", "standard input cannot be changed", f"--{option}", None)
+    text = decode(read_standard_input(MOST_BYTES + 1), "<stdin>")
+    name = f"<stdin>{SUFFIX if _HEADER.search(text) else '.lp'}"
+    arguments.paths = [name if path == STANDARD_INPUT else path for path in arguments.paths]
+    with unsaved({name: text}):
+        return run_once(arguments)
 
 
 def run_once(arguments: argparse.Namespace) -> int:
@@ -90,7 +116,11 @@ def run_once(arguments: argparse.Namespace) -> int:
         MarsError: what is wrong with rules or cases, all of it.
     """
     rules = [Path(path) for path in arguments.rules]
-    missing = [path for path in arguments.paths if not Path(path).exists()]
+    missing = [
+        path
+        for path in arguments.paths
+        if unsaved_bytes(Path(path)) is None and not Path(path).exists()
+    ]
     if missing:
         raise MarsError([unreadable(path, "no such file") for path in missing])
     found = cases_of(map(Path, arguments.paths), rules)

@@ -301,7 +301,10 @@ def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> 
         say_memory_ended(arguments)
         return 3
     if os.WIFEXITED(status):
-        print("mars-asp: internal error: the worker ended without a result", file=sys.stderr)
+        print(
+            "mars-asp: internal error, please report it: the worker ended without a result",
+            file=sys.stderr,
+        )
         return 2
     number = os.WTERMSIG(status)
     if number == signal.SIGKILL:

@@ -17,7 +17,7 @@ def png_bytes(svg: str, span: Span) -> bytes:
     """Return an SVG of ours as PNG at twice its size, or smaller where that would be too large.
 
     Raises:
-        MarsError: resvg is not there, or finds no font; `span` is what is to be drawn.
+        MarsError: resvg is not there, or finds no font; `span` is that of the file with the robot.
     """
     try:
         from resvg_py import svg_to_bytes  # noqa: PLC0415 -- of the extra `png`

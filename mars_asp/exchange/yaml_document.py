@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 
 import yaml
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 
 #: The loader of libyaml, where PyYAML was built with it.
 _LIBYAML: type[yaml.SafeLoader] | None = getattr(yaml, "CSafeLoader", None)
@@ -129,7 +129,7 @@ def read_dump(text: str, path: str) -> Node:
     """
     if len(text) > MOST_BYTES_OF_DUMP:
         message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
-        raise _wrong(point(path, 1, 1), message, "give the file of the graph alone")
+        raise _wrong(whole_file(path), message, "give the file of the graph alone")
     # The same events some ten times as fast, where PyYAML was built with libyaml.
     loader = _LIBYAML or yaml.SafeLoader
     root, found = _read(text, path, MOST_NODES_OF_DUMP, loader)

@@ -231,13 +231,19 @@ def _is_new(path: Path, seen: set[Path]) -> bool:
 
 
 def _missing_path(path: Path) -> Diagnostic:
-    message = f"`{path}` is not a file or folder"
     known = installed_packs()
     near = nearest(path.name, known)
     advice = f"did you mean the installed pack `{near}`?" if near else None
     if known and advice is None:
         advice = f"installed packs are {', '.join(f'`{each}`' for each in known)}"
-    return Diagnostic("rules-missing", "error", message, whole_file(str(path)), help=advice)
+    return Diagnostic(
+        "rules-missing",
+        "error",
+        "no such file or folder",
+        whole_file(str(path)),
+        help=advice,
+        excerpt="",
+    )
 
 
 def _empty(folder: Path) -> Iterator[Diagnostic]:

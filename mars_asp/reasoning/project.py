@@ -392,7 +392,7 @@ def _found(
 
 
 def _missing(written: str, place: Span, advice: str) -> Diagnostic:
-    message = f"`{written}` is not a file or folder"
+    message = f"`{written}`: no such file or folder"
     return Diagnostic("sources-missing", "error", message, place, help=advice)
 
 

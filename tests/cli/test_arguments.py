@@ -1,5 +1,6 @@
 """Words of the command line: help, examples, what was probably meant, and completion by bash."""
 
+import re
 import shlex
 import subprocess
 
@@ -26,6 +27,10 @@ def test_the_help_names_each_verb_with_an_example_and_the_common_options_once(
         assert verb.example.split()[0] == name
     assert shown.count("--memory-limit MB") == shown.count("--rules DIR") == 1
     assert "half of" in shown
+    first = " ".join(" ".join(shown.splitlines()[:24]).split())
+    assert "ROS 2 workspaces, twist_mux files, dora dataflows, URDF and `.mars` files" in first
+    assert first.partition("$ mars-asp ")[2].startswith("check my_ws/ ")
+    assert not re.search(r"\bverbs?\b", shown)
     assert all(len(line) <= 80 for line in shown.splitlines())
 
 
@@ -35,6 +40,7 @@ def test_the_help_of_a_verb_shows_its_example(
 ) -> None:
     assert run_command([name, "--help"]) == 0
     words = capsys.readouterr().out.split()
+    assert {"verb", "verbs"}.isdisjoint(words)
     assert " ".join(VERBS[name].example.split()) in " ".join(words)
     assert words.count("--memory-limit") == 2
     _, parser = parser_of(name)
@@ -127,7 +133,19 @@ def completion() -> str:
     [
         (["ch"], ["check"]),
         (["s"], ["synthesise"]),
-        (["--v"], ["--version"]),
+        (["--v"], ["--verbose", "--version"]),
+        (["-q", "--format", "json", "ch"], ["check"]),
+        (["--format", "=", "json", "ch"], ["check"]),
+        (["--color", "al"], ["always"]),
+        (["-q", "check", "--fail"], ["--fail-on"]),
+        (["help", "ca"], ["can", "campaign"]),
+        (["help", "help", ""], list(VERBS)),
+        (
+            ["check", "--select", "unused_"],
+            ["unused_argument", "unused_module", "unused_output", "unused_parameters"],
+        ),
+        (["check", "--ignore", "loose_end,catal"], ["loose_end,catalogue"]),
+        (["check", "--ignore", "=", "no_c"], ["no_conversion"]),
         (["check", "--f"], ["--fail-on", "--fix", "--force-exclude", "--format", "--from"]),
         (["explain", "x.mars", "--why"], ["--why-not"]),
         (["check", "x", "--format", ""], list(FORMATS)),

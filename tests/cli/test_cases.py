@@ -15,7 +15,7 @@ from mars_asp.cli import run_here
 from mars_asp.cli.cases_report import Ran, junit
 from mars_asp.diagnostic import Diagnostic, point
 from tests.support.documents import ROOT, answered, questions
-from tests.support.processes import HANGING
+from tests.support.processes import HANGING, mars
 
 ASKED = ROOT / "tests" / "cases" / "questions.txt"
 ODD = ROOT / "tests" / "cases" / "odd"
@@ -61,6 +61,27 @@ def test_a_case_that_expects_nothing_is_given_what_was_found(odd: Path, end: str
     expected += f"%not: consequence(odd_mount,_,_,_){end}"
     assert case.read_bytes().decode() == f'module("A").{end}{expected}'
     assert run_here(["test", str(case)]) == 0
+
+
+FACTS = 'module("A").\n#show module/1.\n%= module("A")\n'
+
+
+@pytest.mark.parametrize(
+    ("words", "text", "status", "printed"),
+    [
+        ([], FACTS, 0, "1 passed, 0 failed\n"),
+        ([], FACTS.replace('= module("A")', '= module("B")'), 1, "FAILED <stdin>.lp"),
+        ([], "@configuration\n@modules A\n# expect nodes: Arbiter 0\n", 2, "<stdin>.mars:3:"),
+        ([], "@configuration\n@modules A\n# expect cost: nodes 0\n", 0, "1 passed, 0 failed\n"),
+        (["--update"], FACTS, 2, "--update: standard input cannot be changed"),
+    ],
+)
+def test_a_case_comes_from_standard_input(
+    words: list[str], text: str, status: int, printed: str
+) -> None:
+    done = mars("test", "-", *words, text=text)
+    assert done.returncode == status
+    assert printed in done.stdout + done.stderr
 
 
 def test_junit_holds_each_case(odd: Path, capsys: pytest.CaptureFixture[str]) -> None:

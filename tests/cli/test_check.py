@@ -197,7 +197,7 @@ def test_what_was_fixed_comes_as_json_too(robots: Path, capsys: pytest.CaptureFi
     assert [each["path"] for each in found["files"]] == ["twice.mars", "choice.mars"]
     lines = [line for each in found["files"][0]["fixed"] for line in each["repairs"][0]["lines"]]
     assert [(line["line"], line["new"]) for line in lines] == [(5, None), (8, None)]
-    assert shown.err == ""
+    assert shown.err == "1 error in 2 files; 2 fixed\n"
     (finding,) = found["findings"]
     assert (finding["code"], finding["line"], finding["fix"]) == ("checks/misspelt", 3, None)
 
@@ -324,8 +324,9 @@ def test_findings_go_to_standard_output_and_notes_to_standard_error(
 @pytest.mark.parametrize("form", FORMATS)
 def test_a_clean_run_prints_nothing_but_documents(form: str, robots: Path) -> None:
     done = mars("check", "clean.mars", "--format", form, folder=robots)
-    summary = "" if form in ("json", "sarif") else "no problems found in 1 file\n"
-    assert (done.returncode, done.stderr) == (0, summary)
+    assert (done.returncode, done.stderr) == (0, "no problems found in 1 file\n")
+    done = mars("check", "clean.mars", "--format", form, "--quiet", folder=robots)
+    assert (done.returncode, done.stderr) == (0, "")
     if form == "json":
         document = json.loads(done.stdout)
         assert (document["findings"], document["notes"]) == ([], [])
@@ -408,7 +409,8 @@ def test_one_document_has_findings_notes_and_each_robot(robots: Path) -> None:
     names = ("bad.mars", "twice.mars", "clean.mars", str(ROOT / "examples/ros2_workspace"))
     done = mars("check", *names, "--format", "json", folder=robots)
     document = json.loads(done.stdout)
-    assert (done.returncode, done.stderr) == (2, "")
+    assert done.returncode == 2
+    assert done.stderr.startswith("1 error, 5 warnings in 3 files and 1 folder\n")
     assert list(DOCUMENT.iter_errors(document)) == []
     assert (document["format"], document["version"]) == ("mars-check", 1)
     assert [each["path"] for each in document["files"]] == list(names)
@@ -419,13 +421,18 @@ def test_one_document_has_findings_notes_and_each_robot(robots: Path) -> None:
     assert [document[key] for key in ("errors", "warnings", "fixed")] == [1, 5, 0]
 
 
-@pytest.mark.parametrize("wrong", ["baseline", "settings", "option"])
+@pytest.mark.parametrize("wrong", ["baseline", "settings", "option", "rules"])
 def test_errors_of_the_selection_are_in_the_document(
     wrong: str, robots: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if wrong == "settings":
         (robots / "mars.toml").write_text("selct = []\n")
-    words = {"baseline": ["--baseline", "gone"], "settings": [], "option": ["--select", "no"]}
+    words = {
+        "baseline": ["--baseline", "gone"],
+        "settings": [],
+        "option": ["--select", "no"],
+        "rules": ["--rules", "gone"],
+    }
     assert run_here(["check", "clean.mars", "--format", "json", *words[wrong]]) == 2
     output = capsys.readouterr()
     document = json.loads(output.out)
@@ -479,6 +486,9 @@ def test_standard_input_has_the_locations_and_settings_of_a_name(
     assert "duplicate_relationship" not in done.stdout
     done = mars("check", "-", "--stdin-filename", "new.mars", text=TWICE, folder=robots)
     assert done.stdout.startswith("new.mars:4:1: warning: ")
+    words = ("analyse", "-", "--stdin-filename", "new.mars", "--format", "json")
+    document = json.loads(mars(*words, text=TWICE, folder=robots).stdout)
+    assert document["consequences"][0]["locations"][0]["path"] == "new.mars"
     done = mars("fmt", "--check", "-", "--stdin-filename", "new.mars", text=BAD, folder=robots)
     assert done.stderr.startswith("new.mars:2:12: error: ")
     assert run_here(["check", "clean.mars", "--stdin-filename", "new.mars"]) == 2
@@ -493,10 +503,14 @@ def test_a_difference_shows_repairs_and_writes_nothing(
     assert output.out.startswith("--- twice.mars\n+++ twice.mars\n@@ ")
     removed = [line for line in output.out.splitlines()[3:] if line.startswith("-")]
     assert removed == ["-Base is_controlled_by B 1", "-B uses_data_from C"]
-    assert output.err == ""
+    assert output.err == "2 findings would be fixed in 1 file\n"
     assert (robots / "twice.mars").read_text() == TWICE
-    assert run_here(["check", "--diff", "clean.mars"]) == 0
-    assert capsys.readouterr().out == ""
+    assert run_here(["check", "--diff", "clean.mars", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert run_here(["check", "--diff", str(ROOT / "examples" / "ros2_workspace")]) == 0
+    output = capsys.readouterr()
+    assert output.out == "" and "repairs are edits of `.mars` files" in output.err
+    assert output.err.endswith("0 findings would be fixed\n")
     assert run_here(["check", "--diff", "bad.mars", "twice.mars"]) == 2
     output = capsys.readouterr()
     assert output.out.startswith("--- twice.mars\n")

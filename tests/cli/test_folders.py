@@ -15,6 +15,7 @@ MUX = (
     "- {name: b, topic: b, timeout: 0.5, priority: 1}\n"
 )
 DATAFLOW = "nodes:\n- id: camera\n  outputs: [image]\n- id: view\n  inputs: {image: camera/image}\n"
+DUMP = "/talker\n  Subscribers:\n  Publishers:\n    /chatter: std_msgs/msg/String\n"
 URDF = '<robot name="r"><link name="base"/></robot>'
 LAUNCH = '<launch><node pkg="joy" exec="joy_node"/></launch>'
 PACKAGE = "<package><name>{}</name><export><build_type>ament_cmake</build_type></export></package>"
@@ -49,8 +50,9 @@ def judged(capsys: pytest.CaptureFixture[str], *words: str) -> list[str]:
 FOLDERS = {
     "each configuration": ({"b/x.mars": MARS, "a.mars": MARS}, ["a.mars", "b/x.mars"]),
     "by content": (
-        {"m.yaml": MUX, "d.yml": DATAFLOW, "r.urdf": URDF, "other.yaml": "a: 1", "p.py": "x = 1"},
-        ["d.yml", "m.yaml", "r.urdf"],
+        {"m.yaml": MUX, "d.yml": DATAFLOW, "r.urdf": URDF, "other.yaml": "a: 1", "p.py": "x = 1"}
+        | {"graph.txt": DUMP, "other.txt": "talker", "other.xml": "<a/>"},
+        ["d.yml", "graph.txt", "m.yaml", "r.urdf"],
     ),
     "a workspace": (package("ws/src/a") | package("ws/src/b"), ["ws"]),
     "packages in no workspace": (package("a") | package("b"), ["."]),
@@ -98,6 +100,13 @@ def test_the_robots_of_a_folder(
     write(here, files)
     assert judged(capsys) == robots
     assert judged(capsys, str(here)) == [os.path.normpath(here / each) for each in robots]
+
+
+def test_links_to_folders_are_passed_over(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write(here, {"a/x.mars": MARS, "b.mars": MARS})
+    (here / "link").symlink_to(here / "a")
+    assert judged(capsys) == ["a/x.mars", "b.mars"]
+    assert judged(capsys, "link") == ["link/x.mars"]
 
 
 def test_a_package_that_git_ignores_is_not_read(

@@ -112,6 +112,15 @@ def test_settings_take_kinds_and_rules(folder: Path, capsys: pytest.CaptureFixtu
     assert (status, remark[:43]) == (2, "1:11 no rule finds `cycle`|did you mean `mo")
 
 
+@pytest.mark.parametrize("name", [WARNING, "control/ambiguous-priority"])
+def test_kinds_and_rules_name_findings_to_explain(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["explain", "a.mars", name]) == 1
+    output = capsys.readouterr().out
+    assert "ambiguous_priority(Base)" in output and ERROR not in output
+
+
 #: Names in brackets of messages about reading, and files that cause them.
 READ = [
     ("unused-ignore", "@configuration\n@modules A, B // mars: ignore\nA uses_data_from B\n"),
@@ -364,6 +373,9 @@ def test_a_baseline_hides_what_it_lists_wherever_it_moves(
     assert capsys.readouterr().err.startswith(
         "mars-asp: note: known.json: the baseline lists 2 findings"
     )
+    done = mars("check", str(folder / "a.mars"), "--write-baseline", "gone/known.json")
+    message = "mars-asp: `gone/known.json`: No such file or directory\n"
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", message)
     assert (folder / "known.json").read_text() == (
         '{"format": "mars-baseline", "version": 1, "findings": [\n'
         '  {"file": "a.mars", "kind": "ambiguous_priority", "subject": "Base", "participants": '

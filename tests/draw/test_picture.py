@@ -255,7 +255,10 @@ def test_without_the_extra_a_png_is_refused_and_all_else_works(
     config, target = str(ROOT / "examples/level0/config.mars"), tmp_path / "a.png"
     assert run_here(["draw", config, "-o", str(target)]) == 2
     told = " ".join(capsys.readouterr().err.split())
-    assert "a PNG needs the package `resvg_py`, which is not installed" in told
+    message = (
+        f"mars-asp: error: {config}: a PNG needs the package `resvg_py`, which is not installed"
+    )
+    assert told.startswith(message)
     assert "pip install 'mars-asp[png]'" in told
     assert not target.exists()
     assert run_here(["draw", config, "-o", str(tmp_path / "a.svg")]) == 0

@@ -307,7 +307,7 @@ REFUSED = [
     ("rosdiscover", NAMED + '", format: a/B}]\n  x: &a [*a]\n',
      ["3:10: error: alias `*a` has no complete anchor above it"]),
     ("rosdiscover", "- fullname: /a\n  pubs: []\n  subs: [{name: /tf}]\n",
-     ["1:1: error: no node has a topic that is read"]),
+     ["0:0: error: no node has a topic that is read"]),
     ("rosdiscover", NAMED + '"}]\n  reads: ' + "[" * 100_000,
      ["3:72: error: lists and maps are nested deeper than 64"]),
     ("rosdiscover", "- fullname: /a\n  pubs: []\n" + "  a0: &a0 [x]\n" + "".join(
@@ -319,7 +319,7 @@ REFUSED = [
      ["3:15: error: a callback of `/a` has no `callback_type`",
       "3:19: error: a subscription of `/a` has no `topic_name`",
       "4:3: error: an entry of `nodes` is not a map"]),
-    ("dot", "digraph g {}", ["1:1: error: the graph has no edges"]),
+    ("dot", "digraph g {}", ["0:0: error: the graph has no edges"]),
     ("dot", "digraph g {\na -- b }",
      ["2:3: error: an edge without a direction does not show which node publishes"]),
     ("dot", 'digraph g { a [label="' + "\\x" * 100_000, ["1:22: error: this text does not end"]),
@@ -341,7 +341,7 @@ REFUSED = [
     ("topic_info", TOPIC.format("a") + TOPIC.format("b"),
      ["1:7: error: the topic that this is about is not named",
       "7:7: error: the topic that this is about is not named"]),
-    (None, "hello\n", ["1:1: error: this is not a known kind of graph dump"]),
+    (None, "hello\n", ["0:0: error: this is not a known kind of graph dump"]),
 ]  # fmt: skip
 
 

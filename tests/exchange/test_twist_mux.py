@@ -46,7 +46,7 @@ def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -
 
 INPUT = "{topic: t, timeout: 0.5, priority: 1}"
 MUX = "m:\n  ros__parameters:\n    topics:\n      a: "
-NO_MUX = "1:1: error: the file has no mux: neither `topics` nor `subscribers` with an input"
+NO_MUX = "0:0: error: the file has no mux: neither `topics` nor `subscribers` with an input"
 #: A text, and all that is wrong with it.
 REFUSED = [
     ("", ["1:1: error: the file is empty"]),

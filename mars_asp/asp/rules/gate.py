@@ -90,9 +90,9 @@ def read_text(path: Path, shown: str) -> str:
         MarsError: the file cannot be read.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise _refused(shown, "no regular file", "name a file or a folder of `.lp` files")
         held = unsaved_bytes(path)
+        if held is None and not stat.S_ISREG(path.stat().st_mode):
+            raise _refused(shown, "no regular file", "name a file or a folder of `.lp` files")
         raw = read_file(path, MOST_BYTES) if held is None else held
         if len(raw) > MOST_BYTES:
             raise _refused(shown, f"larger than {MOST_BYTES} bytes", "split it by topic")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from itertools import chain
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 from mars_asp.exchange.ros2.actions import (
     Action,
     Declare,
@@ -93,12 +93,12 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
         message = f"this is not Python: {error.msg}"
         raise _wrong(place, message, NEWER if is_newer(error) else "launch") from None
     except (ValueError, RecursionError, MemoryError):
-        raise _wrong(point(path, 1, 1), "this Python is nested too deeply, or not text") from None
+        raise _wrong(whole_file(path), "this Python is nested too deeply, or not text") from None
     reader = _Reader(path, text)
     try:
         return reader.actions(tree)
     except RecursionError:
-        raise _wrong(point(path, 1, 1), "this Python is nested too deeply") from None
+        raise _wrong(whole_file(path), "this Python is nested too deeply") from None
 
 
 def _wrong(place: Span, message: str, code: str = "launch") -> MarsError:
@@ -185,7 +185,7 @@ class _Reader(Evaluator):
             self.run(tree.body, self.globals)
         entry = self.globals.get(_ENTRY)
         if not isinstance(entry, Local):
-            place = point(self.path, 1, 1)
+            place = whole_file(self.path)
             raise _wrong(place, f"the file has no function `{_ENTRY}` at its outer level")
         found = tuple(self.interpret(self.call_local(entry, (), {}), ()))
         return (*self.declarations, *found)

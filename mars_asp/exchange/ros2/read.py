@@ -313,7 +313,7 @@ class _Robot:
             if not (includes or self.unread or is_wrong or launched is not launches):
                 raise self._empty(paths)
             message = "no node could be read of what the launch files start"
-            place = point(self.workspace.shown(paths[0]), 1, 1)
+            place = whole_file(self.workspace.shown(paths[0]))
             self.problems.append(Diagnostic("launch", "note", message, place, kind="launch"))
         name = self.workspace.shown(paths[0])
         return Graph(
@@ -612,7 +612,7 @@ class _Robot:
 
     def _empty(self, paths: Sequence[Path]) -> MarsError:
         """Return the error that launch files start no node."""
-        place = point(self.workspace.shown(paths[0]), 1, 1)
+        place = whole_file(self.workspace.shown(paths[0]))
         help_text = "name the launch file that starts the robot"
         return MarsError(
             (Diagnostic("ros2", "error", "the launch file starts no node", place, help=help_text),)

@@ -658,7 +658,7 @@ class Workspace:
             text = plain_lines(decode(raw, shown, MOST_BYTES))
             if "\0" in text:
                 message, help_text = "the file is not a text", "name a launch file or a folder"
-                place = point(shown, 1, 1)
+                place = whole_file(shown)
                 raise MarsError((Diagnostic("encoding", "error", message, place, help=help_text),))
             self._texts[file] = text
         return self._texts[file]

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from mars_asp.diagnostic import Span, point
+from mars_asp.diagnostic import Span, whole_file
 from mars_asp.exchange.rosgraph.dot_tokens import Places, Token, tokens, wrong
 from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.yaml_document import MOST_BYTES_OF_DUMP, MOST_DEPTH
@@ -49,7 +49,7 @@ def read_dot(text: str, path: str) -> Dump:
     """
     if len(text) > MOST_BYTES_OF_DUMP:
         message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
-        raise wrong(point(path, 1, 1), message, "give the file of the graph alone")
+        raise wrong(whole_file(path), message, "give the file of the graph alone")
     drawing = _Drawing(text, path)
     drawing.read()
     dump = Dump()
@@ -75,7 +75,7 @@ def read_dot(text: str, path: str) -> Dump:
             case _:
                 dump.skip("edges between topics", f"{start} -> {end}", edge.span)
     if not drawing.edges:
-        dump.wrong(point(path, 1, 1), "the graph has no edges", "save it with nodes and topics")
+        dump.wrong(whole_file(path), "the graph has no edges", "save it with nodes and topics")
     return dump
 
 
@@ -163,7 +163,7 @@ class _Drawing:
             statements += 1
             if statements == _MOST_STATEMENTS:
                 message = f"the graph has more than {_MOST_STATEMENTS} statements"
-                raise wrong(point(self.places.path, 1, 1), message, "no robot needs so many")
+                raise wrong(whole_file(self.places.path), message, "no robot needs so many")
             if depth > MOST_DEPTH:
                 assert self.next is not None
                 span = self.places.span(self.next.begin, self.next.end)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.graph import is_command, joined
 from mars_asp.exchange.recognise import dump_of, recognised
 from mars_asp.exchange.rosgraph.caret import read_caret
@@ -74,7 +74,7 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
 def _empty(path: str) -> Diagnostic:
     message = "no node has a topic that is read"
     help_text = "give the dump of a running robot"
-    return Diagnostic("rosgraph", "error", message, point(path, 1, 1), help=help_text)
+    return Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
 
 
 def _reader(text: str, path: str) -> Callable[[str, str], Dump]:
@@ -90,7 +90,7 @@ def _reader(text: str, path: str) -> Callable[[str, str], Dump]:
             "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or"
             " `ros2 topic info -v`"
         )
-        found = Diagnostic("rosgraph", "error", message, point(path, 1, 1), help=help_text)
+        found = Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
         raise MarsError((found,))
     return _READERS[kind]
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Literal, NamedTuple, TypeAlias
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import (
     DECIMAL,
@@ -98,7 +98,7 @@ def read_document(text: str, path: str) -> Document:
     if not document.muxes:
         message = "the file has no mux: neither `topics` nor `subscribers` with an input"
         help_text = "give the parameters of a twist_mux or cmd_vel_mux"
-        place = point(path, 1, 1)
+        place = whole_file(path)
         raise MarsError((Diagnostic("mux", "error", message, place, help=help_text),))
     return document
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import PurePath
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
 from mars_asp.exchange.twist_mux.document import read_document
 from mars_asp.exchange.unite import united
 from mars_asp.exchange.unread import notes
@@ -58,7 +58,7 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
     if len(text) > MOST_BYTES:
         message = f"the file has more than {MOST_BYTES} characters, which no mux needs"
         help_text = "give the file with the parameters of the mux alone"
-        raise MarsError((Diagnostic("mux", "error", message, point(path, 1, 1), help=help_text),))
+        raise MarsError((Diagnostic("mux", "error", message, whole_file(path), help=help_text),))
     document = read_document(text, path)
     names: dict[str, Name] = {}
     problems: list[Diagnostic] = []
