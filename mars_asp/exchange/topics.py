@@ -12,7 +12,7 @@ from fractions import Fraction
 from itertools import chain
 from typing import NamedTuple
 
-from mars_asp.diagnostic import Span, point
+from mars_asp.diagnostic import Span, whole_file
 from mars_asp.exchange import ports
 from mars_asp.exchange.cascades import merged
 from mars_asp.exchange.graph import each_once, is_command, represented, typed
@@ -110,7 +110,7 @@ def configuration_of(graph: Graph) -> Mapped:
     described = (_described(node, wiring, loose) for node in nodes)
     configuration = Configuration(
         graph.path,
-        point(graph.path, 1, 1),
+        whole_file(graph.path),
         architecture="hierarchical",
         stated=True,
         modules=tuple(modules.values()),

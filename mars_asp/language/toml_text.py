@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 
 if TYPE_CHECKING:
     from tree_sitter import Node
@@ -112,7 +112,7 @@ class Places:
         for count in range(len(path), 0, -1):
             if self._open(path[:count]):
                 return self._span(self._stands[path[:count]])
-        return point(self._path, 1, 1)
+        return whole_file(self._path)
 
     def _open(self, path: Path) -> bool:
         """Return whether a path is in the text, after its tables have been read."""

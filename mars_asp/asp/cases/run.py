@@ -18,7 +18,7 @@ from mars_asp.asp.rules.statements import Piece
 from mars_asp.asp.rules.statements import shown as shows
 from mars_asp.asp.signature import SPACE, Signature, plain, signature_of
 from mars_asp.asp.solve.term_ids import as_term
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 
 #: What is asked to be said here, beside what cases ask of rules themselves.
 _STAGE = "case"
@@ -192,7 +192,7 @@ def _grounded(program: Sequence[Fragment]) -> clingo.Control:
     undefined = clingo.MessageCode.OperationUndefined
     wrong = [note for code, note in said if reason or code == undefined]
     if reason or wrong:
-        place = point(program[0].path, 1, 1)
+        place = whole_file(program[0].path)
         whole = Diagnostic("rules-refused", "error", f"clingo refuses this: {reason}", place)
         raise MarsError(tuple(refusals(wrong, program)) or (whole,))
     return control

@@ -5,7 +5,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange import ports
 from mars_asp.exchange.dora.document import Dataflow, Wire, Worker, read_dataflow
 from mars_asp.exchange.unread import Unread, notes
@@ -102,7 +102,7 @@ def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
     names += [Name(name, wire.span) for name, wire in virtual.items()]
     return Configuration(
         path,
-        point(path, 1, 1),
+        whole_file(path),
         architecture="hierarchical",
         stated=True,
         modules=tuple(names),

@@ -7,7 +7,7 @@ from dataclasses import replace
 from importlib import resources
 from typing import NamedTuple
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 from mars_asp.exchange.ros2.interface import Interface, Topic
 
 #: What a file that adds to the catalogue is called.
@@ -78,9 +78,7 @@ def _entries(text: str, path: str) -> Iterator[Entry]:
         document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         match = _PLACE.match(str(error))
-        place = (
-            point(path, int(match["line"]), int(match["column"])) if match else point(path, 1, 1)
-        )
+        place = point(path, int(match["line"]), int(match["column"])) if match else whole_file(path)
         said = match["said"] if match else str(error)
         raise _wrong(path, f"this is not TOML: {said}", place=place) from None
     for package, programs in document.items():
@@ -148,6 +146,6 @@ def _topics(listed: object) -> Iterator[Topic]:
 
 
 def _wrong(path: str, message: str, place: Span | None = None) -> MarsError:
-    span = point(path, 1, 1) if place is None else place
+    span = whole_file(path) if place is None else place
     help_text = "see `catalogue.toml` in the package for the form"
     return MarsError((Diagnostic("catalogue", "error", message, span, help=help_text),))

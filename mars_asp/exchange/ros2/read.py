@@ -7,7 +7,7 @@ from functools import cache, partial
 from itertools import chain, takewhile
 from pathlib import Path
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
 from mars_asp.exchange.graph import joined, united
 from mars_asp.exchange.recognise import is_launch, recognised
@@ -339,7 +339,7 @@ class _Robot:
         left_out = None if launch.path is None else self.workspace.left_out(launch.path)
         if launch.path is not None and left_out is not None:
             package, name = left_out
-            place = point(self.workspace.shown(launch.path), 1, 1)
+            place = whole_file(self.workspace.shown(launch.path))
             missing[AbsentFile(name, package, place, "not installed")] = None
         for file in launch.passed:
             self.document(file)
@@ -470,7 +470,7 @@ class _Robot:
             # One that no launch file includes or names is a placeholder.
             is_named = any(file.name in self.workspace.text(each) for each in files)
             path = self.workspace.shown(file)
-            place = point(path, 1, 1)
+            place = whole_file(path)
             if file in included or is_named or not files:
                 name = f"{path}: the launch file is empty"
                 self.trees.append(LaunchTree(path, broken=((name, place),)))
@@ -525,14 +525,14 @@ class _Robot:
             )
             return False
         if found and self._is_of_ros1(file):
-            place = point(self.workspace.shown(file), 1, 1)
+            place = whole_file(self.workspace.shown(file))
             self.unread.append(
                 Unread("launch files of ROS 1 in packages of ROS 2", file.name, place)
             )
             return False
         if not found and is_named:
             path = self.workspace.shown(file)
-            place = point(path, 1, 1)
+            place = whole_file(path)
             if not self.workspace.text(file).strip():
                 self.empty.append(file)
                 return False
@@ -559,7 +559,7 @@ class _Robot:
         """Yield each program of a folder as if it were started, where no launch file is."""
         if not any(path.is_dir() for path in paths):
             return
-        here = point(self.workspace.shown(paths[0]), 1, 1)
+        here = whole_file(self.workspace.shown(paths[0]))
         found: dict[bool, list[Started]] = {True: [], False: []}
         for program in self.programs.all():
             interface = self.programs.interface(program)

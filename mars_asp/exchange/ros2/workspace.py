@@ -14,7 +14,7 @@ from itertools import chain
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
 from mars_asp.exchange.ros2.cmake import (
     Installed,
@@ -293,7 +293,7 @@ class Workspace:
         found = []
         for folder, package in self._by_manifest.items():
             if self.is_nested(folder):
-                place = point(self.shown(folder / "package.xml"), 1, 1)
+                place = whole_file(self.shown(folder / "package.xml"))
                 sort = "packages in the folders of others, which no build finds,"
                 self.unread.append(Unread(sort, package.name, place))
             else:

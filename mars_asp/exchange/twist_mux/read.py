@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import PurePath
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.twist_mux.document import read_document
 from mars_asp.exchange.unite import united
 from mars_asp.exchange.unread import notes
@@ -85,7 +85,7 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
         raise MarsError(problems)
     configuration = Configuration(
         path,
-        point(path, 1, 1),
+        whole_file(path),
         architecture="hierarchical",
         stated=True,
         modules=tuple(names.values()),

@@ -8,7 +8,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.exchange.unread import notes
 from mars_asp.exchange.urdf.angles import (
     QUARTER,
@@ -72,7 +72,7 @@ def import_urdf(text: str, path: str) -> Parsed:
             described.append(module)
     inserted = set(movers.values())
     between = [p.module.name for p in placed if p.module.name in inserted]
-    here = point(path, 1, 1)
+    here = whole_file(path)
     configuration = Configuration(
         path,
         here,

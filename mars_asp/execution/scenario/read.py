@@ -6,7 +6,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import mistakes
 from mars_asp.execution.scenario.vary import CHANGED, UNCHANGED, Changes, changed, switched_off
@@ -112,7 +112,7 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
         raise MarsError(problems)
     places |= {f"faults.{module}": CHANGED for module in switched_off(changes)}
     others = {key: value for key, value in tables.items() if key != "robot"}
-    return Scenario(path, point(str(path), 1, 1), **others, robots=robots, places=places)
+    return Scenario(path, whole_file(str(path)), **others, robots=robots, places=places)
 
 
 def _stands(written: Any, path: Iterable[str | int]) -> bool:
