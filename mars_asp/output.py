@@ -208,7 +208,9 @@ class Begun:
     def __init__(self, path: str) -> None:
         self.path, self._target = path, Path(os.path.realpath(path))
         self._temporary: Path | None = None
-        if self._target.exists() and not stat.S_ISREG(self._target.stat().st_mode):
+        # The pipe of `/dev/stdout` has no path of its own.
+        if os.path.exists(path) and not os.path.isfile(path):  # noqa: PTH110, PTH113
+            self._target = Path(path)
             self._file: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 -- see `drop`
             return
         handle, self._temporary = _temporary_beside(self._target, path)

@@ -48,6 +48,17 @@ def run_here(words: Sequence[str]) -> int:
     return _run(words, contained=False)
 
 
+def _without_double_dash(words: Sequence[str]) -> list[str]:
+    """Return words without the first `--`, after which a word is a path even if it has a dash."""
+    if "--" not in words:
+        return list(words)
+    at = words.index("--")
+    paths = (
+        f"./{each}" if each.startswith("-") and each != "-" else each for each in words[at + 1 :]
+    )
+    return [*words[:at], *paths]
+
+
 def _run(words: Sequence[str], contained: bool = True) -> int:
     # What is imported takes of the time that a limit allows, too.
     started = time.monotonic()
@@ -62,7 +73,7 @@ def _run(words: Sequence[str], contained: bool = True) -> int:
     from mars_asp.cli.limits import run_plain
     from mars_asp.cli.worker import run_contained
 
-    arguments = parser.parse_intermixed_args(further)
+    arguments = parser.parse_intermixed_args(_without_double_dash(further))
     arguments.started = started
     contained = contained and getattr(module, "IS_CONTAINED", True)
     return (run_contained if contained else run_plain)(module.run, arguments)

@@ -184,6 +184,8 @@ class Parser(argparse.ArgumentParser):
         unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
         names = {name for action in self.options() for name in action.option_strings}
         near = nearest(unknown[1], sorted(names - _WRITING), _ALIKE) if unknown else None
+        if choice := re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message):
+            near = nearest(choice[1], re.findall(r"'([^']*)'", choice[2]))
         told = f"{message}: did you mean `{near}`?" if near else message
         mark = "" if told.endswith("?") else ";"
         whole = f"{self.prog}: {visible(told)}{mark} see `{self.prog} --help`"
@@ -253,9 +255,15 @@ def ordered(words: Sequence[str]) -> list[str]:
     takes = {
         name: option.nargs is None for option in parser.options() for name in option.option_strings
     }
+    flags = "".join(
+        name[1] for name, has_value in takes.items() if len(name) == 2 and not has_value
+    )
     at = 0
     while at < len(words) and words[at].startswith("-") and words[at] not in _HELP:
         name, equals, _ = words[at].partition("=")
+        if re.fullmatch(rf"-[{flags}]{{2,}}", name):
+            at += 1
+            continue
         if name not in takes:
             near = nearest(name, (*takes, "--help"), _ALIKE)
             parser.error(

@@ -6,6 +6,7 @@ move to. One that is there twice is listed twice. Paths are relative to the fold
 
 import json
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from functools import cache
@@ -25,6 +26,8 @@ _FORMAT, _VERSION = "mars-baseline", 1
 _MOST_BYTES = 32 * 1024 * 1024
 #: So many findings are named that are no more.
 _MOST_NAMED = 5
+#: The start of each baseline, however it is laid out.
+_START = re.compile(rb'\s*\{\s*"format"\s*:\s*"mars-baseline"')
 _KEYS = ("file", "kind", "subject", "participants")
 
 
@@ -107,6 +110,25 @@ def baseline_text(findings: Iterable[Consequence | Diagnostic], path: str) -> st
     return f'{{"format": "{_FORMAT}", "version": {_VERSION}, "findings": [{inside}{end}]}}\n'
 
 
+def check_replaceable(path: str) -> None:
+    """Check that a baseline may be written to a path: no other file is there.
+
+    Raises:
+        MarsError: a file is there that is neither empty nor a baseline.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            start = file.read(200) if Path(path).is_file() else b""
+    except OSError:
+        return
+    if start.strip() and _START.match(start) is None:
+        message = "the file is not a baseline, so no baseline replaces it"
+        help_text = "give the baseline another name, or delete the file first"
+        place = whole_file(path)
+        diagnostic = Diagnostic("baseline", "error", message, place, help=help_text, excerpt="")
+        raise MarsError([diagnostic])
+
+
 def read_baseline(path: str) -> Baseline:
     """Read a baseline.
 
@@ -157,6 +179,6 @@ def _entry(path: str, number: int, value: object) -> Known:
 
 
 def _wrong(path: str, message: str, line: int = 1, column: int = 1) -> MarsError:
-    help_text = f"write it anew: --write-baseline {path}"
+    help_text = "name a file that `--write-baseline` wrote"
     place = point(path, line, column)
     return MarsError((Diagnostic("baseline", "error", message, place, help=help_text),))

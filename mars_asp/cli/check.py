@@ -34,6 +34,7 @@ from mars_asp.cli.report import Suggestion, report
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.schemas import add_schema, check_schema
 from mars_asp.cli.selection import Selection, add_selection
+from mars_asp.cli.settings import SETTINGS
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, whole_file
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
@@ -123,6 +124,10 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.diff:
             return _show_changes(checked, arguments, status)
     except MarsError as error:
+        of_options = all(each.span.path.startswith("--") for each in error.diagnostics)
+        if of_options and arguments.format in TEXT_FORMATS:
+            report(error.diagnostics, arguments)
+            return error.status
         checked, remarks, status = [], [Result(each) for each in error.diagnostics], error.status
     write_report(checked, remarks, arguments, status)
     return status
@@ -184,6 +189,7 @@ def check(
     selection = Selection(arguments, rules(JUDGING))
     checked = []
     edited: dict[object, tuple[str, bytes]] = {}
+    of_settings: set[Diagnostic] = set()
     for robot in robots(arguments, _each_once(arguments.files)):
         name, *further = robot.paths
         one = Checked(name, tuple(further))
@@ -193,7 +199,10 @@ def check(
                 raise MarsError(robot.problems)
             _check(one, rules, selection, arguments, edited, seen)
         except MarsError as error:
-            one.append_results(map(Result, error.diagnostics))
+            # One settings file is that of many robots.
+            new = (each for each in error.diagnostics if each not in of_settings)
+            one.append_results(map(Result, new))
+            of_settings.update(d for d in error.diagnostics if Path(d.span.path).name in SETTINGS)
             one.status = 2
         one.append_results(map(Result, robot.notes))
     for one in checked:

@@ -44,6 +44,11 @@ _PARTS = frozenset(
     ".c .cc .cpp .cxx .h .hpp .py .rs .java .go .m .xml .yaml .yml .json .toml .md .cmake".split()
 )
 _CONFIGURATION = re.compile(r"(?m)^\s*@(?:configuration|specification|modules)\b")
+#: What a robot may be.
+ROBOTS = (
+    "robots are `.mars` files, packages and launch files of ROS, twist_mux files, "
+    "dataflows of dora, dumps of ROS graphs and URDF documents"
+)
 #: The stages of rules that judge a robot.
 JUDGING = ("resolve", "launch")
 #: Where verbs keep what they read first.
@@ -82,8 +87,12 @@ def check_inputs(*paths: str) -> None:
     """Check that standard input is read for one file alone.
 
     Raises:
-        MarsError: it is asked for twice.
+        MarsError: it is named twice, or a path is empty.
     """
+    if "" in paths:
+        help_text = "name a file or folder; `.` is this folder"
+        empty = Diagnostic("usage", "error", "a path is empty", whole_file("PATH"), help=help_text)
+        raise MarsError([empty])
     if paths.count(STANDARD_INPUT) > 1:
         message = "standard input was read for another file already"
         place = whole_file(STANDARD_INPUT)
@@ -231,6 +240,8 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
     if format == "mars" and arguments.from_format is None and is_part:
         message = f"`{path}` is not a robot by itself"
         help_text = "name the workspace, package or launch file that uses it"
+        if Path(path).suffix.lower() in (".md", ".toml", ".json"):
+            help_text = ROBOTS
         place = whole_file(path)
         raise MarsError([Diagnostic("usage", "error", message, place, help=help_text)])
     return File(path, text, format)
@@ -288,11 +299,7 @@ def _print_settings(arguments: argparse.Namespace, folder: Path) -> None:
 
 def _nothing_in(path: str) -> Diagnostic:
     message = "the folder has nothing to read"
-    help_text = (
-        "robots are `.mars` files, packages and launch files of ROS, twist_mux files, "
-        "dataflows of dora, dumps of ROS graphs and URDF documents"
-    )
-    return Diagnostic("usage", "error", message, whole_file(path), help=help_text)
+    return Diagnostic("usage", "error", message, whole_file(path), help=ROBOTS)
 
 
 class RobotFiles(NamedTuple):

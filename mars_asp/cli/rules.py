@@ -24,8 +24,8 @@ from mars_asp.cli.rules_document import (
     predicate_json,
     predicate_lines,
     predicates_of,
-    rule_document,
     rule_json,
+    rule_source,
     rule_summary,
     safe,
     speaking,
@@ -208,21 +208,20 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
         hint = "`--ignore` hides it." if found.can_be_ignored else "It cannot be ignored."
         return f"## {name}\n\n{found.meaning}\n\n{hint}"
     if isinstance(found, Rule):
-        # Without a message there is nothing else to show.
-        is_whole = with_source or found.because is None
         example = rule_example(found, rulebook)
-        text = rule_document(found, "##") if is_whole else rule_summary(found, "##", example)
+        text = rule_summary(found, "##", example)
+        if with_source or found.because is None:
+            # Without a message there is nothing else to show.
+            text = f"{text}\n\n{rule_source(found, rulebook)}"
         if example is None or not example.trace:
             return text
         return "\n\n".join([text, "In its example:", fenced("\n".join(example.trace), "text")])
     if isinstance(found, Kind):
-        named = (
-            rule_document(rule, "###")
-            if with_source
-            else rule_summary(rule, "###", rule_example(rule, rulebook))
-            for rule in found.rules
-        )
-        return "\n\n".join([*kind_document(found), *named])
+        parts = list(kind_document(found))
+        for rule in found.rules:
+            parts.append(rule_summary(rule, "###", rule_example(rule, rulebook)))
+            parts += [rule_source(rule, rulebook)] if with_source else []
+        return "\n\n".join(parts)
     if isinstance(found, tuple):
         return "\n\n".join(map(predicate_document, found))
     stage, outline = rulebook.outlines[found]
@@ -279,6 +278,8 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
     if action in ("new", "diff") and not what:
         wanted = "the name of a TOPIC" if action == "new" else "the folder of a PACK"
         return f"`{action}` needs {wanted}"
+    if action == "list" and what:
+        return f"`list` takes no name; `rules show {visible(what)}` shows what has that name"
     if arguments.fix and (action != "lint" or not (arguments.rules or what)):
         return "`--fix` has an effect only on `lint` with a pack"
     if arguments.predicates and action != "list":

@@ -1,5 +1,6 @@
 """Rules, predicates and files of rules as pages: what `rules show` and `rules doc` print."""
 
+import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
@@ -23,6 +24,8 @@ from mars_asp.reasoning.rules import BASE, STAGES, seal
 PURPOSES: Mapping[str, str] = {"base": BASE, **STAGES}
 
 #: A hole of a message, with its sort.
+#: A hole that is all of a piece of code.
+_CODED = re.compile(r"`\{([^{}:@]*)[^{}]*\}`")
 _HOLE = re.compile(r"\{([^{}:@]*)[^{}]*\}")
 
 
@@ -109,9 +112,20 @@ def rule_document(rule: Rule, heading: str) -> str:
     return "\n\n".join([*parts, fenced(plain(rule.text), "clingo")])
 
 
+def rule_source(rule: Rule, rulebook: Rulebook) -> str:
+    """Return the lines of a rule in its file, with the comment above it, as a block of code."""
+    texts = dict(zip(rulebook.paths, (text for _, text in rulebook.texts), strict=False))
+    lines = plain(texts.get(rule.span.path, "")).split("\n")[: rule.span.line - 1]
+    above = itertools.takewhile(lambda line: line.startswith("%"), reversed(lines))
+    return fenced("\n".join([*reversed(list(above)), plain(rule.text)]), "clingo")
+
+
 def with_names(text: str | None) -> str | None:
-    """Return a text of a rule with the names of its holes in place of these."""
-    return text and _HOLE.sub(r"\1", text)
+    """Return a text of a rule with names of variables for holes in code, and `...` for others."""
+    if text is None:
+        return None
+    # The end of a word, as of a plural, is left out.
+    return _HOLE.sub("...", re.sub(rf"(?<=\w){_HOLE.pattern}", "", _CODED.sub(r"`\1`", text)))
 
 
 def rule_summary(rule: Rule, heading: str, example: RuleExample | None) -> str:

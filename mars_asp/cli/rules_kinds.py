@@ -9,6 +9,8 @@ from mars_asp.model.declarations import PackKind, node_names
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 
 _OUTPUTS = {"none": "no output: it only listens", "one": "one output", "several": "several outputs"}
+#: The stages of rules that only give sentences of explanations.
+_SENTENCES = frozenset({"account", "absence"})
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,11 @@ def kinds(rulebook: Rulebook) -> dict[str, Kind]:
     found: dict[str, Kind] = {}
     brought = {each.kind: each for each in rulebook.brought if isinstance(each, PackKind)}
     for kind, name in node_names(brought.values()).items():
-        rules = tuple(rule for rule in rulebook.rules if rule.because and _names(rule, kind))
+        rules = tuple(
+            rule
+            for rule in rulebook.rules
+            if rule.because and rule.stage not in _SENTENCES and _names(rule, kind)
+        )
         node = Kind(kind, "node", rules, brought.get(kind), name)
         found |= {kind: node, name: node}
     for kind in consequence_kinds(rulebook):

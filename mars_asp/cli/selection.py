@@ -138,6 +138,10 @@ class Selection:
         self._written: list[Consequence | Diagnostic] = []
         for option in ("select", "ignore"):
             self._check(getattr(arguments, option), _in_option(option))
+        if arguments.write_baseline not in (None, STANDARD_INPUT):
+            from mars_asp.cli.baseline import check_replaceable
+
+            check_replaceable(arguments.write_baseline)
         if arguments.baseline is not None and arguments.write_baseline is None:
             check_inputs(*_inputs(arguments), arguments.baseline)
             self._baseline(arguments.baseline)

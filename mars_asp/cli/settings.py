@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.reading import WallError, check_walls
 from mars_asp.spelling import nearest
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from mars_asp.language.toml_text import Places
 
 _OWN, _SHARED = "mars.toml", "pyproject.toml"
+#: The names of files with settings.
+SETTINGS = (_OWN, _SHARED)
 #: Where our keys are in the file that others share.
 _TABLE = ("tool", "mars-asp")
 #: A key or a header with our name in it.
@@ -103,6 +105,11 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
     Raises:
         MarsError: the file of the settings is wrong.
     """
+    if arguments.isolated and arguments.config is not None:
+        message = "--isolated takes no settings, and --config names some"
+        place = whole_file(arguments.config)
+        problem = Diagnostic("usage", "error", message, place, help="leave out one", excerpt="")
+        raise MarsError([problem])
     if arguments.isolated:
         return NO_SETTINGS
     if arguments.config is None:

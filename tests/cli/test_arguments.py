@@ -55,6 +55,7 @@ def test_the_help_of_a_verb_shows_its_example(
         (["anlyze"], "did you mean `analyze`?"),
         (["Check"], "did you mean `check`?"),
         (["xyzzy"], "one of check, analyse,"),
+        (["check", "--fail-on", "errors"], "did you mean `error`?"),
         (
             ["check", "a.mars", "--quite"],
             "arguments: --quite: did you mean `--quiet`?",

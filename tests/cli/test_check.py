@@ -458,7 +458,58 @@ def test_findings_need_not_count_but_bad_input_does(
     words: list[str], status: int, robots: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_here(["check", *words]) == status
-    assert capsys.readouterr().out
+    output = capsys.readouterr()
+    # Wrong options are not findings.
+    assert output.err.startswith("mars-asp: error: --select") if "no" in words else output.out
+
+
+def test_a_baseline_replaces_no_other_file(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["check", "twice.mars", "--write-baseline"]
+    assert run_here([*words, "clean.mars"]) == 2
+    assert "clean.mars: the file is not a baseline" in capsys.readouterr().out
+    assert (robots / "clean.mars").read_text() == CLEAN
+    (robots / "empty").touch()
+    for name in ("known.json", "known.json", "empty"):
+        assert run_here([*words, name]) < 2
+        assert (robots / name).read_text().startswith('{"format": "mars-baseline"')
+
+
+def test_an_error_of_settings_is_reported_once_for_all_robots(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (robots / "mars.toml").write_text('ignore = ["modul_conflict"]\n')
+    assert run_here(["check", "clean.mars", "twice.mars"]) == 2
+    assert capsys.readouterr().out.count("mars.toml:1:11: error") == 1
+    assert run_here(["check", "clean.mars", "--isolated", "--config", "mars.toml"]) == 2
+    assert "--isolated takes no settings, and --config names some" in capsys.readouterr().out
+
+
+def test_a_word_after_two_dashes_is_a_path(robots: Path) -> None:
+    (robots / "-odd.mars").write_text(CLEAN)
+    assert run_here(["check", "-vq", "--", "-odd.mars", "clean.mars"]) == 0
+
+
+def test_an_empty_path_is_refused(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["check", ""]) == 2
+    assert "a path is empty" in capsys.readouterr().out
+
+
+def test_findings_go_to_a_pipe_that_is_named(robots: Path) -> None:
+    words = ["check", "clean.mars", "--format", "json", "-o", "/dev/stdout"]
+    ended = subprocess.run(
+        [sys.executable, "-m", "mars_asp", *words], capture_output=True, text=True, check=True
+    )
+    assert json.loads(ended.stdout)["format"] == "mars-check"
+
+
+def test_a_package_has_a_note_about_the_rest_of_its_workspace(capsys: pytest.CaptureFixture[str]) -> None:
+    workspace = ROOT / "examples" / "ros2_workspace"
+    assert run_here(["check", str(workspace / "src" / "scout_drive")]) == 0
+    assert "the folder is a part of the workspace" in capsys.readouterr().err
+    assert run_here(["check", str(workspace)]) == 0
+    assert "a part of the workspace" not in capsys.readouterr().err
 
 
 def test_statistics_are_a_line_a_kind(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:

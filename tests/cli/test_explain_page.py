@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from base64 import b64encode
 from collections.abc import Iterator
 from functools import cache
@@ -298,13 +299,15 @@ def test_what_is_too_large_to_be_read_is_left_out(
     assert not any(traces["why"])
 
 
+EXAMPLE = "examples/figure04-divergence"
+
+
 def test_a_page_is_written_as_the_readme_says(tmp_path: Path) -> None:
-    config = (ROOT / "examples" / "level1" / "config.mars").read_bytes()
-    (tmp_path / "config.mars").write_bytes(config)
+    shutil.copytree(ROOT / "examples" / "figure04-divergence", tmp_path / EXAMPLE)
     (command,) = re.findall("^mars-asp explain .* -o .*$", (ROOT / "README.md").read_text(), re.M)
     assert run(command, tmp_path) == ""
     written = (tmp_path / command.split()[-1]).read_text(encoding="utf-8")
-    assert written == run("mars-asp explain config.mars -o -", tmp_path)
+    assert written == run(f"mars-asp explain {EXAMPLE}/config.mars -o -", tmp_path)
 
 
 def page_of(browser: Browser, folder: Path, path: Path, **words: Any) -> None:

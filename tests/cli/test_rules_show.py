@@ -34,10 +34,24 @@ def test_a_rule_is_shown_with_the_values_of_its_example(
     )
     run_here(["rules", "show", "guards/bypass", "--source"])
     shown = capsys.readouterr().out
-    assert (
-        "Who: `C@0; G@1`" in shown
-        and "consequence(guard_bypass, warning, M, past(C, G)) :-" in shown
-    )
+    assert shown.split("\n\n")[1].startswith("`Joy` commands `Base`")
+    assert "%! who:     C@0; G@1\n" in shown
+    assert "consequence(guard_bypass, warning, M, past(C, G)) :-" in shown
+    run_here(["rules", "show", "unused_module", "--source"])
+    shown = capsys.readouterr().out
+    assert shown.count("```clingo") == 4 and "\n\n`B` takes part in no relationship" in shown
+
+
+def test_sentences_of_explanations_show_no_holes(capsys: pytest.CaptureFixture[str]) -> None:
+    run_here(["rules", "show", "account/data/feeds-several"])
+    assert "`S` feeds ... modules, and a source" in capsys.readouterr().out
+    run_here(["explain", "DataSplitter"])
+    assert "account/" not in capsys.readouterr().out
+
+
+def test_a_list_takes_no_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["rules", "list", "guard"]) == 2
+    assert "`rules show guard`" in capsys.readouterr().err
 
 
 def test_a_name_that_is_neither_file_nor_rule_is_a_missing_file(

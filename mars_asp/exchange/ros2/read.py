@@ -1,5 +1,6 @@
 """A ROS workspace, package or launch file as a configuration."""
 
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -148,6 +149,8 @@ def import_ros2(
         trees += robot.trees
         problems += robot.problems
         unread += robot.unread
+        absent = [each.name for each in robot.unread if "not in the workspace" in each.sort]
+        problems += _only_a_part(root, members[0][1], absent)
     for _, document in muxes:
         unread += document.unread
         problems += document.warnings
@@ -166,7 +169,7 @@ def import_ros2(
 
 
 def _by_root(files: Sequence[tuple[str, str]]) -> dict[tuple[Path, bool], list[tuple[str, str]]]:
-    """Return files by the folders of the workspaces in which they lie, as `_root` says."""
+    """Return files by the folders of the workspaces in which they lie, like `_root`."""
     found: dict[tuple[Path, bool], list[tuple[str, str]]] = {}
     for text, path in files:
         found.setdefault(_root(Path(path)), []).append((text, path))
@@ -185,7 +188,11 @@ def _root(path: Path) -> tuple[Path, bool]:
         return path.resolve(), True
     if not path.is_file():
         return _NOWHERE, False
-    folder = path.resolve().parent
+    return _root_of(path.resolve().parent)
+
+
+def _root_of(folder: Path) -> tuple[Path, bool]:
+    """Return the folder for one with a launch file, like `_root`."""
     root = folder
     while not _is_package(root):
         if (root / ".git").exists() or root == root.parent:
@@ -199,6 +206,18 @@ def _root(path: Path) -> tuple[Path, bool]:
         if _is_package(root):
             break
     return root, True
+
+
+def _only_a_part(folder: Path, named: str, absent: Sequence[str]) -> Iterator[Diagnostic]:
+    """Yield the note that files absent from a folder are in the workspace in which it lies."""
+    around, is_deep = _root_of(folder) if absent and Path(named).is_dir() else (folder, False)
+    beside = [each.parent.name for each in around.glob("*/package.xml")] if is_deep else []
+    if around != folder and any(
+        re.search(rf"\b{package}\b", each) for package in map(re.escape, beside) for each in absent
+    ):
+        whole = os.path.relpath(around)
+        message = f"the folder is a part of the workspace `{whole}`; name that to read all of it"
+        yield Diagnostic("launch", "note", message, whole_file(named), kind="launch")
 
 
 def _is_package(folder: Path) -> bool:

@@ -393,7 +393,7 @@ def _asked_atom(
         project.configuration, project.modules
     ):
         raise unapplied(subject, project)
-    known = [*names, *(c.kind for c in analysis.consequences)]
+    known = [*names, *sorted(consequence_kinds(rulebook))]
     if synthesis is not None:
         known += [node.name for node in synthesis.specification.nodes]
     raise absent_subject(subject, project, rulebook, known)
