@@ -105,9 +105,9 @@ def tables() -> Iterator[tuple[str, bytes]]:
     sys.path.insert(0, str(ROOT))
     from mars_asp.asp import cache
     from mars_asp.asp.rules.computed import computations
+    from mars_asp.asp.rules.dependencies import dependencies_of
     from mars_asp.asp.rules.premises import premises_of_rule, read_premises
     from mars_asp.asp.rules.statements import constants_of, statements_of
-    from mars_asp.asp.slice.reach import outlines_of
     from mars_asp.cli.rules_example import table_examples
     from mars_asp.reasoning.facts.vocabulary import given_in
     from mars_asp.reasoning.questions.explain import explain
@@ -118,7 +118,7 @@ def tables() -> Iterator[tuple[str, bytes]]:
     cache.forget(BESIDE / "none")
     whole = load_rulebook(stages=STAGES)
     texts = [rule.text for rule in whole.rules]
-    for make in (statements_of, outlines_of, constants_of, computations):
+    for make in (statements_of, dependencies_of, constants_of, computations):
         make(texts)
     for _, text in whole.texts:
         read_premises(text)
@@ -130,13 +130,7 @@ def tables() -> Iterator[tuple[str, bytes]]:
         given_in(whole, stage)
     rulebook = load_rulebook(stages=("resolve", "account"))
     for project in samples():
-        # What of a rule is open differs between what is explained alone and with all else.
-        consequences = explain(Reasoner(project, rulebook), only="consequences").topics
-        synthesis = explain(Reasoner(project, rulebook)).synthesis
-        nodes = synthesis.specification.nodes if synthesis is not None else ()
-        subjects = [topic.title for topic in consequences] + [node.name for node in nodes]
-        for subject in subjects:
-            explain(Reasoner(project, rulebook), subject)
+        explain(Reasoner(project, rulebook))
     yield from cache.written()
     # Of the examples, their sentences are enough: the case is not in the wheel.
     cache.forget(BESIDE / "none")

@@ -25,19 +25,18 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache signature fragments units solve rules lint messages cases slice trace program",
+    "asp": "cache signature fragments units solve rules lint messages cases trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (
-        "gate trees statements rule premises binding computed expansions checks symbols "
-        "arithmetic outline declarations metadata externals read program_files namespaces "
+        "gate trees statements dependencies rule premises binding computed expansions checks "
+        "symbols arithmetic outline declarations metadata externals read program_files namespaces "
         "rulebook consistency"
     ),
     "asp/lint": (
         "clauses found values orders graph catalogue sorts variables bodies keys aggregates "
         "recursion joins predicates copies messages roles arithmetic names allow"
     ),
-    "asp/slice": "magic reach shapes linked seen portions",
     "asp/trace": (
         "firings scope sentences tree absence_text counted counting_rules given heights "
         "literal_order patterns premise_order dominators firing_rules text document "
@@ -67,7 +66,7 @@ FILES = {
     ),
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
-        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index parts "
+        "identifiers ends rates loose_ends ports closed_walks compile vocabulary "
         "motion descriptions launched otherwise"
     ),
     "reasoning/synthesis": (
@@ -77,7 +76,7 @@ FILES = {
     "reasoning/questions": (
         "unrealised sharing account capability needs subject stated asked alternatives "
         "annotation_edits changes "
-        "behind evidence islands sayings counted preceding vicinity blame edits explain "
+        "connected blame edits explain "
         "launch_trees diff failed_value near_miss repair fix why_not absences without"
     ),
     "exchange": (

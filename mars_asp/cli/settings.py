@@ -105,7 +105,7 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
     Raises:
         MarsError: the file of the settings is wrong.
     """
-    if arguments.isolated and arguments.config is not None:
+    if arguments.isolated and vars(arguments).get("config") is not None:
         message = "--isolated takes no settings, and --config names some"
         place = whole_file(arguments.config)
         problem = Diagnostic("usage", "error", message, place, help="leave out one", excerpt="")

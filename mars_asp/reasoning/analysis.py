@@ -100,8 +100,7 @@ class Consequence:
 class Analysis:
     """What the rules derive from facts.
 
-    Consequences are read from the grounding when somebody asks, as not every question does. With
-    a `subject`, only those that it names are.
+    Consequences are read from the grounding on the first use, as not every question needs them.
 
     >>> analysis = load("examples/level0/config.mars").analyse()
     >>> analysis.has_errors, len(analysis.consequences)
@@ -115,7 +114,6 @@ class Analysis:
     speakers: tuple[Rule, ...]
     #: Where a consequence is placed that concerns no line.
     configuration: Span
-    subject: str | None = None
     #: What rules say of the places of findings, where it was asked for.
     labelled: tuple[tuple[Rule, Label], ...] = ()
 
@@ -141,14 +139,12 @@ def analyse(
     facts: Iterable[Fact],
     rulebook: Rulebook,
     configuration: Span,
-    subject: str | None = None,
     with_labels: bool = False,
 ) -> Analysis:
     """Ground the rules over facts.
 
-    `configuration` is where a consequence is placed that concerns no line; `subject`, as in
-    `data_divergence(Camera)` or the whole atom, is what alone will be read. `with_labels` is for
-    those who show the places of findings, with what the rules say of each.
+    `configuration` is the location of a consequence that concerns no line. `with_labels` adds the
+    sentences of the rules about each location of a finding.
 
     Raises:
         MarsError: clingo refuses the rules, or rule packs leave no answer or give a severity that
@@ -178,9 +174,8 @@ def analyse(
     check_packs(grounding.control, rulebook, text, "consequence/4")
     if rulebook.packs:
         check_decided(grounding.control, _STAGE, speakers)
-    # Also where a slice of packs does not count them.
     check_severities(said(grounding.control, _STAGE, speakers))
-    return Analysis(grounding, facts, speakers, configuration, subject, labelled)
+    return Analysis(grounding, facts, speakers, configuration, labelled)
 
 
 def _labelled(speakers: Iterable[Rule]) -> Iterator[tuple[Rule, Label]]:
@@ -207,10 +202,8 @@ def read_consequences(
     Without `participants` nobody reads who takes part in each, without `notes` those are left out
     that neither warn nor stop.
     """
-    control, subject = analysis.grounding.control, analysis.subject
+    control = analysis.grounding.control
     first = _first_said(analysis)
-    if subject is not None:
-        first = {head: told for head, told in first.items() if _is_named(head, subject)}
     if not notes:
         first = {head: told for head, told in first.items() if arguments(head)[1] != _NOTE}
     keys = {head: _key(arguments(head)) for head in first}
@@ -338,11 +331,6 @@ def _first_said(analysis: Analysis) -> dict[TermId, Said]:
         if (told.number, as_symbol(told.values)) < (rival.number, as_symbol(rival.values)):
             first[told.head] = told
     return first
-
-
-def _is_named(head: TermId, subject: str) -> bool:
-    kind, _, about, _ = as_symbol(head).arguments
-    return subject in (f"{kind}({shown(about)})", str(as_symbol(head)))
 
 
 def _key(parts: Sequence[TermId]) -> Key:

@@ -4,11 +4,10 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mars_asp.asp.signature import Signature, plain
+from mars_asp.asp.signature import plain
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, whole_file
 from mars_asp.language import Parsed, parse_text
@@ -29,9 +28,6 @@ from mars_asp.model.ports import inputs, outputs
 from mars_asp.output import brief_repr, encodable
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
-from mars_asp.reasoning.facts.index import Lookup
-from mars_asp.reasoning.facts.parts import Parts
-from mars_asp.reasoning.facts.vocabulary import Vocabulary
 from mars_asp.reasoning.includes import (
     described_twice,
     instances,
@@ -305,25 +301,6 @@ def port_names(project: Project, module: str | None = None) -> Mapping[str, tupl
     told = [(text, each.module, each.port) for text, each in ends.outputs.items()]
     told += [(text, each.module, each.port) for text, each in ends.entries.items()]
     return named | {text: (name, port) for text, name, port in told if module in (None, name)}
-
-
-def project_lookup(project: Project, wanted: Set[str], vocabulary: Vocabulary) -> Lookup:
-    """Return the facts of a project of predicates `wanted`, to be made as they are looked for."""
-    frames = partial(_frame_facts, project)
-    attributes = tuple(fact for fact in _attributes(project) if fact.atom.name in wanted)
-    return Lookup(project.configuration, project.modules, wanted, vocabulary, frames, attributes)
-
-
-def project_parts(
-    project: Project,
-    wanted: Set[str],
-    vocabulary: Vocabulary,
-    everywhere: Mapping[Signature, Sequence[int]],
-) -> Parts:
-    """Return what tells the facts about parts of a project, some of them everywhere."""
-    frames = partial(_frame_facts, project)
-    configuration, modules = project.configuration, project.modules
-    return Parts(configuration, modules, vocabulary, everywhere, frames, wanted)
 
 
 def identified(attribute: Fact) -> Atom:

@@ -18,7 +18,7 @@ from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.project import Project, project_facts, with_brought
 from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.synthesis import Derived, Introduced
+from mars_asp.reasoning.synthesis import Derived
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 
 if TYPE_CHECKING:
@@ -30,16 +30,14 @@ if TYPE_CHECKING:
 class Evidence:
     """What questions are answered from: rules, facts, and what follows from these.
 
-    `resolution` is what was chosen on top of that, `None` where nothing was or can be; `derived`
-    follows from it. Where it was chosen for a part of a configuration alone, `introduced` are the
-    nodes of that.
+    `resolution` is chosen on top of that, `None` where nothing was or can be; `derived` follows
+    from it.
     """
 
     rulebook: Rulebook
     facts: Sequence[Fact]
     analysis: Analysis
     resolution: Resolution | None = None
-    introduced: Introduced | None = None
     derived: Derived | None = None
 
     @cached_property

@@ -210,8 +210,8 @@ def written_cost(
 
 def _judged(rulebook: Rulebook) -> frozenset[str]:
     """Return the predicates of a configuration of which a specification gives facts, too."""
-    base = {each.signature for each in given_in(rulebook, "base")}
-    judged = (each.signature for each in given_in(rulebook, "verify"))
+    base = set(given_in(rulebook, "base"))
+    judged = given_in(rulebook, "verify")
     given = (each._replace(name=each.name.removeprefix(_OF_SPECIFICATION)) for each in judged)
     return frozenset(each.name for each in given if each in base)
 

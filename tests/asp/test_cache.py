@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from mars_asp.asp import cache
 from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.computed import computations
+from mars_asp.asp.rules.dependencies import dependencies_of
 from mars_asp.asp.rules.statements import Statement, constants_of, statements_of
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.slice.reach import outlines_of
 from mars_asp.diagnostic import Diagnostic, point
 
 FACT = "reach(X) :- start(X)."
@@ -158,7 +158,7 @@ def test_what_is_no_value_of_ours_is_refused() -> None:
             cache._Packer().packed(value)
 
 
-@pytest.mark.parametrize("make", [statements_of, outlines_of, constants_of, computations])
+@pytest.mark.parametrize("make", [statements_of, dependencies_of, constants_of, computations])
 def test_what_is_made_of_rules_comes_back(make: object, tables: Path) -> None:
     assert callable(make)
     rules = [FACT, "{ a(X) : b(X,Y), not c(Y) } :- d(X+Y,f(Z),Z), X = #sum { W,V : e(V,W*X) }."]

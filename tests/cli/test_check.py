@@ -504,7 +504,9 @@ def test_findings_go_to_a_pipe_that_is_named(robots: Path) -> None:
     assert json.loads(ended.stdout)["format"] == "mars-check"
 
 
-def test_a_package_has_a_note_about_the_rest_of_its_workspace(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_package_has_a_note_about_its_workspace(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     workspace = ROOT / "examples" / "ros2_workspace"
     assert run_here(["check", str(workspace / "src" / "scout_drive")]) == 0
     assert "the folder is a part of the workspace" in capsys.readouterr().err

@@ -17,7 +17,6 @@ from mars_asp.model.attributes import Attribute, Attributed
 from mars_asp.model.declarations import Configuration, Module, Name
 from mars_asp.model.names import quoted
 from mars_asp.reasoning.project import load_project, project_facts
-from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT
@@ -153,17 +152,6 @@ def test_blocks_with_attributes_read_back(said: list[Attribute]) -> None:
     read = read_blocks("config.mars", print_module(module))
     assert read.diagnostics == ()
     assert meaning(read.modules) == meaning((module,))
-
-
-def test_a_question_sees_the_facts_that_the_whole_robot_has() -> None:
-    reasoner = Reasoner(
-        load_project("tests/attributes/includes.mars"), load_rulebook([FOLDER / "pack"])
-    )
-    whole = {str(each.atom) for each in reasoner.analysis.consequences if each.kind == "late"}
-    evidence = sliced_evidence(reasoner, "late(left/Brake)")
-    assert evidence is not None
-    assert {str(each.atom) for each in evidence.analysis.consequences} == whole
-    assert whole == {'consequence(late,warning,"left/Brake",80)'}
 
 
 def test_traces_cite_the_annotation(capsys: pytest.CaptureFixture[str]) -> None:

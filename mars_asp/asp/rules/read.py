@@ -39,7 +39,7 @@ from mars_asp.asp.rules.statements import (
     statements_of,
 )
 from mars_asp.asp.signature import Signature
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
 
 class RuleFile(NamedTuple):
@@ -289,7 +289,7 @@ def _wrong_rules(
     for file in space.files if reader.stage in contract.choosing else ():
         if file.stage == reader.stage:
             found_costs = costs(file.text)
-            whole = whole_file(file.shown)
+            whole = point(file.shown, 1, 1)
             yield from costs_too_high(found_costs, contract, file.shown)
             yield from unknown_predicates(found_costs, reader, sealed, contract, whole)
 

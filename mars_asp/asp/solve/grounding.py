@@ -270,27 +270,7 @@ class Grounding:
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         with self._choosing(program):
-            return self._least(COST_LEVEL, deadline, progress, {})
-
-    def resolve_unnamed(
-        self, program: Sequence[Fragment], deadline: float | None, known: dict[Component, Optimum]
-    ) -> tuple[Resolution, Sequence[Part]]:
-        """Ground rules that choose, and find their least answer; return the ties in it, too.
-
-        Those are components of which several answers are least at every level, so that names choose
-        one. While there are none, components that differ in the order of their names alone are
-        equal. `known` are optima found before, to which those found here are added; `deadline`, and
-        what is raised, are as in `resolve`.
-        """
-        with self._choosing(program):
-            names, self._names = self._names, {}
-            resolution = self._least(None, deadline, None, known)
-            self._names = names
-            ties = [part for part in self.parts if part.best.count != 1]
-            if ties:
-                self.parts = []
-                resolution = self._least(None, deadline, None, known)
-            return resolution, ties
+            return self._least(COST_LEVEL, deadline, progress)
 
     @contextmanager
     def _choosing(self, program: Sequence[Fragment]) -> Iterator[None]:
@@ -335,7 +315,7 @@ class Grounding:
             if not is_fact
         }
         self._program.projected.update(self._names)
-        return self._least(None, deadline, None, {}, counting)
+        return self._least(None, deadline, None, counting)
 
     def _assign(self, externals: Mapping[clingo.Symbol, bool | None]) -> None:
         """Give externals their values, in the solver and in the program that is cut."""
@@ -356,11 +336,11 @@ class Grounding:
         counted: int | None,
         deadline: float | None,
         progress: Callable[[int, int], None] | None,
-        known: dict[Component, Optimum],
         counting: bool = True,
     ) -> Resolution:
         """Find the least answer; those are counted that cost the same at levels from `counted`."""
         parts = partition(self._program, self._names)
+        known: dict[Component, Optimum] = {}
         for component, _ in parts.components:
             check_costs(component)
         cost = dict(parts.constant)
@@ -453,10 +433,6 @@ class Grounding:
         if not best.cost:
             return "free"
         return "equal" if has_without(component, atom, best.cost) else "dearer"
-
-    def telling(self, part: Part) -> Iterator[TermId]:
-        """Yield the atoms that tell the answers of a component apart."""
-        return (self._names[atom] for atom in part.atoms if atom in self._names)
 
     def part_of(self, symbol: clingo.Symbol) -> Part | None:
         """Return the component in which an atom is open; `None` where the rules decide it."""

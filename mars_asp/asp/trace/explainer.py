@@ -6,10 +6,10 @@ from types import MappingProxyType
 
 import clingo
 
+from mars_asp.asp.rules.dependencies import dependencies_of, reachable_rules
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.slice.reach import outlines_of, reachable_rules
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms, state
 from mars_asp.asp.trace.firing_rules import QUESTION, Rewriter, asking_name
 from mars_asp.asp.trace.firings import Firing, read_firings
@@ -67,7 +67,7 @@ class Explainer:
             asked.setdefault(asking_name(name), []).append(term)
             firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
         told = {name: frozenset(map(_text, terms)) for name, terms in firsts.items()}
-        rules = outlines_of(rule.text for rule in self.rules)
+        rules = dependencies_of(rule.text for rule in self.rules)
         numbers = reachable_rules(rules, told, self._present(), self._rulebook.replaced)
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
 

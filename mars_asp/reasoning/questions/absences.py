@@ -18,8 +18,8 @@ from mars_asp.reasoning.analysis import read_consequences
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.questions.asked import at_module
 from mars_asp.reasoning.questions.blame import reasons
+from mars_asp.reasoning.questions.connected import BY_TYPE, connected_part
 from mars_asp.reasoning.questions.explain import Sort
-from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.questions.why_not import (
     RESOLVES,
     circles,
@@ -71,7 +71,7 @@ def absences(
     names = frozenset(modules)
     unknown: frozenset[str] = frozenset()
     if len(names) < len(reasoner.project.configuration.modules) and not reasoner.rulebook.packs:
-        part, _ = vicinity(reasoner.project, names, True)
+        part = connected_part(reasoner.project, names)
         reasoner = Reasoner(part, reasoner.rulebook, reasoner.budget)
         unknown = BY_TYPE
     if not names or len(reasoner.project.configuration.modules) > MOST_MODULES:

@@ -39,8 +39,6 @@ STAGE = "account"
 ACCOUNT = Signature("account", 6)
 #: What something is ordered by: numbers first, then modules, then others.
 _Order: TypeAlias = tuple[tuple[int, int, str], ...]
-#: Which things a consequence concerns, by kind, subject and case.
-CONCERNS = Signature("concerns", 4)
 #: How functions would be made up without a motion or mount, and the modules that have them.
 OTHERWISE = Signature("made_otherwise", 3)
 _BORROWS, _EMERGENT = Signature("borrows", 4), Signature("emergent", 2)
@@ -74,10 +72,6 @@ class Account:
     cites: tuple[Cited, ...]
     notes: tuple[str, ...]
     rules: tuple[str, ...] = ()
-
-
-class UnnamedNodeError(Exception):
-    """A sentence names a node of which the name is not known."""
 
 
 @dataclass(frozen=True)
@@ -173,10 +167,7 @@ class Names:
         return f"{plain(shown)} Hz ({words})"
 
     def _node(self, node: clingo.Symbol) -> str:
-        name = self.nodes.get(str(node))
-        if name is None:
-            raise UnnamedNodeError
-        return name
+        return self.nodes[str(node)]
 
 
 #: How terms of one argument are written, by their names.
@@ -268,7 +259,6 @@ def told(
 
     Raises:
         MarsError: clingo refuses a rule.
-        UnnamedNodeError: a sentence names a node that has no name.
     """
     telling = [rule for rule in rules if ACCOUNT in rule.heads]
     read = reads(rules).union(*(rule.reads | rule.heads for rule in deciding))
@@ -394,10 +384,7 @@ def told_of(
         given |= _otherwise(project, atoms_of)
     keys = list(map(key_of, things))
     found = told(rules, deciding, lambda read: {**atoms_of(read), **given}, names, set(keys))
-    concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
-    return [
-        _told(thing, key, found, names, concerned) for thing, key in zip(things, keys, strict=True)
-    ]
+    return [_told(thing, key, found, names) for thing, key in zip(things, keys, strict=True)]
 
 
 def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence[TermId]]:
@@ -423,7 +410,6 @@ def _told(
     key: Key,
     found: Told,
     names: Names,
-    concerned: Mapping[Key, Sequence[TermId]] | None,
 ) -> tuple[Account, str | None]:
     account = found.accounts.get(key, Account(None, (), ()))
     if isinstance(thing, Node):
@@ -436,21 +422,8 @@ def _told(
         return account, found.rules.get(key[1])
     if account.answer and account.cites:
         return account, thing.rule.id
-    spans: Iterable[Span] = thing.spans
-    if concerned is not None:
-        things = concerned.get(key, ())
-        spans = sorted(set(map(names.place, things))) or [names.configuration]
-    cites = account.cites or tuple(Cited(span, names.where(span), "") for span in spans)
+    cites = account.cites or tuple(Cited(span, names.where(span), "") for span in thing.spans)
     return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
-
-
-def _concerned(evidence: Evidence) -> Mapping[Key, Sequence[TermId]]:
-    """Return what consequences concern; a part of the facts does not say where that is."""
-    found: dict[Key, list[TermId]] = {}
-    for atom in atoms(evidence.analysis.grounding.control, *CONCERNS):
-        kind, subject, case, thing = arguments(atom)
-        found.setdefault((kind, subject, case), []).append(thing)
-    return found
 
 
 def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:

@@ -21,16 +21,9 @@ from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.described import described_modules
 from mars_asp.output import brief_repr
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
-from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, port_names
-from mars_asp.reasoning.questions.account import (
-    Account,
-    UnnamedNodeError,
-    told_of,
-)
-from mars_asp.reasoning.questions.evidence import sliced_evidence
-from mars_asp.reasoning.questions.preceding import preceding_evidence
+from mars_asp.reasoning.questions.account import Account, told_of
 from mars_asp.reasoning.questions.subject import (
     absent_subject,
     quoted,
@@ -41,7 +34,7 @@ from mars_asp.reasoning.questions.subject import (
 )
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.session import Evidence, Reasoner
-from mars_asp.reasoning.synthesis import Introduced, Node
+from mars_asp.reasoning.synthesis import Node, Specification
 from mars_asp.reasoning.synthesis.synthesise import (
     Synthesis,
     is_resolved,
@@ -140,44 +133,22 @@ def explain(
 def _explained(
     reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None, traced: bool
 ) -> Explanation:
+    project = reasoner.project
     if subject is not None and only is not None:
-        _check_module(subject, reasoner.project, only)
-    elif subject is not None and not reasoner.is_resolved:
-        absent: MarsError | None = None
-        for find in (sliced_evidence, preceding_evidence):
-            # What a part refuses, the whole says with all that is wrong, if it is.
-            # Of a part, nodes of some kinds have no names.
-            with contextlib.suppress(MarsError, UnnamedNodeError):
-                part = find(reasoner, subject)
-                if part is None:
-                    continue
-                chosen = _consequences(part, reasoner.project, subject, None)
-                if not chosen and _is_consequence(subject, reasoner.rulebook):
-                    absent = absent_subject(subject, reasoner.project, reasoner.rulebook, ())
-                    break
-                asked = _asked(reasoner.project, part, None, subject, None, chosen, traced)
-                nodes = () if part.introduced is None else part.introduced.nodes
-                topics = _topics(reasoner.project, part, nodes, asked, every, traced)
-                return Explanation(subject, topics, part.analysis, None)
-        if absent is not None:
-            raise absent
-    return _explain_whole(reasoner, subject, every, only, traced)
-
-
-def _explain_whole(
-    reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None, traced: bool
-) -> Explanation:
+        _check_module(subject, project, only)
     evidence = reasoner.evidence(resolved=False)
-    chosen = _consequences(evidence, reasoner.project, subject, only)
+    chosen = _consequences(evidence, project, subject, only)
+    if subject is not None and not chosen and _is_consequence(subject, reasoner.rulebook):
+        raise absent_subject(subject, project, reasoner.rulebook, ())
     resolving = only != "consequences" and (not chosen or not _is_kind(chosen, subject))
     if resolving:
         evidence = reasoner.evidence(resolved=True)
     synthesis = reasoner.synthesis if resolving else None
-    asked = _asked(reasoner.project, evidence, synthesis, subject, only, chosen, traced)
+    asked = _asked(project, evidence, synthesis, subject, only, chosen, traced)
     # Of thousands of consequences no more is needed, and their traces take as much memory.
     del chosen
     nodes = () if synthesis is None else synthesis.specification.nodes
-    topics = _topics(reasoner.project, evidence, nodes, asked, every, traced)
+    topics = _topics(project, evidence, nodes, asked, every, traced)
     return Explanation(subject, topics, evidence.analysis, synthesis)
 
 
@@ -190,26 +161,26 @@ def _asked(
     chosen: Sequence[Consequence],
     traced: bool,
 ) -> list[_Asked]:
-    """Return what a subject names: consequences, nodes, or an atom.
+    """Return the things that a subject names: consequences, nodes, or an atom.
 
-    Consequences are those `chosen`, nodes those of the `synthesis` or, of a part, its own.
+    Consequences are those `chosen`, nodes those of the `synthesis`.
 
     Raises:
         MarsError: it names nothing.
     """
-    introduced = evidence.introduced if synthesis is None else synthesis.specification
+    specification = None if synthesis is None else synthesis.specification
     asked: list[_Asked] = []
     if only != "nodes":
         asked += [_Asked(f"{c.kind}({c.subject})", c.atom, c) for c in chosen]
-    if only != "consequences" and introduced is not None:
+    if only != "consequences" and specification is not None:
         asked += [
             _Asked(
-                _node_title(node, introduced),
+                _node_title(node, specification),
                 _node_atom(node, evidence, synthesis) if traced else None,
                 node,
-                tuple(introduced.resolves[node.name]),
+                tuple(specification.resolves[node.name]),
             )
-            for node in _nodes(introduced, subject, chosen)
+            for node in _nodes(specification, subject, chosen)
         ]
     if not asked and subject is not None:
         if only is not None:
@@ -264,7 +235,7 @@ def _is_consequence(subject: str, rulebook: Rulebook) -> bool:
     """Whether a subject names a consequence, there or not, and no atom called as its kind is."""
     kind, bracket, _ = subject.partition("(")
     heads = (head.name for rule in rulebook.rules for head in rule.heads)
-    known = {*heads, *(each.name for each in vocabulary(rulebook).connected)}
+    known = {*heads, *(each.name for each in rulebook.declarations)}
     return bool(bracket) and kind in consequence_kinds(rulebook) and kind not in known
 
 
@@ -319,8 +290,6 @@ def _consequences(
         return ()
     if subject is None:
         return read_consequences(evidence.analysis, participants=False)
-    if evidence.analysis.subject is not None:
-        return evidence.analysis.consequences
     # What concerns a port concerns its module.
     asked = {subject, *port_names(project, subject)}
     return tuple(
@@ -332,15 +301,17 @@ def _consequences(
 
 
 def _nodes(
-    introduced: Introduced, subject: str | None, chosen: Sequence[Consequence]
+    specification: Specification, subject: str | None, chosen: Sequence[Consequence]
 ) -> tuple[Node, ...]:
     if subject is None:
-        return introduced.nodes
-    named = tuple(node for node in introduced.nodes if subject in (node.name, _converter_of(node)))
+        return specification.nodes
+    named = tuple(
+        node for node in specification.nodes if subject in (node.name, _converter_of(node))
+    )
     if named:
         return named
     reasons = {f"{c.kind}({c.subject})" for c in chosen}
-    return tuple(n for n in introduced.nodes if reasons & set(introduced.resolves[n.name]))
+    return tuple(n for n in specification.nodes if reasons & set(specification.resolves[n.name]))
 
 
 def _converter_of(node: Node) -> str | None:
@@ -356,8 +327,8 @@ def _node_atom(node: Node, evidence: Evidence, synthesis: Synthesis | None) -> c
     return clingo.Function("spec_node", [term, clingo.Function(node.kind)])
 
 
-def _node_title(node: Node, introduced: Introduced) -> str:
-    resolves = introduced.resolves[node.name]
+def _node_title(node: Node, specification: Specification) -> str:
+    resolves = specification.resolves[node.name]
     return f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
 
 

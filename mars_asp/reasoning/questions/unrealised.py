@@ -1,7 +1,5 @@
 """The errors that leave a configuration without a specification, and a sentence with them."""
 
-from dataclasses import replace
-
 from mars_asp.output import listing
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 
@@ -12,10 +10,9 @@ _MOST_NAMED = 3
 def obstacles(analysis: Analysis) -> tuple[Consequence, ...]:
     """Return the findings that prevent each specification, by location."""
     prevented = {tuple(atom.arguments) for atom in analysis.grounding.symbols("prevents", 3)}
-    whole = replace(analysis, subject=None)
     return tuple(
         each
-        for each in read_consequences(whole, participants=False, notes=False)
+        for each in read_consequences(analysis, participants=False, notes=False)
         if (each.atom.arguments[0], *each.atom.arguments[2:]) in prevented
     )
 

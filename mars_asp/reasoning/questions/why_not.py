@@ -22,15 +22,14 @@ from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import node_names
 from mars_asp.output import brief_repr, listing
 from mars_asp.reasoning.analysis import Analysis, read_consequences
-from mars_asp.reasoning.findings import CONSEQUENCE, kinds_of
+from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.asked import RELATIONSHIPS, Question, Vocabulary, at_module
 from mars_asp.reasoning.questions.blame import Blame, blame
+from mars_asp.reasoning.questions.connected import BY_TYPE, connected_part
 from mars_asp.reasoning.questions.near_miss import near_miss
-from mars_asp.reasoning.questions.preceding import is_realised
 from mars_asp.reasoning.questions.subject import spaced_subjects
 from mars_asp.reasoning.questions.unrealised import unrealised
-from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis.exclusion import NoSpecificationError, excluded
 from mars_asp.reasoning.synthesis.synthesise import (
@@ -43,8 +42,6 @@ from mars_asp.reasoning.synthesis.synthesise import (
 _INSERTED = Signature("inserted", 2)
 #: What a node of a kind may be there for, where its atom names no module.
 RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "control_divergence"}
-#: Kinds for which what is far away from a module counts as well.
-_FAR = frozenset({"data_cycle", "control_cycle", "short_hold"})
 #: The relationships of circles, which are reported for the module that they begin with alone.
 _CIRCLES = {"data_cycle": "data", "control_cycle": "control"}
 #: The kinds of consequences and nodes that atoms of rules are about, by their first argument.
@@ -125,14 +122,9 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     found = _answer(near, question, depth)
     is_local = found.present and question.is_node and near is not reasoner
     # Something elsewhere may stand against every specification.
-    if is_local and not _is_realised(reasoner):
+    if is_local and is_unresolvable(reasoner.analysis):
         found = _answer(reasoner, question, depth)
     return replace(found, subject=plain(subject), answer=plain(found.answer))
-
-
-def _is_realised(reasoner: Reasoner) -> bool:
-    realised = is_realised(reasoner)
-    return not is_unresolvable(reasoner.analysis) if realised is None else realised
 
 
 def _near(reasoner: Reasoner, question: Question) -> Reasoner:
@@ -148,18 +140,8 @@ def _near(reasoner: Reasoner, question: Question) -> Reasoner:
         return reasoner
     ports = port_names(reasoner.project)
     names = frozenset(ports[name][0] if name in ports else name for name in names)
-    rulebook, budget = reasoner.rulebook, reasoner.budget
-    part, is_whole = vicinity(
-        reasoner.project, names, question.kind is None or question.kind in _FAR
-    )
-    near = Reasoner(part, rulebook, budget)
-    if not is_whole and question.kind == "control_splitter":
-        divergence = (clingo.Function("control_divergence"), clingo.String(question.module or ""))
-        atoms = near.analysis.grounding.symbols(*CONSEQUENCE[:2])
-        if any((each.arguments[0], each.arguments[2]) == divergence for each in atoms):
-            # Which arbiters are shared is decided for all that is connected.
-            return Reasoner(vicinity(reasoner.project, names, True)[0], rulebook, budget)
-    return near
+    part = connected_part(reasoner.project, names)
+    return Reasoner(part, reasoner.rulebook, reasoner.budget)
 
 
 def _answer(reasoner: Reasoner, question: Question, depth: int) -> WhyNot:

@@ -2,14 +2,12 @@
 
 from mars_asp.reasoning.synthesis.derived import Derived
 from mars_asp.reasoning.synthesis.draft import Draft, Node
-from mars_asp.reasoning.synthesis.specify import Introduced, Specification, introduce, specify
+from mars_asp.reasoning.synthesis.specify import Specification, specify
 
 __all__ = [
     "Derived",
     "Draft",
-    "Introduced",
     "Node",
     "Specification",
-    "introduce",
     "specify",
 ]

@@ -1,6 +1,5 @@
 """A specification while it is written: nodes get names, lines get their order."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, text
@@ -102,14 +101,6 @@ class Draft:
             for line, number in zip(ordered, free, strict=False):
                 named[id(line)] = replace(line, client_port=f"input{number}")
         self.lines = [named.get(id(line), line) for line in self.lines]
-
-    def pass_over(self, counts: Mapping[str, int], name: str) -> bool:
-        """Count nodes by kind that are not written here, unless one of them would have a name."""
-        before = dict(self._next)
-        if name not in [self._free_name(kind) for kind, n in counts.items() for _ in range(n)]:
-            return True
-        self._next = before
-        return False
 
     def _conversion(self, node: TermId, name: str, derived: Derived) -> Conversion | None:
         """Return what a transformer does: in the words of its annotation, where it has one."""

@@ -6,7 +6,6 @@ order, as in the figures of the paper.
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import islice
 
 from mars_asp.model.declarations import (
     Configuration,
@@ -28,23 +27,16 @@ from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
 
 @dataclass(frozen=True)
-class Introduced:
-    """Nodes that were introduced, and what each resolves, by its name."""
+class Specification:
+    """A configuration's resolution: the printed text, the nodes and what each resolves, by name."""
 
     nodes: tuple[Node, ...]
     resolves: Mapping[str, tuple[str, ...]]
-
-
-@dataclass(frozen=True)
-class Specification(Introduced):
-    """A configuration's resolution: what is printed, and the nodes."""
-
     configuration: Configuration
 
 
-def introduce(draft: Draft, derived: Derived, relationships: Iterable[Relationship]) -> Introduced:
-    """Write relationships as `rules/specify` says; return the new nodes."""
-    before = len(draft.nodes)
+def _write(draft: Draft, derived: Derived, relationships: Iterable[Relationship]) -> None:
+    """Write relationships and the nodes between them, as derived by `rules/specify`."""
     places = draft.places(derived)
     data, control = DataLines(draft, derived, places), ControlLines(draft, derived, places)
     for relationship in relationships:
@@ -55,17 +47,15 @@ def introduce(draft: Draft, derived: Derived, relationships: Iterable[Relationsh
                 control.write(relationship)
             case Mount():
                 draft.lines.append(relationship)
-    new = dict(islice(draft.nodes.items(), before, None))
-    resolves = {node.name: derived.resolved.get(term, ()) for term, node in new.items()}
-    return Introduced(tuple(new.values()), resolves)
 
 
 def specify(project: Project, derived: Derived) -> Specification:
     """Build the specification that the rules derived."""
     configuration, draft = project.configuration, Draft(project)
-    introduced = introduce(draft, derived, configuration.relationships)
+    _write(draft, derived, configuration.relationships)
     draft.name_positions()
-    nodes = introduced.nodes
+    nodes = tuple(draft.nodes.values())
+    resolves = {node.name: derived.resolved.get(term, ()) for term, node in draft.nodes.items()}
     # A specification that needs no more nodes stays in the order in which it is written.
     stays = configuration.kind == "specification" and not nodes
     names = tuple(Name(node.name, configuration.span) for node in nodes)
@@ -83,7 +73,7 @@ def specify(project: Project, derived: Derived) -> Specification:
     )
     every = {**project.modules, **{module.name: module for module in configuration.declared}}
     printed = replace(printed, stand_ins=(*printed.stand_ins, *_stand_ins(nodes, printed, every)))
-    return Specification(nodes, introduced.resolves, printed)
+    return Specification(nodes, resolves, printed)
 
 
 def _at_arbiters(

@@ -7,7 +7,7 @@ import pytest
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions import absences as asked
 from mars_asp.reasoning.questions.absences import Absence, absences
-from mars_asp.reasoning.questions.vicinity import BY_TYPE
+from mars_asp.reasoning.questions.connected import BY_TYPE
 from mars_asp.reasoning.questions.why_not import why_not
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner

@@ -1,4 +1,4 @@
-"""Which rules a question can reach: those behind what it asks for, and what they read.
+"""The rules that an atom can depend on: those that derive it, and all that these read.
 
 A rule with a premise of which no atom holds cannot have fired.
 """
@@ -13,8 +13,8 @@ from mars_asp.asp.rules.statements import Statement, constants, statements
 from mars_asp.asp.signature import Signature
 
 
-class Outline(NamedTuple):
-    """What decides whether a question reaches a rule without pools: what it derives and reads.
+class Dependencies(NamedTuple):
+    """The predicates that a rule without pools derives and reads.
 
     `heads` are the names of the predicates in its head, each with the first argument where that is
     a constant; `needs` are those of the predicates without which it cannot fire; `constants` those
@@ -28,36 +28,37 @@ class Outline(NamedTuple):
     constants: frozenset[str]
 
 
-def outlines_of(texts: Iterable[str]) -> list[tuple[Outline, ...]]:
-    """Return the outlines of rules: most of what they say is not asked."""
-    asked = tuple(texts)
+def dependencies_of(texts: Iterable[str]) -> list[tuple[Dependencies, ...]]:
+    """Return the dependencies of the rules of some texts."""
+    keys = tuple(texts)
     files = map(Path, (__file__, reader.__file__))
-    made = made_of("outlines", files, asked, lambda text: tuple(map(_outline, statements(text))))
-    return [made[text] for text in asked]
+    made = made_of(
+        "dependencies", files, keys, lambda text: tuple(map(_dependencies, statements(text)))
+    )
+    return [made[text] for text in keys]
 
 
 def reachable_rules(
-    rules: Sequence[Sequence[Outline]],
-    asked: Mapping[str, frozenset[str]],
+    rules: Sequence[Sequence[Dependencies]],
+    queried: Mapping[str, frozenset[str]],
     present: Set[str] | None,
     replaced: Set[str] = frozenset(),
 ) -> tuple[int, ...]:
-    """Return the numbers of the rules behind atoms, by their predicates' names.
+    """Return the numbers of the rules that atoms can depend on, by their predicates' names.
 
-    `asked` maps each name to the texts of the atoms' first arguments: a rule whose head begins
-    with a constant that is none of them says nothing about the question. `present` are the names
-    of the predicates that have any atom, `None` where each may have some; `replaced` are constants
-    that stand for other values.
+    `queried` maps each name to the texts of the first arguments of the atoms: a rule whose head
+    begins with another constant is left out. `present` are the names of the predicates that have
+    any atom, `None` if each may have some; `replaced` are constants that have other values.
     """
     deriving: dict[Signature, list[int]] = {}
     waiting: list[int] = []
     for number, variants in enumerate(rules):
-        for outline in variants:
-            if present is None or outline.needs <= present:
-                for signature in outline.derives:
+        for each in variants:
+            if present is None or each.needs <= present:
+                for signature in each.derives:
                     deriving.setdefault(signature, []).append(number)
-                fixed = replaced.isdisjoint(outline.constants)
-                if any(_is_asked(head, asked, fixed) for head in outline.heads):
+                fixed = replaced.isdisjoint(each.constants)
+                if any(_is_queried(head, queried, fixed) for head in each.heads):
                     waiting.append(number)
     found: set[int] = set()
     demanded: set[Signature] = set()
@@ -71,14 +72,14 @@ def reachable_rules(
     return tuple(sorted(found))
 
 
-def reads(rule: Iterable[Outline]) -> frozenset[Signature]:
+def reads(rule: Iterable[Dependencies]) -> frozenset[Signature]:
     """Return the predicates that a rule reads."""
-    return frozenset().union(*(outline.reads for outline in rule))
+    return frozenset().union(*(each.reads for each in rule))
 
 
-def _outline(statement: Statement) -> Outline:
+def _dependencies(statement: Statement) -> Dependencies:
     heads = (head.literal for head in statement.heads)
-    return Outline(
+    return Dependencies(
         tuple(
             (each.signature.signed, each.terms[0].constant if each.terms else None)
             for each in heads
@@ -90,8 +91,8 @@ def _outline(statement: Statement) -> Outline:
     )
 
 
-def _is_asked(
-    head: tuple[str, str | None], asked: Mapping[str, frozenset[str]], fixed: bool
+def _is_queried(
+    head: tuple[str, str | None], queried: Mapping[str, frozenset[str]], fixed: bool
 ) -> bool:
     name, first = head
-    return name in asked and (first is None or not fixed or first in asked[name])
+    return name in queried and (first is None or not fixed or first in queried[name])

@@ -1,1 +1,0 @@
-"""Tests of what of a program a question needs."""
