@@ -104,6 +104,8 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
 }
 VERBS: Mapping[str, Verb] = {name: verb for of in GROUPS.values() for name, verb in of.items()}
 ALIASES = {"analyze": "analyse", "synthesize": "synthesise"}
+#: Commands of other tools, and those of this one that do the same.
+MEANT = {"format": "fmt", "lint": "check", "plot": "draw", "simulate": "run"}
 #: The modules of commands whose names are keywords of Python.
 _MODULES = {"import": "import_robot"}
 
@@ -280,7 +282,9 @@ def ordered(words: Sequence[str]) -> list[str]:
         before = ["--help"]
     if ALIASES.get(rest[0], rest[0]) not in VERBS:
         is_option = f"--{rest[0]}" in (*takes, "--version")
-        near = f"--{rest[0]}" if is_option else nearest(rest[0], (*VERBS, *ALIASES))
+        near = MEANT.get(rest[0]) or (
+            f"--{rest[0]}" if is_option else nearest(rest[0], (*VERBS, *ALIASES))
+        )
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
         parser.error(f"there is no command `{rest[0]}`: {hint}")
     return [rest[0], *before, *rest[1:]]

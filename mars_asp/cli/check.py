@@ -192,17 +192,23 @@ def check(
     of_settings: set[Diagnostic] = set()
     for robot in robots(arguments, _each_once(arguments.files)):
         name, *further = robot.paths
-        one = Checked(name, tuple(further))
+        is_input = name == STANDARD_INPUT
+        one = Checked(arguments.stdin_filename or name if is_input else name, tuple(further))
         checked.append(one)
         try:
             if robot.problems:
                 raise MarsError(robot.problems)
-            _check(one, rules, selection, arguments, edited, seen)
+            _check(one, is_input, rules, selection, arguments, edited, seen)
         except MarsError as error:
-            # One settings file is that of many robots.
+            # Settings, and sources that the command names, are those of many robots.
             new = (each for each in error.diagnostics if each not in of_settings)
             one.append_results(map(Result, new))
-            of_settings.update(d for d in error.diagnostics if Path(d.span.path).name in SETTINGS)
+            of_settings.update(
+                each
+                for each in error.diagnostics
+                if Path(each.span.path).name in (*SETTINGS, Path(arguments.config or "").name)
+                or each.span.path in arguments.sources
+            )
             one.status = 2
         one.append_results(map(Result, robot.notes))
     for one in checked:
@@ -222,18 +228,19 @@ def _each_once(names: Iterable[str]) -> list[str]:
 
 def _check(
     one: Checked,
+    is_input: bool,
     rules: _Rules,
     selection: Selection,
     arguments: argparse.Namespace,
     edited: dict[object, tuple[str, bytes]],
     seen: "_Seen",
 ) -> None:
-    """Read and judge a robot.
+    """Read and judge a robot, of standard input if it `is_input`.
 
     Raises:
         MarsError: its files or sources are wrong.
     """
-    raw = read_standard_input(MOST_BYTES + 1) if one.path == STANDARD_INPUT else None
+    raw = read_standard_input(MOST_BYTES + 1) if is_input else None
     path = shown_input(arguments) if raw is not None else one.path
     text = None if raw is None else decode(raw, path)
     project = load(arguments, path, text, one.further)

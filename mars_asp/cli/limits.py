@@ -78,6 +78,8 @@ def check_outputs(arguments: argparse.Namespace) -> None:
         key = file_key(path)
         if key is not None and key in used:
             message = f"`{path}` is also `{used[key]}` of the same command"
+            if path == used[key]:
+                message = f"`{path}` is an input or another output of the same command"
             raise refusal("usage", message, path, "give each output a name of its own")
         used[key] = path
 

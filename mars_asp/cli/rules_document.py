@@ -121,11 +121,11 @@ def rule_source(rule: Rule, rulebook: Rulebook) -> str:
 
 
 def with_names(text: str | None) -> str | None:
-    """Return a text of a rule with names of variables for holes in code, and `...` for others."""
+    """Return a text of a rule with names of variables for holes in code, and `…` for others."""
     if text is None:
         return None
     # The end of a word, as of a plural, is left out.
-    return _HOLE.sub("...", re.sub(rf"(?<=\w){_HOLE.pattern}", "", _CODED.sub(r"`\1`", text)))
+    return _HOLE.sub("…", re.sub(rf"(?<=\w){_HOLE.pattern}", "", _CODED.sub(r"`\1`", text)))
 
 
 def rule_summary(rule: Rule, heading: str, example: RuleExample | None) -> str:

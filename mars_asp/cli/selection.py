@@ -379,7 +379,7 @@ class Selection:
         names = self._known_names | self._launch_names
         ends = sorted(each for each in names if each.rpartition("/")[2] == name)
         near = ends[0] if ends else nearest(name, names)
-        advice = "`mars-asp analyse FILE` names the kind of each finding, and --rules adds more"
+        advice = "`mars-asp rules list` names them all, and --rules adds more"
         if near is not None:
             advice = f"did you mean `{near}`?"
         return Diagnostic(code, severity, f"no rule finds `{name}`", span, help=advice)

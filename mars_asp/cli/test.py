@@ -11,7 +11,9 @@ from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.cases_report import Ran, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
+from mars_asp.cli.progress import detail
 from mars_asp.cli.reason import STANDARD_INPUT
+from mars_asp.cli.report import report
 from mars_asp.cli.settings import settings_of
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
@@ -121,9 +123,11 @@ def run_once(arguments: argparse.Namespace) -> int:
         for path in arguments.paths
         if unsaved_bytes(Path(path)) is None and not Path(path).exists()
     ]
-    if missing:
-        raise MarsError([unreadable(path, "no such file") for path in missing])
-    found = cases_of(map(Path, arguments.paths), rules)
+    unread = [unreadable(path, "no such file") for path in missing]
+    there = [path for path in arguments.paths if path not in missing]
+    if unread and (arguments.update or arguments.snapshot or not there):
+        raise MarsError(unread)
+    found = cases_of(map(Path, there), rules)
     robots = [each for each in found if each.pack is None and each.path.suffix == SUFFIX]
     if robots and not rules:
         rules = list(settings_of(arguments, robots[0].path.parent).packs())
@@ -139,8 +143,12 @@ def run_once(arguments: argparse.Namespace) -> int:
     if arguments.junit:
         write_file(arguments.junit, junit(ran))
     problems: list[Diagnostic] = [problem for each in ran for problem in each.problems]
-    if problems:
+    if problems and (arguments.update or not any(each.outcome for each in ran)):
         raise MarsError(dict.fromkeys(problems))
+    # A case that cannot be run hides no other.
+    report([*unread, *dict.fromkeys(problems)], arguments)
+    for each in ran:
+        detail(arguments, f"{each.path}: {each.seconds:.2f} s")
     outcomes = [each.outcome for each in ran if each.outcome is not None]
     if arguments.update:
         _update(outcomes)
@@ -150,6 +158,8 @@ def run_once(arguments: argparse.Namespace) -> int:
     arguments.mutate = arguments.mutate and all_pass
     result, lines, status = _measured(found, books, arguments)
     print_outcomes(outcomes, arguments, result, lines)
+    if unread or problems:
+        return 2
     failed = not all_pass or not outcomes
     return max(int(failed and not _is_mended(outcomes, arguments)), status)
 

@@ -56,6 +56,7 @@ def test_the_help_of_a_verb_shows_its_example(
         (["Check"], "did you mean `check`?"),
         (["xyzzy"], "one of check, analyse,"),
         (["check", "--fail-on", "errors"], "did you mean `error`?"),
+        (["format", "a.mars"], "did you mean `fmt`?"),
         (
             ["check", "a.mars", "--quite"],
             "arguments: --quite: did you mean `--quiet`?",

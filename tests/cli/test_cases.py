@@ -268,3 +268,16 @@ def test_arguments_of_a_watch_name_its_files(odd: Path) -> None:
 
     arguments = argparse.Namespace(paths=["odd/cases/facts.lp"], rules=[])
     assert Path("odd/consequences/odd.lp") in set(_files(arguments))
+
+
+def test_a_missing_case_hides_no_other(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.lp").write_text('%= module("A")\nmodule("A").\n#show module/1.\n')
+    (tmp_path / "b.lp").write_text("%has: p(\n")
+    assert run_here(["test", "nope.lp", "a.lp", "b.lp", "-v"]) == 2
+    output = capsys.readouterr()
+    assert "1 passed" in output.out
+    assert "nope.lp: no such file" in output.err and "b.lp:1" in output.err
+    assert "mars-asp: a.lp: 0." in output.err

@@ -383,7 +383,7 @@ def test_any_format_is_written_to_a_file(
     assert run_here([*words, "-o", "-"]) == 0
     assert capsys.readouterr() == printed
     assert run_here([*words, "-o", "twice.mars"]) == 2
-    assert "`twice.mars` is also `twice.mars`" in capsys.readouterr().err
+    assert "`twice.mars` is an input or another output" in capsys.readouterr().err
     assert (robots / "twice.mars").read_text() == TWICE
 
 
@@ -482,7 +482,12 @@ def test_an_error_of_settings_is_reported_once_for_all_robots(
     (robots / "mars.toml").write_text('ignore = ["modul_conflict"]\n')
     assert run_here(["check", "clean.mars", "twice.mars"]) == 2
     assert capsys.readouterr().out.count("mars.toml:1:11: error") == 1
-    assert run_here(["check", "clean.mars", "--isolated", "--config", "mars.toml"]) == 2
+    (robots / "mars.toml").rename("own.toml")
+    assert run_here(["check", "clean.mars", "twice.mars", "--config", "own.toml"]) == 2
+    assert capsys.readouterr().out.count("own.toml:1:11: error") == 1
+    assert run_here(["check", "clean.mars", "twice.mars", "--sources", "none"]) == 2
+    assert capsys.readouterr().out.count("`none`: no such file or folder") == 1
+    assert run_here(["check", "clean.mars", "--isolated", "--config", "own.toml"]) == 2
     assert "--isolated takes no settings, and --config names some" in capsys.readouterr().out
 
 

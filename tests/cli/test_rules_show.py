@@ -44,7 +44,7 @@ def test_a_rule_is_shown_with_the_values_of_its_example(
 
 def test_sentences_of_explanations_show_no_holes(capsys: pytest.CaptureFixture[str]) -> None:
     run_here(["rules", "show", "account/data/feeds-several"])
-    assert "`S` feeds ... modules, and a source" in capsys.readouterr().out
+    assert "`S` feeds … modules, and a source" in capsys.readouterr().out
     run_here(["explain", "DataSplitter"])
     assert "account/" not in capsys.readouterr().out
 

@@ -82,7 +82,7 @@ def test_ignored_kinds_are_all_but_the_others(capsys: pytest.CaptureFixture[str]
         ("syntax", "`syntax` is an error of the input, which cannot be ignored|it is always"),
         ("unreadable", "`unreadable` is an error of the input, which cannot be ignored|"),
         ("MARS111", "`MARS111` is an error of the input, which cannot be ignored|"),
-        ("zzz", "no rule finds `zzz`|`mars-asp analyse FILE` names"),
+        ("zzz", "no rule finds `zzz`|`mars-asp rules list` names"),
     ],
 )
 def test_unknown_kinds_are_errors(

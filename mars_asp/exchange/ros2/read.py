@@ -215,7 +215,7 @@ def _only_a_part(folder: Path, named: str, absent: Sequence[str]) -> Iterator[Di
     if around != folder and any(
         re.search(rf"\b{package}\b", each) for package in map(re.escape, beside) for each in absent
     ):
-        whole = os.path.relpath(around)
+        whole = os.path.relpath(around.parent if around.name == "src" else around)
         message = f"the folder is a part of the workspace `{whole}`; name that to read all of it"
         yield Diagnostic("launch", "note", message, whole_file(named), kind="launch")
 
