@@ -131,11 +131,11 @@ def tables() -> Iterator[tuple[str, bytes]]:
     rulebook = load_rulebook(stages=("resolve", "account"))
     for project in samples():
         explain(Reasoner(project, rulebook))
-    yield from cache.written()
+    yield from cache.tables()
     # Of the examples, their sentences are enough: the case is not in the wheel.
     cache.forget(BESIDE / "none")
     table_examples(whole)
-    yield from (table for table in cache.written() if table[0] == "examples")
+    yield from (table for table in cache.tables() if table[0] == "examples")
 
 
 if __name__ == "__main__":

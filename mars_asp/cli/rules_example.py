@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.asp.cache import digest, made_of
+from mars_asp.asp.cache import digest, memoized
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace.text import traces_text
@@ -41,7 +41,7 @@ def tabled_example(rule: Rule, solved: RuleExample | None = None) -> RuleExample
     A build enters solved examples in this way.
     """
     key = (rule.id, digest(rule.text.encode()))
-    return made_of("examples", (Path(__file__),), [key], lambda _: solved)[key]
+    return memoized("examples", (Path(__file__),), [key], lambda _: solved)[key]
 
 
 def table_examples(rulebook: Rulebook) -> None:

@@ -10,7 +10,7 @@ from lark import Lark, Token, Transformer, UnexpectedInput
 from lark.grammar import Rule
 from lark.lexer import TerminalDef
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import memoized
 from mars_asp.language.statements import Raw, Word
 from mars_asp.model.names import plain
 
@@ -74,7 +74,7 @@ for _rule in _RULES:
 def _parser() -> Lark:
     grammar = Path(__file__).with_name("grammar.lark")
     version = f"{lark.__version__} {grammar.read_text(encoding='utf-8')}"
-    tables = made_of("grammar", (Path(__file__),), [version], lambda _: _tables(grammar))[version]
+    tables = memoized("grammar", (Path(__file__),), [version], lambda _: _tables(grammar))[version]
     # Standalone parsers begin so, too; the transformer is no part of the tables.
     begin: Callable[..., Lark] = Lark._load_from_dict
     return begin(*tables, transformer=_Statements())

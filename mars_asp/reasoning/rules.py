@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.asp.cache import digest, made_of
+from mars_asp.asp.cache import digest, memoized
 from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.declarations import Documented
@@ -235,7 +235,7 @@ def seal() -> Seal:
     files = _files(folder.name for folder in folders)
     read = _made(files)
     texts = {digest(each.text.encode()): each.text for each in read}
-    named = made_of("named", _makers(), texts, lambda key: _named(texts[key]))
+    named = memoized("named", _makers(), texts, lambda key: _named(texts[key]))
     derived: dict[Signature, set[str]] = {}
     given: dict[Signature, set[str]] = {}
     ids: dict[str, Span] = {}
@@ -275,7 +275,7 @@ def _frozen(found: Mapping[Signature, set[str]]) -> dict[Signature, frozenset[st
 def _made(files: Iterable[_File]) -> list[_Read]:
     """Return what built-in files hold, as the build has made it where they are the same."""
     keys = {(file.shown, file.stage, _digest(file.path)): file for file in files}
-    return list(made_of("rules", _makers(), keys, lambda key: _read(keys[key], False)).values())
+    return list(memoized("rules", _makers(), keys, lambda key: _read(keys[key], False)).values())
 
 
 def _digest(path: Path) -> bytes:

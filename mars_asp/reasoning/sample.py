@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import memoized
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import MissingFile, Muxed
@@ -142,7 +142,7 @@ class Sampled(NamedTuple):
 def sampled() -> Iterator[Sampled]:
     """Yield the facts of each robot, one robot after the other."""
     for number in range(_COUNT):
-        yield made_of("samples", _makers(), [number], _sampled)[number]
+        yield memoized("samples", _makers(), [number], _sampled)[number]
 
 
 #: How many robots there are.

@@ -1,13 +1,10 @@
 """What a table holds is what would be made anew, or nothing."""
 
-import marshal
+import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from mars_asp.asp import cache
 from mars_asp.asp.rules import statements
@@ -18,11 +15,6 @@ from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, point
 
 FACT = "reach(X) :- start(X)."
-
-
-class Pair(NamedTuple):
-    one: object
-    other: object
 
 
 @dataclass(frozen=True)
@@ -37,7 +29,7 @@ class Counted:
         self.maker, self.calls = maker, 0
 
     def of(self, *numbers: int) -> list[int]:
-        return list(cache.made_of("squares", [self.maker], numbers, self._make).values())
+        return list(cache.memoized("squares", [self.maker], numbers, self._make).values())
 
     def _make(self, number: int) -> int:
         self.calls += 1
@@ -53,7 +45,7 @@ def squares(tables: Path) -> Counted:
 
 def build(tables: Path) -> bytes:
     """Write the table of squares, and forget what this process knows."""
-    content = dict(cache.written())["squares"]
+    content = dict(cache.tables())["squares"]
     (tables / "squares").write_bytes(content)
     cache.forget(tables)
     return content
@@ -102,60 +94,17 @@ def test_what_many_others_replaced_is_made_again(squares: Counted) -> None:
     assert squares.calls == 6001
 
 
-SIGNATURES = st.builds(Signature, st.text(), st.integers() | st.booleans(), st.booleans())
-PLAIN = st.none() | st.booleans() | st.integers() | st.text() | st.binary()
-VALUES = st.recursive(
-    PLAIN,
-    lambda inner: (
-        st.lists(inner).map(tuple)
-        | st.lists(inner)
-        | st.dictionaries(st.text(), inner)
-        | st.frozensets(st.tuples(st.text(), st.integers()) | SIGNATURES)
-        | st.lists(SIGNATURES).map(tuple)
-        | SIGNATURES
-    ),
-)
-
-
-@given(VALUES)
-def test_values_come_back_as_they_were(value: object) -> None:
-    assert repr_of(packed_and_unpacked(value)) == repr_of(value)
-
-
-def packed_and_unpacked(value: object) -> Any:
-    """Return a value as it comes out of a table."""
-    packer = cache._Packer()
-    form = marshal.dumps(packer.packed(value), 2)
-    shared = [[number, *parts] for number, parts, _ in packer.shared]
-    return cache._Table([("key", form)], tuple(packer.classes), shared).value("key")
-
-
-def repr_of(value: object) -> str:
-    """Return what tells a value and its types from others."""
-    if isinstance(value, frozenset):
-        return f"frozenset({sorted(map(repr, value))})"
-    if isinstance(value, list | tuple):
-        return f"{type(value).__name__}({', '.join(map(repr_of, value))})"
-    if isinstance(value, dict):
-        return f"dict({', '.join(f'{key!r}: {repr_of(each)}' for key, each in value.items())})"
-    return repr(value)
-
-
-def test_values_of_our_classes_come_back_with_what_they_know() -> None:
+def test_values_of_built_in_classes_come_back_with_computed_fields(tables: Path) -> None:
     (read,) = statements_of([FACT])[FACT]
-    assert read.derives == {Signature("reach", 1)}  # from now on it knows
+    assert read.derives == {Signature("reach", 1)}  # from now on it has this field
     found = Diagnostic("code", "error", "told", point("a.lp", 1, 2), ((point("b", 3, 4), "c"),))
     value = (read, found, {"a": frozenset({("p", 1)})})
-    back = packed_and_unpacked(value)
+    cache.memoized("squares", [], [1], lambda _: value)
+    build(tables)
+    back: tuple[object, ...] = cache.memoized("squares", [], [1], lambda _: ())[1]
     assert back == value
     assert isinstance(back[0], Statement)
     assert "derives" not in vars(Statement) or back[0].__dict__ == read.__dict__
-
-
-def test_what_is_no_value_of_ours_is_refused() -> None:
-    for value in (Outside(1), Pair(1, 2), object(), 1.5):
-        with pytest.raises(TypeError, match="cannot be kept in a table"):
-            cache._Packer().packed(value)
 
 
 @pytest.mark.parametrize("make", [statements_of, dependencies_of, constants_of, computations])
@@ -163,16 +112,20 @@ def test_what_is_made_of_rules_comes_back(make: object, tables: Path) -> None:
     assert callable(make)
     rules = [FACT, "{ a(X) : b(X,Y), not c(Y) } :- d(X+Y,f(Z),Z), X = #sum { W,V : e(V,W*X) }."]
     first = make(rules)
-    for name, content in cache.written():
+    for name, content in cache.tables():
         (tables / name).write_bytes(content)
     cache.forget(tables)
     assert make(rules) == first
 
 
-@pytest.mark.parametrize("name", ["mars_asp.nowhere:Gone", "mars_asp.diagnostic:Gone"])
-def test_a_class_that_is_gone_is_no_value(name: str) -> None:
-    table = cache._Table([("key", marshal.dumps([0, None, 1]))], (name,), [])
-    assert table.value("key") is cache._NOTHING
+def test_a_value_of_a_class_that_is_gone_is_made_again(
+    tables: Path, squares: Counted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    squares.of(2)
+    cache._known["squares"][2] = Outside(1)
+    build(tables)
+    monkeypatch.delattr(sys.modules[__name__], "Outside")
+    assert squares.of(2) == [4]
 
 
 def test_more_rules_than_are_remembered_are_all_read(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -223,7 +223,7 @@ def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
 
 def test_rules_of_a_table_are_those_that_were_read(tables: Path) -> None:
     read = load_rulebook()
-    made = dict(cache.written())
+    made = dict(cache.tables())
     for name, content in made.items():
         (tables / name).write_bytes(content)
     cache.forget(tables)
@@ -233,4 +233,4 @@ def test_rules_of_a_table_are_those_that_were_read(tables: Path) -> None:
     assert [rule.heads for rule in held.rules] == [rule.heads for rule in read.rules]
     assert [rule.firsts for rule in held.rules] == [rule.firsts for rule in read.rules]
     assert str(held.rules[-1].ast) == str(read.rules[-1].ast)
-    assert dict(cache.written()).keys() == made.keys()
+    assert dict(cache.tables()).keys() == made.keys()

@@ -6,7 +6,7 @@ from typing import NamedTuple, TypeAlias
 
 import clingo
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import memoized
 from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.computed import Computed, Summed, leaves
@@ -32,7 +32,7 @@ class _Overflow(NamedTuple):
 def overflows(text: str, path: str) -> Iterator[Diagnostic]:
     """Yield the numbers of a rule file, and what is computed from them alone, that do not fit."""
     files = map(Path, (__file__, statements.__file__))
-    for place, written in made_of("overflows", files, [text], _overflows)[text]:
+    for place, written in memoized("overflows", files, [text], _overflows)[text]:
         yield Diagnostic(
             "rule-number",
             "error",

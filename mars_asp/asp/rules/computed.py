@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from clingo import ast
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import memoized
 from mars_asp.asp.rules import binding, statements
 from mars_asp.asp.rules.binding import AGGREGATES, Conjunct, conjunct, outer, unbound, written
 from mars_asp.asp.rules.statements import (
@@ -64,7 +64,7 @@ def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...
     files = map(Path, (__file__, binding.__file__, statements.__file__, ast.__file__))
     # Most rules compute nothing.
     asked = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
-    return made_of("computations", files, asked, _computations)
+    return memoized("computations", files, asked, _computations)
 
 
 def _is_open(operand: Operand) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence, Set
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import memoized
 from mars_asp.asp.rules import statements as reader
 from mars_asp.asp.rules.statements import Statement, constants, statements
 from mars_asp.asp.signature import Signature
@@ -32,7 +32,7 @@ def dependencies_of(texts: Iterable[str]) -> list[tuple[Dependencies, ...]]:
     """Return the dependencies of the rules of some texts."""
     keys = tuple(texts)
     files = map(Path, (__file__, reader.__file__))
-    made = made_of(
+    made = memoized(
         "dependencies", files, keys, lambda text: tuple(map(_dependencies, statements(text)))
     )
     return [made[text] for text in keys]

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
-from mars_asp.asp.cache import digest, made_of
+from mars_asp.asp.cache import digest, memoized
 from mars_asp.asp.fragments import Fragment, Premises, blank
 from mars_asp.asp.rules import statements as reader
 from mars_asp.asp.rules import trees
@@ -43,14 +43,14 @@ def fragment_of(rule: Rule) -> Fragment:
 
 def premises_of_rule(rule: Rule, text: str | None = None, gives: str | None = None) -> Premises:
     """Return what a rule needs; or a `text` with its body, and that `gives` another predicate."""
-    needs, own = made_of("needs", _makers(), [rule.text], _of_rule)[rule.text]
+    needs, own = memoized("needs", _makers(), [rule.text], _of_rule)[rule.text]
     heads = own if gives is None else frozenset({gives})
     return Premises(("", ""), (rule.text if text is None else text,), (needs,), (heads,))
 
 
 def _known(text: str, make: Callable[[], Premises | None]) -> Premises | None:
     key = digest(text.encode())
-    return made_of("premises", _makers(), [key], lambda _: make())[key]
+    return memoized("premises", _makers(), [key], lambda _: make())[key]
 
 
 @cache

@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol, TypeAlias, TypeVar
 
 from clingo import SymbolType, ast
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import memoized
 from mars_asp.asp.rules import trees
 from mars_asp.asp.rules.trees import Node, below, extent_of, names_in, plain
 from mars_asp.asp.signature import Signature
@@ -335,7 +335,7 @@ def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
     asked = tuple(texts)
     found = {text: _read.get(text) for text in asked}
     new = [text for text, known in found.items() if known is None]
-    made = made_of("statements", _makers(), new, _statements) if new else {}
+    made = memoized("statements", _makers(), new, _statements) if new else {}
     _remember(made)
     return {text: made[text] if known is None else known for text, known in found.items()}
 
@@ -374,7 +374,7 @@ def program_of(text: str) -> Program | None:
 
 def constants_of(texts: Iterable[str]) -> dict[str, Constants]:
     """Return what stands for itself in each of some rules."""
-    return made_of("constants", _makers(), texts, constants)
+    return memoized("constants", _makers(), texts, constants)
 
 
 def constants(text: str) -> Constants:

@@ -32,7 +32,7 @@ from typing import TypeAlias
 import clingo
 from clingo import ast
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import memoized
 from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import sign_and_function
@@ -87,7 +87,7 @@ class Rewriter:
             scope.__file__,
             ast.__file__,
         )
-        made = made_of(
+        made = memoized(
             "firings", map(Path, makers), first, lambda key: self._written(first[key], rules)
         )
         parts: list[str] = []

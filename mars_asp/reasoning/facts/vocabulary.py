@@ -29,7 +29,7 @@ THINGS = frozenset({"relationship", "annotation", "module", "representation"})
 
 def given_in(rulebook: "Rulebook", *stages: str) -> "tuple[Signature, ...]":
     """Return the given predicates that files of some stages declare, from a table of the build."""
-    from mars_asp.asp.cache import made_of  # noqa: PLC0415 -- with rules alone
+    from mars_asp.asp.cache import memoized  # noqa: PLC0415 -- with rules alone
     from mars_asp.asp.rules import declarations  # noqa: PLC0415
 
     docstrings = tuple(
@@ -39,7 +39,7 @@ def given_in(rulebook: "Rulebook", *stages: str) -> "tuple[Signature, ...]":
         for docstring in file.docstrings
     )
     makers = map(Path, (__file__, declarations.__file__))
-    return made_of("given", makers, [docstrings], _given)[docstrings]
+    return memoized("given", makers, [docstrings], _given)[docstrings]
 
 
 def _given(docstrings: "tuple[Docstring, ...]") -> "tuple[Signature, ...]":
