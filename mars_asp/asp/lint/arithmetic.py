@@ -141,7 +141,7 @@ def _large(statement: Statement, stated: Mapping[Signature, Set[int]]) -> frozen
         for at in stated.get(literal.signature, ())
         for name in literal.terms[at].variables
     }
-    for value, elements in statement.assigned:
-        if isinstance(value, str) and any(term in found for _, term in elements):
-            found.add(value)
+    for variable, firsts in statement.assigned:
+        if not firsts.isdisjoint(found):
+            found.add(variable)
     return frozenset(found)

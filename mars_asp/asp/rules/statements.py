@@ -89,17 +89,6 @@ _SORTS: Mapping[object, Sort] = {
 }
 
 
-class Function(NamedTuple):
-    """A function or tuple in a rule."""
-
-    functor: Functor
-    arguments: "tuple[Structure, ...]"
-
-
-#: What a term is made of: a variable's name, a function, or `None` for a value or what is computed.
-Structure: TypeAlias = "str | Function | None"
-
-
 class Pattern(NamedTuple):
     """A term in a rule, as clingo writes it.
 
@@ -109,15 +98,8 @@ class Pattern(NamedTuple):
 
     text: str
     is_plain: bool
-    is_variable: bool
     is_constant: bool
     variables: frozenset[str]
-    structure: Structure
-
-    @property
-    def or_any(self) -> str:
-        """Return the term, or any value where it computes."""
-        return self.text if self.is_plain else "_"
 
     @property
     def constant(self) -> str | None:
@@ -150,14 +132,10 @@ class Literal(NamedTuple):
 
 
 class Scope(NamedTuple):
-    """Literals that share their variables: the positive ones, which bind them, and the others.
-
-    Of the literal that is `counted`, each instance is an element of an aggregate.
-    """
+    """Literals that share their variables: the positive ones, which bind them, and the others."""
 
     positive: tuple[Literal, ...]
     others: tuple[Literal, ...] = ()
-    counted: Literal | None = None
 
     @property
     def literals(self) -> tuple[Literal, ...]:
@@ -185,12 +163,10 @@ class Statement:
 
     `written` are the texts of the head, or of the weight of a cost, and of each literal of the
     body; `place` is where the head begins. `inner` are the elements of aggregates and conditions in
-    its body; `assigned` are terms of the body that have a value made of what the elements, by their
-    numbers, have in a term.
+    its body; `assigned` are variables with the value of an aggregate, each with the variables that
+    are the first terms of its elements.
 
-    `forces` is whether it forces one atom, `offers` whether it may leave its atoms out, `known`
-    whether it holds nothing but literals and aggregates of known sorts and, as its head, one atom,
-    a choice or none.
+    `forces` is whether it forces one atom, `offers` whether it may leave its atoms out.
     """
 
     written: tuple[str, ...]
@@ -198,10 +174,9 @@ class Statement:
     heads: tuple[Head, ...]
     body: Scope
     inner: tuple[Scope, ...]
-    assigned: tuple[tuple[Structure, tuple[tuple[int, Structure], ...]], ...]
+    assigned: tuple[tuple[str, frozenset[str]], ...]
     forces: bool
     offers: bool
-    known: bool
     cost: Cost | None
 
     @property
@@ -238,17 +213,6 @@ class Statement:
     def reads(self) -> frozenset[Signature]:
         """Return the predicates of its body and conditions."""
         return frozenset(literal.signature for literal in self.read)
-
-    @property
-    def parts(self) -> tuple[tuple[Literal, ...], ...]:
-        """Return what its body reads besides positive literals that stand by themselves.
-
-        Those of one element or condition stand together.
-        """
-        return (
-            *((literal,) for literal in self.body.others),
-            *(scope.literals for scope in self.inner),
-        )
 
     def with_body(self, more: Iterable[str]) -> str:
         """Return the rule with more literals before those of its body."""
@@ -314,13 +278,6 @@ class RuleSyntaxError(Exception):
         self.notes = notes
 
 
-class Program(NamedTuple):
-    """Statements, and the predicates that tell answers apart."""
-
-    statements: tuple[Statement, ...]
-    projected: frozenset[Signature]
-
-
 # ---- Texts ---------------------------------------------------------------------------------------
 
 
@@ -354,22 +311,6 @@ def _makers() -> tuple[Path, ...]:
 def _statements(text: str) -> tuple[Statement, ...]:
     place = places(text)
     return tuple(_statement(node, place) for node in variants(text))
-
-
-def program_of(text: str) -> Program | None:
-    """Return what a text says; `None` where a statement is of a sort that is not known here."""
-    found: list[Statement] = []
-    projected = []
-    for node in parsed(text):
-        if node.ast_type == _TYPE.ProjectSignature:
-            projected.append(Signature(node.name, node.arity, bool(node.positive)))
-        elif node.ast_type in (_TYPE.Rule, _TYPE.Minimize):
-            found += (_statement(plain(each), lambda _: _NO_PLACE) for each in node.unpool())
-        elif node.ast_type not in _SILENT:
-            return None
-    if not all(statement.known for statement in found):
-        return None
-    return Program(tuple(found), frozenset(projected))
 
 
 def constants_of(texts: Iterable[str]) -> dict[str, Constants]:
@@ -620,11 +561,6 @@ def external_of(text: str) -> Iterator[tuple[str, str, str]]:
             yield str(node.atom), "; ".join(map(str, node.body)), str(node.external_type)
 
 
-def has_rules_alone(text: str) -> bool:
-    """Whether a text holds nothing but rules, and what says nothing of answers."""
-    return all(node.ast_type in (_TYPE.Rule, *_SILENT) for node in parsed(text))
-
-
 def without_rules(text: str) -> str:
     """Return all of a text that is no rule."""
     silent = (_TYPE.Program, _TYPE.Comment, _TYPE.Rule)
@@ -747,7 +683,6 @@ def _statement(node: Node, place: Callable[[Node], Place]) -> Statement:
         tuple(reader.assigned),
         forces,
         offers,
-        reader.known,
         cost,
     )
 
@@ -760,18 +695,14 @@ class _Reader:
         self.positive: list[Literal] = []
         self.others: list[Literal] = []
         self.inner: list[Scope] = []
-        self.assigned: list[tuple[Structure, tuple[tuple[int, Structure], ...]]] = []
-        #: Whether all that was read is of a known sort.
-        self.known = True
+        self.assigned: list[tuple[str, frozenset[str]]] = []
 
     def head(self, head: Node) -> tuple[list[Head], bool, bool]:
         """Return the atoms of a head, and whether it forces one and whether it offers them."""
         if head.ast_type == _TYPE.Literal:
             if head.atom.ast_type == _TYPE.BooleanConstant:
-                self.known &= head.sign == ast.Sign.NoSign
                 return [], False, False
             forces = _is_symbolic(head) and head.sign == ast.Sign.NoSign
-            self.known &= forces
             found = [Head(self.literal(head), Scope(()))] if _is_symbolic(head) else []
             return found, forces, False
         elements = getattr(head, "elements", ())
@@ -779,24 +710,17 @@ class _Reader:
             elements = [element.condition for element in elements]
         elif head.ast_type == _TYPE.TheoryAtom:
             elements = ()
-        self.known &= head.ast_type == _TYPE.Aggregate
         heads = []
         for element in elements:
             condition, literal = self._scope(element.condition), element.literal
             if _is_symbolic(literal):
                 heads.append(Head(self.literal(literal), condition))
-                self.known &= literal.sign == ast.Sign.NoSign
-            elif (
-                literal.ast_type != _TYPE.Literal or literal.atom.ast_type != _TYPE.BooleanConstant
-            ):
-                self.known = False
         return heads, False, head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate)
 
     def read(self, literal: Node) -> str:
         """Read a literal of the body, and return its text."""
         if literal.ast_type == _TYPE.ConditionalLiteral:
             condition = self._scope(literal.condition)
-            self.known &= _is_plain(literal.literal)
             then: tuple[Literal, ...] = ()
             if _is_symbolic(literal.literal):
                 then = (self.literal(literal.literal)._replace(binds=False),)
@@ -806,33 +730,26 @@ class _Reader:
                 self._read_aggregate(literal)
             else:
                 for element in literal.atom.elements:
-                    each = element.literal
-                    counted = self.literal(each) if _is_symbolic(each) else None
-                    scope = self._scope((*element.condition, each))
-                    self.inner.append(scope._replace(counted=counted))
+                    self.inner.append(self._scope((*element.condition, element.literal)))
         elif _is_symbolic(literal):
             found = self.literal(literal)
             (self.positive if found.binds else self.others).append(found)
             return f"{_SIGNS[literal.sign]}{found.text}"
-        else:
-            self.known &= _is_plain(literal)
         return str(literal)
 
     def _read_aggregate(self, literal: Node) -> None:
-        elements = []
-        for element in literal.atom.elements:
-            first = _term(element.terms[0]).structure if element.terms else None
-            elements.append((len(self.inner), first))
-            self.inner.append(self._scope(element.condition))
-        guard = literal.atom.left_guard
+        elements, guard = literal.atom.elements, literal.atom.left_guard
+        self.inner += (self._scope(element.condition) for element in elements)
         counts = literal.atom.function == ast.AggregateFunction.Count
         if literal.sign == ast.Sign.NoSign and guard is not None and not counts:
-            if guard.comparison == ast.ComparisonOperator.Equal:
-                self.assigned.append((_term(guard.term).structure, tuple(elements)))
+            is_equal = guard.comparison == ast.ComparisonOperator.Equal
+            if is_equal and guard.term.ast_type == _TYPE.Variable:
+                firsts = (element.terms[0] for element in elements if element.terms)
+                names = (each.name for each in firsts if each.ast_type == _TYPE.Variable)
+                self.assigned.append((guard.term.name, frozenset(names)))
 
     def _scope(self, literals: Iterable[Node]) -> Scope:
         literals = tuple(literals)
-        self.known &= all(map(_is_plain, literals))
         found = [self.literal(literal) for literal in literals if _is_symbolic(literal)]
         positive = tuple(literal for literal in found if literal.binds)
         return Scope(positive, tuple(literal for literal in found if not literal.binds))
@@ -847,14 +764,6 @@ class _Reader:
         )
 
 
-def _is_plain(literal: Node) -> bool:
-    return literal.ast_type == _TYPE.Literal and literal.atom.ast_type in (
-        _TYPE.SymbolicAtom,
-        _TYPE.Comparison,
-        _TYPE.BooleanConstant,
-    )
-
-
 def _is_symbolic(literal: Node) -> bool:
     return literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.SymbolicAtom
 
@@ -864,9 +773,9 @@ def _term(term: Node) -> Pattern:
     if kind == _TYPE.Variable:
         return _variable(term.name)
     if kind == _TYPE.SymbolicTerm:
-        return Pattern(str(term), True, False, True, _NONE, None)
+        return Pattern(str(term), True, True, _NONE)
     if kind != _TYPE.Function or term.external:
-        return Pattern(str(term), False, False, False, _NONE, None)
+        return Pattern(str(term), False, False, _NONE)
     inside = tuple(map(_term, term.arguments))
     listed = ",".join([each.text for each in inside])
     # A tuple of one has a comma, and a name without arguments no brackets.
@@ -875,15 +784,14 @@ def _term(term: Node) -> Pattern:
     is_plain = all(each.is_plain for each in inside)
     variables = _NONE.union(*(each.variables for each in inside)) if is_plain else _NONE
     is_constant = all(each.is_constant for each in inside)
-    structure = Function((term.name, len(inside)), tuple(each.structure for each in inside))
-    return Pattern(text, is_plain, False, is_constant, variables, structure if inside else None)
+    return Pattern(text, is_plain, is_constant, variables)
 
 
 @lru_cache(maxsize=1024)
 def _variable(name: str) -> Pattern:
     if name == "_":
-        return Pattern(name, True, False, False, _NONE, None)
-    return Pattern(name, True, True, False, frozenset((name,)), name)
+        return Pattern(name, True, False, _NONE)
+    return Pattern(name, True, False, frozenset((name,)))
 
 
 def variables(node: Node | ast.AST) -> frozenset[str]:

@@ -381,22 +381,11 @@ class Grounding:
 
     def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         """Yield the predicates that the rules leave open, at least in part, and their atoms."""
-        for signature, found in self._resolved():
-            if not all(is_fact for _, _, is_fact in found):
-                yield signature, found
-
-    def decided_predicates(self) -> dict[Signature, Sequence[TermId]]:
-        """Return the predicates that rules that choose decide, and their atoms."""
-        return {
-            signature: [atom for atom, _, _ in found]
-            for signature, found in self._resolved()
-            if all(is_fact for _, _, is_fact in found)
-        }
-
-    def _resolved(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         for signature in self.control.symbolic_atoms.signatures:
             if signature not in self._settled:
-                yield Signature(*signature), labelled(self.control, *signature)
+                found = labelled(self.control, *signature)
+                if not all(is_fact for _, _, is_fact in found):
+                    yield Signature(*signature), found
 
     def extra_cost(
         self, symbol: clingo.Symbol, deadline: float | None = None

@@ -229,11 +229,6 @@ class Missing:
         """Return the sentence that the vocabulary has for it; `None` where it has none."""
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
-    @property
-    def is_told(self) -> bool:
-        """Whether the vocabulary has a sentence for the absence."""
-        return self.words is not None and self.words.sentences.unless(self.words.atom) is not None
-
 
 def is_pseudo(span: Span) -> bool:
     """Whether a place is in no file: `<...>` is where a question, a run or the like is."""
