@@ -51,7 +51,7 @@ site: .venv-site/installed $(VENV)/installed
 	@echo "== building the site"
 	@rm -rf build/pages && mkdir -p build/pages
 	@$(BIN)/python -m docs.reference.make_reference build/pages
-	@git ls-files -z '*.md' docs examples rules LICENSE ':!tests' | tar -c --null -T - | tar -x -C build/pages
+	@git ls-files -z '*.md' docs examples rules LICENSE CITATION.cff ':!tests' | tar -c --null -T - | tar -x -C build/pages
 	@NO_MKDOCS_2_WARNING=1 .venv-site/bin/mkdocs build --strict
 
 .venv-site/installed: pyproject.toml
