@@ -1,6 +1,7 @@
 """Show why each consequence and node is there, down to lines of rules and configuration."""
 
 import argparse
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -78,7 +79,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="SUBJECT",
         help="a module, node, consequence kind, rule or atom, or a line: `A uses_data_from B`, "
-        "FILE:LINE",
+        "FILE:LINE (which also names FILE)",
     )
     question = parser.add_mutually_exclusive_group()
     question.add_argument(
@@ -129,6 +130,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the traces; 3 where no time was left."""
+    _split_location(arguments)
     rule = _rule_or_kind(arguments)
     if rule is not None:
         print(rule)
@@ -356,6 +358,17 @@ def _rule_or_kind(arguments: argparse.Namespace) -> str | None:
     from mars_asp.cli.rules import rule_or_kind_text
 
     return rule_or_kind_text(name, arguments)
+
+
+def _split_location(arguments: argparse.Namespace) -> None:
+    """Split `FILE:LINE` or `FILE:LINE:COLUMN`, the form of `check`, into a file and a subject."""
+    name, *further = arguments.files
+    match = re.fullmatch(r"(.+?):([0-9]+)(?::[0-9]+)?", name)
+    if match is None or further or arguments.subject is not None or Path(name).exists():
+        return
+    if Path(match[1]).is_file():
+        arguments.files = [match[1]]
+        arguments.subject = f"{Path(match[1]).name}:{match[2]}"
 
 
 def _tell_subject(arguments: argparse.Namespace) -> None:

@@ -282,10 +282,23 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
 
     if getattr(arguments, "launch", ()) or arguments.from_format == "ros2":
         return FolderRobots((Path(path),))
-    found = robots_in(Path(path), excluded_in(arguments, Path(path)))
+    excluded = excluded_in(arguments, Path(path))
+    passed_over: list[Path] = []
+
+    def is_excluded(each: Path, is_folder: bool) -> bool:
+        hit = excluded(each, is_folder)
+        if hit and arguments.verbose:
+            passed_over.append(each)
+        return hit
+
+    found = robots_in(Path(path), is_excluded)
     _print_settings(arguments, Path(path))
     for each in found.paths:
         detail(arguments, f"robot {each}")
+    for each in passed_over[:_MOST_NAMED]:
+        detail(arguments, f"excluded {each}")
+    if len(passed_over) > _MOST_NAMED:
+        detail(arguments, f"excluded {len(passed_over) - _MOST_NAMED} more paths")
     detail(arguments, f"{counted(found.passed_over, 'other file')} in {path} passed over")
     return found
 

@@ -281,3 +281,14 @@ def test_a_missing_case_hides_no_other(
     assert "1 passed" in output.out
     assert "nope.lp: no such file" in output.err and "b.lp:1" in output.err
     assert "mars-asp: a.lp: 0." in output.err
+
+
+def test_a_continuation_of_nothing_is_an_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = tmp_path / "a.lp"
+    case.write_text('module("A").\n%+ module("B")\n')
+    assert run_here(["test", str(case)]) == 2
+    assert "`%+` continues nothing" in capsys.readouterr().err
+    case.write_text('%+---+\n%= module("A")\nmodule("A").\n')
+    assert run_here(["test", str(case)]) == 0

@@ -592,3 +592,21 @@ def test_an_error_without_a_line_names_its_file_once(
     for name in ("sarif", "junit", "gitlab", "github"):
         assert run_here(["check", "nope.mars", "--format", name]) == 2
         assert ":1:1" not in capsys.readouterr().out
+
+
+def test_a_printed_location_is_explained(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run_here(["check", "twice.mars"])
+    location = capsys.readouterr().out.partition(": ")[0]
+    assert location == "twice.mars:4:1"
+    assert run_here(["explain", location]) == 0
+    pasted = capsys.readouterr().out
+    run_here(["explain", "twice.mars", "twice.mars:4"])
+    assert pasted == capsys.readouterr().out
+    assert "twice.mars:4" in pasted
+
+
+def test_excluded_paths_are_named_with_verbose(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", "--exclude", "[bct]*.mars", "--exclude", "twice.mars", "-v"]) == 2
+    assert "mars-asp: excluded bad.mars\n" in capsys.readouterr().err

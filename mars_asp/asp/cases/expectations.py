@@ -15,6 +15,8 @@ _LINE = re.compile(
     r"%(?:(?P<sign>[=>~])|(?P<word>[a-z]+):(?=[ \t\r]|$))[ \t]*(?P<rest>.*?)[ \t\r]*$"
 )
 _CONTINUED = re.compile(r"%\+(.*?)[ \t\r]*$")
+#: A line with atoms that looks like a continuation.
+_STRAY = re.compile(r"%\+[ \t]+[-_a-z]")
 #: A value that is left open, or a string, in which nothing is.
 ANYTHING = re.compile(r'("(?:[^"\\]|\\.)*")|(?<![A-Za-z0-9_\'])_(?![A-Za-z0-9_\'])')
 _CODE = "case"
@@ -108,6 +110,10 @@ def _read(lines: Sequence[str], shown: str, problems: list[Diagnostic]) -> Itera
     while number < len(lines):
         match = _LINE.match(lines[number])
         number += 1
+        if match is None and _STRAY.match(lines[number - 1]):
+            span = Span(shown, number, 1, number, 3)
+            message, advice = "`%+` continues nothing", "write it directly below a line `%= ...`"
+            problems.append(Diagnostic(_CODE, "error", message, span, help=advice))
         if match is None:
             continue
         first, kind = number, match["sign"] or match["word"]
