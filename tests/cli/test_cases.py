@@ -290,5 +290,5 @@ def test_a_continuation_of_nothing_is_an_error(
     case.write_text('module("A").\n%+ module("B")\n')
     assert run_here(["test", str(case)]) == 2
     assert "`%+` continues nothing" in capsys.readouterr().err
-    case.write_text('%+---+\n%= module("A")\nmodule("A").\n')
+    case.write_text('%+---+\n%= module("A")\nmodule("A").\n#show module/1.\n')
     assert run_here(["test", str(case)]) == 0
