@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mars_asp.asp.rules.rulebook import Rulebook
-    from mars_asp.asp.trace.tree import Absent, Derived, Given, Missing, Trace
+    from mars_asp.asp.trace.tree import Absent, Derived, Given, Trace, Underivable
     from mars_asp.diagnostic import Diagnostic, MarsError, Span
     from mars_asp.reasoning.analysis import Analysis, Consequence
     from mars_asp.reasoning.budget import Budget
@@ -58,7 +58,7 @@ _PLACES = {
     "Finding": "mars_asp.robot",
     "Given": "mars_asp.asp.trace.tree",
     "MarsError": "mars_asp.diagnostic",
-    "Missing": "mars_asp.asp.trace.tree",
+    "Underivable": "mars_asp.asp.trace.tree",
     "Project": "mars_asp.reasoning.project",
     "Reasoner": "mars_asp.reasoning.session",
     "RepairResult": "mars_asp.robot",
@@ -95,7 +95,6 @@ __all__ = [
     "Finding",
     "Given",
     "MarsError",
-    "Missing",
     "Project",
     "Reasoner",
     "RepairResult",
@@ -107,6 +106,7 @@ __all__ = [
     "SpecificationResult",
     "Topic",
     "Trace",
+    "Underivable",
     "VerifyResult",
     "WhyNot",
     "WhyNotResult",

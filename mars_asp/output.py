@@ -101,7 +101,7 @@ def write_whole(path: str, content: str | bytes) -> None:
     Raises:
         OSError: the file cannot be written.
     """
-    begun = Begun(path)
+    begun = AtomicFile(path)
     try:
         begun.write(
             content.encode(errors="backslashreplace") if isinstance(content, str) else content
@@ -122,7 +122,7 @@ def replace_together(contents: Mapping[str, bytes]) -> None:
     with contextlib.ExitStack() as stack:
         staged = []
         for path, content in contents.items():
-            staged.append(begun := Begun(path))
+            staged.append(begun := AtomicFile(path))
             stack.callback(begun.drop)
             begun.write(content)
             begun.stage()
@@ -198,7 +198,7 @@ def _state_of(status: os.stat_result) -> tuple[int, ...]:
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
 
 
-class Begun:
+class AtomicFile:
     """A file begun beside another of some path, which it replaces whole or not at all.
 
     What is no regular file, such as a pipe, is written at the end, too. All that it does may raise

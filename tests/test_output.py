@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.output import Begun, GrowingFile, fenced, markdown, write_whole
+from mars_asp.output import AtomicFile, GrowingFile, fenced, markdown, write_whole
 
 
 def test_only_temporary_files_of_killed_commands_are_removed(tmp_path: Path) -> None:
@@ -17,7 +17,7 @@ def test_only_temporary_files_of_killed_commands_are_removed(tmp_path: Path) -> 
     for name in users:
         (tmp_path / name).write_text("a file of the user")
     (tmp_path / ".mars-asp.link").symlink_to(tmp_path / "mine")
-    killed, writing = Begun(str(tmp_path / "a")), Begun(str(tmp_path / "b"))
+    killed, writing = AtomicFile(str(tmp_path / "a")), AtomicFile(str(tmp_path / "b"))
     # The lock of a killed command is gone.
     killed._file.close()
     write_whole(str(tmp_path / "out.mars"), "whole")

@@ -29,7 +29,7 @@ Delivery: TypeAlias = tuple[tuple[Mode, ...], Fraction | None]
 
 
 @dataclass(frozen=True, slots=True)
-class Wrong:
+class ArgumentProblem:
     """What is wrong with what stands behind a word.
 
     `begin` and `end` count the characters of the text; where `begin` is `None` it is the annotation
@@ -43,19 +43,19 @@ class Wrong:
     end: int = 0
 
 
-def read_commands(text: str) -> tuple[str, ...] | list[Wrong]:
+def read_commands(text: str) -> tuple[str, ...] | list[ArgumentProblem]:
     """Read the functions that a `@ControlOut` commands, or return all that is wrong with them."""
-    wrong: list[Wrong] = []
+    wrong: list[ArgumentProblem] = []
     if text and not all(part.strip() for _, part in parts(text)):
         expected = "write a function after each comma"
-        wrong.append(Wrong("MARS114", "a comma with no function beside it", expected))
+        wrong.append(ArgumentProblem("MARS114", "a comma with no function beside it", expected))
     words = list(re.finditer(r"[^,\s]+", text))
     for word in words:
         if word[0] not in FUNCTIONS:
             near = nearest(word[0], FUNCTIONS, 0.84)
             expected = f"did you mean `{near}`?" if near else f"one of {', '.join(FUNCTIONS)}"
             wrong.append(
-                Wrong(
+                ArgumentProblem(
                     "MARS114",
                     f"`{word[0]}` is not a motion or grasp function",
                     expected,
@@ -65,21 +65,21 @@ def read_commands(text: str) -> tuple[str, ...] | list[Wrong]:
     return wrong or tuple(word[0] for word in words)
 
 
-def read_cost(text: str) -> int | list[Wrong]:
+def read_cost(text: str) -> int | list[ArgumentProblem]:
     """Read `[COST]` of a `@Converts`."""
     if not text:
         return 1
     cost = COST.read(text)
     if isinstance(cost, NumberProblem):
-        return [Wrong("MARS115", cost.message, cost.help, 0, len(text))]
+        return [ArgumentProblem("MARS115", cost.message, cost.help, 0, len(text))]
     return int(cost)
 
 
-def read_delivery(text: str) -> Delivery | list[Wrong]:
+def read_delivery(text: str) -> Delivery | list[ArgumentProblem]:
     """Read `MODES [HZ]`, or return all that is wrong with them."""
     modes: list[Mode] = []
     hz: tuple[Fraction, int, int] | None = None
-    wrong: list[Wrong] = []
+    wrong: list[ArgumentProblem] = []
     for begin, part in parts(text):
         words = re.fullmatch(r"\s*([^\W\d]\w*\s*(?:\([^()]*\))?)\s*(.*)", part)
         if words is None:
@@ -89,7 +89,7 @@ def read_delivery(text: str) -> Delivery | list[Wrong]:
         if isinstance(mode, ModeProblem):
             at = begin + words.start(1)
             end = at + len(words[1].strip())
-            wrong.append(Wrong("MARS111", mode.message, mode.help, at + mode.offset, end))
+            wrong.append(ArgumentProblem("MARS111", mode.message, mode.help, at + mode.offset, end))
         else:
             modes.append(mode)
         written = words[2].strip()
@@ -98,20 +98,22 @@ def read_delivery(text: str) -> Delivery | list[Wrong]:
             end = at + len(written)
             value = read_rate(written)
             if isinstance(value, NumberProblem):
-                wrong.append(Wrong("MARS113", value.message, value.help, at, end))
+                wrong.append(ArgumentProblem("MARS113", value.message, value.help, at, end))
             elif hz is not None:
                 help_text = f"`{_PERIODIC}` takes one frequency; drop the other"
                 message = f"a second frequency, `{written}`"
-                wrong.append(Wrong("MARS113", message, help_text, at, end))
+                wrong.append(ArgumentProblem("MARS113", message, help_text, at, end))
             else:
                 hz = value, at, end
     periodic = any(mode.name == _PERIODIC for mode in modes)
     if not wrong and periodic and hz is None:
         message = f"`{_PERIODIC}` without a frequency"
-        wrong.append(Wrong("MARS112", message, f"write its frequency in Hz: `{_PERIODIC} 25`"))
+        wrong.append(
+            ArgumentProblem("MARS112", message, f"write its frequency in Hz: `{_PERIODIC} 25`")
+        )
     if not wrong and not periodic and hz is not None:
         message = f"a frequency without `{_PERIODIC}`"
-        wrong.append(Wrong("MARS113", message, FREQUENCY.help, *hz[1:]))
+        wrong.append(ArgumentProblem("MARS113", message, FREQUENCY.help, *hz[1:]))
     return wrong or (tuple(modes), hz[0] if hz else None)
 
 
@@ -125,45 +127,51 @@ def read_rate(text: str) -> Rate | NumberProblem:
     return number if isinstance(number, NumberProblem) else every(number, period[2])
 
 
-def _no_mode(found: str, at: int) -> Wrong:
+def _no_mode(found: str, at: int) -> ArgumentProblem:
     if not found:
-        return Wrong("MARS111", "no delivery mode is stated", _MODES)
+        return ArgumentProblem("MARS111", "no delivery mode is stated", _MODES)
     code = "MARS113" if re.match(r"[-+.\d]", found) else "MARS111"
-    return Wrong(code, f"`{found}` is not a delivery mode", _MODES, at, at + len(found))
+    return ArgumentProblem(code, f"`{found}` is not a delivery mode", _MODES, at, at + len(found))
 
 
-def read_bounds(text: str) -> Bounds | list[Wrong]:
+def read_bounds(text: str) -> Bounds | list[ArgumentProblem]:
     """Read `[MIN MAX [RATE]]`, or return all that is wrong with them."""
     words = list(re.finditer(r"\S+", text))
     values: list[Decimal | None] = []
-    wrong: list[Wrong] = []
+    wrong: list[ArgumentProblem] = []
     for position, word in enumerate(words):
         wanted = RATE if position == _RATE_POSITION else BOUND
         value = None if word[0] == "_" else wanted.read(word[0])
         if isinstance(value, NumberProblem):
-            wrong.append(Wrong("MARS116", value.message, value.help, *word.span()))
+            wrong.append(ArgumentProblem("MARS116", value.message, value.help, *word.span()))
             value = None
         values.append(value)
     if not wrong and len(values) not in (0, 2, 3):
-        wrong.append(Wrong("MARS116", f"expected bounds, found `{text}`", BOUND.help, 0, len(text)))
+        wrong.append(
+            ArgumentProblem("MARS116", f"expected bounds, found `{text}`", BOUND.help, 0, len(text))
+        )
     low, high, rate = (*values, None, None, None)[:3]
     if low is not None and high is not None and low > high:
         message = f"bounds in the wrong order: MIN is `{words[0][0]}`, MAX is `{words[1][0]}`"
         help_text = f"swap them: `{words[1][0]} {words[0][0]}`"
-        wrong.append(Wrong("MARS116", message, help_text, words[0].start(), words[1].end()))
+        wrong.append(
+            ArgumentProblem("MARS116", message, help_text, words[0].start(), words[1].end())
+        )
     return wrong or (low, high, rate)
 
 
-def read_vertex(text: str) -> tuple[int, Transformation] | list[Wrong]:
+def read_vertex(text: str) -> tuple[int, Transformation] | list[ArgumentProblem]:
     """Read `N [TRANSFORMATION]`, or return all that is wrong with them."""
     match = re.fullmatch(r"([-+.\w]+)\s*(?:\((.*)\))?", text)
     if match is None or not match[1].strip("+-.")[:1].isdecimal():
         expected = "write a number and a tuple: `@Vertex 1 (_,_,_,_,0,0,100)`"
-        return [Wrong("MARS118", f"expected a vertex, found `{text}`", expected, 0, len(text))]
-    wrong: list[Wrong] = []
+        return [
+            ArgumentProblem("MARS118", f"expected a vertex, found `{text}`", expected, 0, len(text))
+        ]
+    wrong: list[ArgumentProblem] = []
     number = VERTEX.read(match[1])
     if isinstance(number, NumberProblem):
-        wrong.append(Wrong("MARS118", number.message, number.help, *match.span(1)))
+        wrong.append(ArgumentProblem("MARS118", number.message, number.help, *match.span(1)))
         number = Decimal(0)
     if match[2] is None:
         return wrong or (int(number), Transformation())
@@ -179,7 +187,9 @@ def read_vertex(text: str) -> tuple[int, Transformation] | list[Wrong]:
     if isinstance(found, Transformation) and not wrong:
         return int(number), found
     for problem in () if isinstance(found, Transformation) else found:
-        wrong.append(Wrong("MARS118", problem.message, problem.help, *spans[problem.slot]))
+        wrong.append(
+            ArgumentProblem("MARS118", problem.message, problem.help, *spans[problem.slot])
+        )
     return wrong
 
 

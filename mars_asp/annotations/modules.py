@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from mars_asp.annotations.arguments import FUNCTIONS, Wrong, read_bounds, read_vertex
+from mars_asp.annotations.arguments import FUNCTIONS, ArgumentProblem, read_bounds, read_vertex
 from mars_asp.annotations.directives import (
     MOST_OTHERS,
     OVERRIDES,
@@ -26,7 +26,7 @@ MOST_ERRORS = 500
 
 def read_modules(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
     """Return the modules of a source, those with errors included, and the errors."""
-    reader = _Reader(source)
+    reader = _ModuleReader(source)
     for found in directives(source):
         if isinstance(found, Uncompared):
             reader.note_uncompared(found)
@@ -55,7 +55,7 @@ class _Open:
     attributes: dict[tuple[str, str], Attribute] = field(default_factory=dict)
 
 
-class _Reader:
+class _ModuleReader:
     """Walks over the annotations of one source."""
 
     def __init__(self, source: Source) -> None:
@@ -206,7 +206,9 @@ class _Reader:
         read = read_attribute(directive.word, directive.rest)
         if isinstance(read, AttributeProblem):
             place = (None,) if not directive.rest else (read.begin, read.end)
-            self.problems.note_wrong(directive, Wrong("MARS125", read.message, read.help, *place))
+            self.problems.note_wrong(
+                directive, ArgumentProblem("MARS125", read.message, read.help, *place)
+            )
             return
         name, value = read
         key = directive.word, name

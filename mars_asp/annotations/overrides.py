@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from mars_asp.annotations.arguments import Wrong, parts
+from mars_asp.annotations.arguments import ArgumentProblem, parts
 from mars_asp.annotations.declarations import Declaration
 from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.types import representation
@@ -31,14 +31,14 @@ class Overrides:
 
 def read_overrides(
     found: Sequence[Directive], declaration: Declaration
-) -> tuple[Overrides, list[tuple[Directive, Wrong]]]:
+) -> tuple[Overrides, list[tuple[Directive, ArgumentProblem]]]:
     """Read the overrides of one declaration, and what is wrong with them."""
     output: str | None = None
     inputs: tuple[str, ...] | None = None
     port: str | None = None
     named: dict[str, str] = {}
     further: dict[str, str] = {}
-    wrong: list[tuple[Directive, Wrong]] = []
+    wrong: list[tuple[Directive, ArgumentProblem]] = []
     for directive in found:
         text = directive.rest
         single = _ONE_INPUT.fullmatch(text) if directive.word == "Input" else None
@@ -73,23 +73,27 @@ def read_overrides(
     return Overrides(output, inputs, named, port, further), wrong
 
 
-def _again(word: str) -> Wrong:
-    return Wrong("MARS210", f"`{word}` repeats an annotation above it", "keep one of the two")
+def _again(word: str) -> ArgumentProblem:
+    return ArgumentProblem(
+        "MARS210", f"`{word}` repeats an annotation above it", "keep one of the two"
+    )
 
 
-def _no_name(text: str) -> Wrong | None:
+def _no_name(text: str) -> ArgumentProblem | None:
     if read_name(text) is not None:
         return None
     help_text = "write letters, digits, `_`, `-` and `/`, or put the name in quotes"
-    return Wrong("MARS107", f"expected the name of a port, found `{text}`", help_text, 0, len(text))
+    return ArgumentProblem(
+        "MARS107", f"expected the name of a port, found `{text}`", help_text, 0, len(text)
+    )
 
 
-def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> Wrong | None:
+def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> ArgumentProblem | None:
     names = [parameter.name for parameter in declaration.parameters if parameter.name]
     if single[1] in names:
         return None
     known = ", ".join(f"`{name}`" for name in names)
-    return Wrong(
+    return ArgumentProblem(
         "MARS209",
         f"`{declaration.name}` has no parameter `{single[1]}`",
         f"it has {known}" if known else "state all inputs: `@Input TYPE, TYPE`",
@@ -97,18 +101,18 @@ def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> Wrong
     )
 
 
-def _unreadable(text: str, declaration: Declaration) -> Wrong | None:
+def _unreadable(text: str, declaration: Declaration) -> ArgumentProblem | None:
     if any(parameter.name == text for parameter in declaration.parameters):
         return None
     return _unreadable_part(0, text)
 
 
-def _unreadable_part(begin: int, text: str) -> Wrong | None:
+def _unreadable_part(begin: int, text: str) -> ArgumentProblem | None:
     written = text.strip()
     if written in ("none", _UNKNOWN) or representation(written):
         return None
     at = begin + len(text) - len(text.lstrip())
-    return Wrong(
+    return ArgumentProblem(
         "MARS211",
         f"expected a representation, found `{written}`",
         "write a type or `none`",

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from mars_asp.annotations.arguments import Wrong, read_commands, read_cost, read_delivery
+from mars_asp.annotations.arguments import ArgumentProblem, read_commands, read_cost, read_delivery
 from mars_asp.annotations.declarations import Declaration, NoFunction
 from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.following import (
@@ -182,7 +182,7 @@ class Pending:
         return bound
 
 
-def _read_service(directive: Directive, span: Span) -> Service | list[Wrong]:
+def _read_service(directive: Directive, span: Span) -> Service | list[ArgumentProblem]:
     """Read a function annotation; its declaration is yet to come."""
     kind = next(kind for kind in SERVICE_KINDS if kind == directive.word)
     if kind == "ControlOut":

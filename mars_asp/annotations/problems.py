@@ -1,6 +1,6 @@
 """What is wrong in one source, as diagnostics at their places."""
 
-from mars_asp.annotations.arguments import Wrong
+from mars_asp.annotations.arguments import ArgumentProblem
 from mars_asp.annotations.directives import MOST_CHARACTERS, Directive
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Diagnostic, Severity, Span
@@ -45,7 +45,7 @@ class Problems:
         """Report an annotation at its `@`."""
         self.note(code, directive.offset, directive.end, message, help_text, labels=labels)
 
-    def note_wrong(self, directive: Directive, *wrong: Wrong) -> None:
+    def note_wrong(self, directive: Directive, *wrong: ArgumentProblem) -> None:
         """Report parts of what stands behind an annotation's word, or all of the annotation."""
         for each in wrong:
             begin, end = directive.offset, directive.end

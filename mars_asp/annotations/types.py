@@ -43,7 +43,7 @@ def representation(text: str) -> str | None:
     if not tokens or len(tokens) > _MOST_TOKENS:
         return None
     try:
-        reader = _Reader(tokens)
+        reader = _TypeReader(tokens)
         name = reader.union()
         if reader.peek():
             return None
@@ -52,7 +52,7 @@ def representation(text: str) -> str | None:
     return name
 
 
-class _Reader:
+class _TypeReader:
     """Reads one type by recursive descent, at most `_MOST_DEPTH` deep."""
 
     def __init__(self, tokens: list[str]) -> None:

@@ -17,7 +17,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 _Value = TypeVar("_Value")
 
 
-class Said(NamedTuple):
+class RenderedMessage(NamedTuple):
     """What an instance of a rule says: the atom of its head, and what its holes stand for.
 
     `number` is the place of the rule among those that were asked.
@@ -72,16 +72,16 @@ def predicate_of(stage: str) -> str:
     return f"_said_{stage}"
 
 
-def said(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> Iterator[Said]:
+def said(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> Iterator[RenderedMessage]:
     """Yield what rules say whose `saying` was grounded with them."""
     return (heard(atom, rules) for atom in atoms(control, predicate_of(stage), 3, True))
 
 
-def heard(atom: TermId, rules: Sequence[Rule]) -> Said:
+def heard(atom: TermId, rules: Sequence[Rule]) -> RenderedMessage:
     """Return what an atom keeps of what one of some rules says."""
     place, head, values = arguments(atom)
     number = _number(place)
-    return Said(number, rules[number], head, values)
+    return RenderedMessage(number, rules[number], head, values)
 
 
 # Few rules speak very often.

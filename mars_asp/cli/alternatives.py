@@ -17,7 +17,7 @@ from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.alternatives import (
     MOST_CONVERSIONS,
     Alternatives,
-    Need,
+    CertificateEntry,
     alternatives,
 )
 from mars_asp.reasoning.questions.needs import places
@@ -107,7 +107,7 @@ def _head(found: Alternatives) -> str:
     return f"{are} the least. {searched} There {'is' if needs == 1 else 'are'} {have}:"
 
 
-def _table(needs: Sequence[Need], width: int) -> Iterator[str]:
+def _table(needs: Sequence[CertificateEntry], width: int) -> Iterator[str]:
     """Yield the needs in columns where these are narrow enough, else the reasons below."""
     rows = [_row(number, need) for number, need in enumerate(needs, 1)]
     margin = max((len(number) for number, *_ in rows), default=0)
@@ -130,7 +130,7 @@ def _table(needs: Sequence[Need], width: int) -> Iterator[str]:
                 yield line.replace(_KEPT, " ")
 
 
-def _row(number: int, need: Need) -> tuple[str, str, str, str]:
+def _row(number: int, need: CertificateEntry) -> tuple[str, str, str, str]:
     """Return the number of a need, what it asks for, why, and the clause."""
     # In a table names need no quotes.
     reasons = [(each.what.replace("`", ""), each) for each in need.reasons]
@@ -259,7 +259,7 @@ def alternatives_json(found: Alternatives, subject: str | None = None) -> dict[s
     }
 
 
-def _need_json(need: Need) -> dict[str, object]:
+def _need_json(need: CertificateEntry) -> dict[str, object]:
     first = need.reasons[0] if need.reasons else None
     known = first is not None and first.why is not None
     return {

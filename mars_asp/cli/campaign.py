@@ -24,7 +24,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 if TYPE_CHECKING:
     from mars_asp.cli.campaign_runner import Outcome
     from mars_asp.execution.campaign.grid import Grid, Run
-    from mars_asp.execution.campaign.journal import Ended, Journal
+    from mars_asp.execution.campaign.journal import FinishedRun, Journal
     from mars_asp.execution.campaign.summary import Share
 
 
@@ -237,7 +237,7 @@ def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
 class Progress:
     """How far a campaign is."""
 
-    def __init__(self, grid: "Grid", ended: "Mapping[str, Ended]", missing: int) -> None:
+    def __init__(self, grid: "Grid", ended: "Mapping[str, FinishedRun]", missing: int) -> None:
         from mars_asp.execution.campaign.summary import share_passed
 
         before = [ended[each.name].result for each in grid.runs() if each.name in ended]
@@ -246,7 +246,7 @@ class Progress:
         #: How many runs there were when one was first seen, and after how many seconds.
         self.first: tuple[int, float] | None = None
 
-    def take(self, ended: "Ended") -> None:
+    def take(self, ended: "FinishedRun") -> None:
         """Count a run that has ended."""
         from mars_asp.execution.campaign.summary import Share, share_passed
 
@@ -277,7 +277,7 @@ def _duration(seconds: float) -> str:
 
 
 def _finish(
-    header: bytes, ended: "Sequence[Ended]", grid: "Grid", arguments: argparse.Namespace
+    header: bytes, ended: "Sequence[FinishedRun]", grid: "Grid", arguments: argparse.Namespace
 ) -> int:
     """Write what a campaign has come to; 1 where a run did not pass."""
     import json

@@ -13,7 +13,7 @@ from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.output import visible
 
 
-class Ran(NamedTuple):
+class CaseFileResult(NamedTuple):
     """A file of cases that was run: what came of it, or what is wrong with it, and the seconds."""
 
     path: Path
@@ -87,9 +87,9 @@ def _failure_json(failure: Failure) -> dict[str, object]:
     }
 
 
-def junit(ran: Iterable[Ran]) -> bytes:
+def junit(ran: Iterable[CaseFileResult]) -> bytes:
     """Return outcomes as JUnit XML, one suite a folder; control characters are escaped."""
-    folders: dict[str, list[Ran]] = {}
+    folders: dict[str, list[CaseFileResult]] = {}
     for each in ran:
         folders.setdefault(str(each.path.parent), []).append(each)
     root = ElementTree.Element("testsuites", name="mars-asp")
@@ -107,7 +107,7 @@ def junit(ran: Iterable[Ran]) -> bytes:
     return written + b"\n"
 
 
-def _cases(suite: ElementTree.Element, ran: Ran) -> None:
+def _cases(suite: ElementTree.Element, ran: CaseFileResult) -> None:
     path, seconds = visible(str(ran.path)), f"{ran.seconds:.3f}"
     classname = visible(str(ran.path.parent)).replace("/", ".")
     if ran.outcome is None:

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 from mars_asp.diagnostic import refusal
-from mars_asp.output import Begun, GrowingFile, replace_together, visible, write_whole
+from mars_asp.output import AtomicFile, GrowingFile, replace_together, visible, write_whole
 from mars_asp.reading import files_read
 
 _OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
@@ -208,7 +208,7 @@ def streamed(path: str) -> Iterator[Parts]:
         file.flush()
         _send(_WHOLE, named)
         return
-    begun = Begun(path)
+    begun = AtomicFile(path)
     try:
         file = Parts(begun.write)
         yield file
@@ -291,7 +291,7 @@ def _send(kind: bytes, payload: bytes) -> None:
 # ---- In the command ------------------------------------------------------------------------------
 
 
-class Told:
+class WorkerOutput:
     """What a worker said so far; `status` once it said that this is all.
 
     `code` are the files of others whose code it runs.
@@ -304,7 +304,7 @@ class Told:
         #: Groups of files of which all or none are written.
         self.files: list[list[File]] = []
         #: Files that come in parts, by their paths, and those of them that are whole.
-        self._begun: dict[str, Begun] = {}
+        self._begun: dict[str, AtomicFile] = {}
         self._whole: set[str] = set()
         self._unwritten: dict[str, OSError] = {}
         self.code: tuple[str, ...] = ()
@@ -384,7 +384,7 @@ class Told:
             return
         try:
             if path not in self._begun:
-                self._begun[path] = Begun(path)
+                self._begun[path] = AtomicFile(path)
             self._begun[path].write(content)
         except OSError as error:
             self._unwritten[path] = error

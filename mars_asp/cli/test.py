@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.cli.cases_report import Ran, junit, print_outcomes
+from mars_asp.cli.cases_report import CaseFileResult, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.cli.progress import detail
 from mars_asp.cli.reason import STANDARD_INPUT
@@ -193,13 +193,13 @@ def _rulebook(pack: Path | None, rules: list[Path], trusted: bool) -> Rulebook:
     return load_rulebook([*rules, *companions], STAGES, trusted=trusted)
 
 
-def _ran(found: Found, rulebook: Rulebook) -> Ran:
+def _ran(found: Found, rulebook: Rulebook) -> CaseFileResult:
     begun = time.monotonic()
     try:
         outcome, problems = run_case(found.path, rulebook), ()
     except MarsError as error:
-        return Ran(found.path, None, error.diagnostics, time.monotonic() - begun)
-    return Ran(found.path, outcome, problems, time.monotonic() - begun)
+        return CaseFileResult(found.path, None, error.diagnostics, time.monotonic() - begun)
+    return CaseFileResult(found.path, outcome, problems, time.monotonic() - begun)
 
 
 def _measured(

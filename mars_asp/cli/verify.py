@@ -40,7 +40,7 @@ from mars_asp.reasoning.verification import (
 )
 
 if TYPE_CHECKING:
-    from mars_asp.reasoning.questions.without import Broken
+    from mars_asp.reasoning.questions.without import ViolatedClause
 
 #: Of the lines that a violation rests on so many are shown; JSON has all.
 _MOST_LINES = 10
@@ -222,7 +222,7 @@ def _run_without(arguments: argparse.Namespace) -> int:
     return int(bool(found))
 
 
-def _without_text(name: str, found: Sequence["Broken"], width: int) -> Iterator[str]:
+def _without_text(name: str, found: Sequence["ViolatedClause"], width: int) -> Iterator[str]:
     """Yield what breaks, each violation with the lines of the configuration that it rests on."""
     if not found:
         yield f"without {name} the specification still realises the configuration"

@@ -195,7 +195,7 @@ def _watch(*watched: int) -> None:
 
 def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
     """Wait for the worker and deliver what it says; end it when that is asked for."""
-    limit, told = arguments.time_limit, deliver.Told()
+    limit, told = arguments.time_limit, deliver.WorkerOutput()
     try:
         with ended_by_signals(), _paused_together(worker):
             if limit is not None:

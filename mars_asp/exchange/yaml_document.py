@@ -149,7 +149,7 @@ def _read(
     merges: bool = False,
 ) -> tuple[Node, list[Repeat]]:
     """Return the document, and the keys that a map has twice; copies of a value may be allowed."""
-    reader = _Reader(path, most_nodes, begins, allows_copies=allows_copies, merges=merges)
+    reader = _YamlReader(path, most_nodes, begins, allows_copies=allows_copies, merges=merges)
     strange = yaml.reader.Reader.NON_PRINTABLE.search(text)
     if strange is not None:
         before = text[: strange.start()]
@@ -173,7 +173,7 @@ def _read(
     return reader.root, reader.repeated
 
 
-class _Reader:
+class _YamlReader:
     """Makes nodes of events."""
 
     def __init__(

@@ -11,7 +11,7 @@ from mars_asp.execution.trial import Trial
 
 
 @dataclass(frozen=True, slots=True)
-class Promise:
+class LinkStats:
     """A data link: how many messages it promised, how many came, and how often (Hz) that is.
 
     Both are counted over whole periods, from when stated delays let the first message through, and
@@ -26,7 +26,7 @@ class Promise:
     hz: float
 
 
-def promises(trial: Trial) -> Iterator[Promise]:
+def promises(trial: Trial) -> Iterator[LinkStats]:
     """Yield the promise of each data link, in the order of the specification."""
     plan, now, begins = trial.executor.plan, trial.executor.schedule.now, _begins(trial)
     for number, link in enumerate(trial.executor.links):
@@ -41,7 +41,7 @@ def promises(trial: Trial) -> Iterator[Promise]:
         # A message at the very end belongs to the period that begins there.
         count = link.before(end)
         seconds = float(end - begin) / SECOND
-        yield Promise(number, link, promised, count, count / seconds if seconds else 0.0)
+        yield LinkStats(number, link, promised, count, count / seconds if seconds else 0.0)
 
 
 def _begins(trial: Trial) -> dict[Link, float]:

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.lsp.mentions import VERBS, is_configuration
 from mars_asp.lsp.places import Position, Range, Text
-from mars_asp.lsp.robot import Scene, behind
+from mars_asp.lsp.robot import DocumentContext, behind
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
 from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS
@@ -49,7 +49,7 @@ class Completions(NamedTuple):
     is_whole: bool = True
 
 
-def completion(scene: Scene, position: Position) -> Completions:
+def completion(scene: DocumentContext, position: Position) -> Completions:
     """Return what may stand at a place of a `.mars` file or a source."""
     text = scene.here.text
     before = text.line_before(position)
@@ -128,7 +128,7 @@ def _modes() -> Iterator[Completion]:
 # ---- Statements ----------------------------------------------------------------------------------
 
 
-def _statement(scene: Scene, before: str) -> Iterator[Completion]:
+def _statement(scene: DocumentContext, before: str) -> Iterator[Completion]:
     """Yield what may go on a line of a configuration."""
     code = re.sub(r"(?:^|\s)(?://|#).*", "", before)
     if code != before:
@@ -157,7 +157,7 @@ def _statement(scene: Scene, before: str) -> Iterator[Completion]:
 ANNOTATED_BLOCK = ("module_start",)
 
 
-def _relationship(scene: Scene, done: list[str]) -> Iterator[Completion]:
+def _relationship(scene: DocumentContext, done: list[str]) -> Iterator[Completion]:
     at = next((number for number, word in enumerate(done) if word in VERBS), None)
     if at is None:
         yield from _keywords(*VERBS)
@@ -181,7 +181,7 @@ def _keywords(*names: str, of: Mapping[str, object] = STATEMENTS) -> Iterator[Co
         yield Completion(shown, "keyword", getattr(word, "meaning", ""), shown)
 
 
-def _modules(scene: Scene) -> Iterator[Completion]:
+def _modules(scene: DocumentContext) -> Iterator[Completion]:
     """Yield the modules that the file and what it includes name, and those of its sources."""
     names = {each.name: "" for each in scene.here.mentions if each.role != "line"}
     for robot in scene.robots:
@@ -211,7 +211,7 @@ def _within(prefix: str, name: str) -> str | None:
     return None
 
 
-def _ports(scene: Scene, module: str, is_output: bool) -> Iterator[Completion]:
+def _ports(scene: DocumentContext, module: str, is_output: bool) -> Iterator[Completion]:
     for robot in scene.robots:
         for file in robot.files:
             if file.path == scene.here.text.path:

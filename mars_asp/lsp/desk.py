@@ -6,7 +6,7 @@ from mars_asp.lsp.actions import Action
 from mars_asp.lsp.mentions import is_configuration, outline
 from mars_asp.lsp.places import Place, changed_lines
 from mars_asp.lsp.questions import Survey
-from mars_asp.lsp.robot import EditorFinding, EditorRobot, Scene
+from mars_asp.lsp.robot import DocumentContext, EditorFinding, EditorRobot
 from mars_asp.lsp.rule_text import RuleText, is_rules, rule_text
 from mars_asp.lsp.rules import Rules
 from mars_asp.reading import read_file
@@ -14,7 +14,7 @@ from mars_asp.reading import read_file
 _ENCODINGS = ("utf-8-sig", "latin-1")
 
 
-class Desk:
+class EditorWorkspace:
     """The open texts by their paths and, by the file that it was asked about, what was found."""
 
     def __init__(self) -> None:
@@ -34,12 +34,14 @@ class Desk:
         """Return the open texts that are not what the disk has."""
         return {path: text for path, text in self.texts.items() if not _is_saved(path, text)}
 
-    def scene(self, path: str) -> Scene | None:
+    def scene(self, path: str) -> DocumentContext | None:
         """Return what a question about a `.mars` file or a source is about."""
         text = self.texts.get(path)
         if text is None or is_rules(path):
             return None
-        return Scene(outline(path, text), self.robots_of(path), self.texts, self.findings(path))
+        return DocumentContext(
+            outline(path, text), self.robots_of(path), self.texts, self.findings(path)
+        )
 
     def rule_text(self, path: str) -> RuleText | None:
         """Return an open file of rules."""

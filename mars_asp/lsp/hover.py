@@ -7,9 +7,9 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from mars_asp.lsp.mentions import Mention, is_configuration
+from mars_asp.lsp.mentions import Occurrence, is_configuration
 from mars_asp.lsp.places import Position, Range, Text
-from mars_asp.lsp.robot import Described, EditorFinding, Scene
+from mars_asp.lsp.robot import Described, DocumentContext, EditorFinding
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
 from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, Word
@@ -26,7 +26,7 @@ class Hover(NamedTuple):
     range: Range | None
 
 
-def hover(scene: Scene, position: Position, traces: Mapping[str, str]) -> Hover | None:
+def hover(scene: DocumentContext, position: Position, traces: Mapping[str, str]) -> Hover | None:
     """Return what is told of a place in a `.mars` file or a source.
 
     `traces` are short explanations of findings, by their titles, as far as they are there.
@@ -81,7 +81,9 @@ def finding_text(finding: EditorFinding, traces: Mapping[str, str]) -> str:
     return "\n\n".join([*lines, *([fenced(trace)] if trace else [])])
 
 
-def module_texts(scene: Scene, mention: Mention, position: Position) -> tuple[str, str]:
+def module_texts(
+    scene: DocumentContext, mention: Occurrence, position: Position
+) -> tuple[str, str]:
     """Return a module or its port as annotations describe it, and the module's consequences."""
     for robot in scene.robots:
         for file in robot.files:
@@ -112,7 +114,7 @@ def _port_text(described: Described, name: str, is_output: bool) -> str:
     return f"no {sort} `{name}`; there are: {known}"
 
 
-def _word(scene: Scene, text: str, place: Range) -> Word | None:
+def _word(scene: DocumentContext, text: str, place: Range) -> Word | None:
     """Return the word of the language that is at a place."""
     is_inside = any(
         first <= place.start.line + 1 <= last for first, last in scene.here.blocks

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from mars_asp.lsp.places import Range
-from mars_asp.lsp.robot import EditorRobot, Scene
+from mars_asp.lsp.robot import DocumentContext, EditorRobot
 
 #: So many nodes are named; of others there is their number.
 _MOST_NAMED = 3
@@ -19,7 +19,7 @@ class Lens(NamedTuple):
     module: str | None
 
 
-def lenses(scene: Scene) -> Iterator[Lens]:
+def lenses(scene: DocumentContext) -> Iterator[Lens]:
     """Yield what is told of the modules that a text lists or annotates, and of its robot."""
     path = scene.here.text.path
     for robot in scene.robots:
@@ -51,7 +51,7 @@ def _told(robot: EditorRobot, name: str) -> str:
     return "; ".join(parts)
 
 
-def _summary(scene: Scene, robot: EditorRobot) -> str:
+def _summary(scene: DocumentContext, robot: EditorRobot) -> str:
     """Return how much was found in the robot, and how many nodes its specification adds."""
     found = {title for titles in robot.consequences.values() for title in titles}
     parts = [f"{len(found)} consequence{'s' * (len(found) != 1)}"]

@@ -43,7 +43,7 @@ class Port(NamedTuple):
     is_output: bool
 
 
-class Mention(NamedTuple):
+class Occurrence(NamedTuple):
     """A module where it is named, and the port that is named with it.
 
     `described` is the module that is said to describe it there.
@@ -56,16 +56,16 @@ class Mention(NamedTuple):
     described: str | None = None
 
 
-class Outline(NamedTuple):
+class DocumentOutline(NamedTuple):
     """The modules that a text names, in its order; `blocks` are lines of blocks, from 1."""
 
     text: Text
-    mentions: tuple[Mention, ...]
+    mentions: tuple[Occurrence, ...]
     blocks: tuple[tuple[int, int], ...] = ()
     #: Where the configuration begins.
     header: Range | None = None
 
-    def at(self, position: Position) -> Mention | None:
+    def at(self, position: Position) -> Occurrence | None:
         """Return the module that is named at a position, alone or with its port."""
         for each in self.mentions:
             end = each.range.end if each.port is None else each.port.range.end
@@ -75,14 +75,14 @@ class Outline(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def outline(path: str, written: str) -> Outline:
+def outline(path: str, written: str) -> DocumentOutline:
     """Return what a `.mars` file or a source names."""
     text = Text(path, written)
     if len(written) > MOST_CHARACTERS:
-        return Outline(text, ())
+        return DocumentOutline(text, ())
     if is_configuration(path):
         return _of_configuration(text)
-    return Outline(text, tuple(_of_source(text)))
+    return DocumentOutline(text, tuple(_of_source(text)))
 
 
 def is_configuration(path: str) -> bool:
@@ -106,12 +106,12 @@ def annotated(text: Text) -> Iterator[tuple[Source, Directive]]:
             yield source, each
 
 
-def _of_source(text: Text) -> Iterator[Mention]:
+def _of_source(text: Text) -> Iterator[Occurrence]:
     for source, each in annotated(text):
         if each.word == "module_name" and (name := read_name(each.rest)) is not None:
             begin, end = each.place(source, 0), each.place(source, len(each.rest))
             span = Span(text.path, *source.positions(begin, end))
-            yield Mention(name, text.range(span), "annotated")
+            yield Occurrence(name, text.range(span), "annotated")
 
 
 # ---- Configurations ------------------------------------------------------------------------------
@@ -131,7 +131,7 @@ class _Named(NamedTuple):
     is_output: bool = False
 
 
-def _of_configuration(text: Text) -> Outline:
+def _of_configuration(text: Text) -> DocumentOutline:
     blocks = block_lines(text.plain)
     layout = lay_out(text.path, text.plain, blocks)
     found = list(_in_blocks(text, blocks))
@@ -146,17 +146,17 @@ def _of_configuration(text: Text) -> Outline:
                 header = _range(text, layout, begin + match.start(1), begin + match.end(1))
         begin += len(piece) + 1
     found.sort(key=lambda each: each.range)
-    return Outline(text, tuple(found), blocks, header)
+    return DocumentOutline(text, tuple(found), blocks, header)
 
 
-def _mention(text: Text, layout: Layout, at: int, named: _Named) -> Mention:
+def _mention(text: Text, layout: Layout, at: int, named: _Named) -> Occurrence:
     """Return what a statement names that stands at an offset."""
     port = None
     if named.port is not None:
         place = _range(text, layout, at + named.port_begin, at + named.port_end)
         port = Port(named.port, place, named.is_output)
     place = _range(text, layout, at + named.begin, at + named.end)
-    return Mention(named.name, place, named.role, port, named.described)
+    return Occurrence(named.name, place, named.role, port, named.described)
 
 
 def _range(text: Text, layout: Layout, begin: int, end: int) -> Range:
@@ -164,22 +164,22 @@ def _range(text: Text, layout: Layout, begin: int, end: int) -> Range:
     return text.within(line, column - 1, column - 1 + end - begin)
 
 
-def _in_blocks(text: Text, blocks: Sequence[tuple[int, int]]) -> Iterator[Mention]:
+def _in_blocks(text: Text, blocks: Sequence[tuple[int, int]]) -> Iterator[Occurrence]:
     for first, last in blocks:
         for number in range(first, last + 1):
             match = _NAMED.match(text.lines[number - 1])
             if match is not None:
-                yield Mention(plain(match[1]), text.within(number, *match.span(1)), "annotated")
+                yield Occurrence(plain(match[1]), text.within(number, *match.span(1)), "annotated")
 
 
-def _in_comments(text: Text, layout: Layout) -> Iterator[Mention]:
+def _in_comments(text: Text, layout: Layout) -> Iterator[Occurrence]:
     """Yield the modules that comments of nodes name, which are part of a specification."""
     if not re.search(r"(?:InheritanceNode|DataTransformer)[0-9]", layout.text):
         return
     for number, line in enumerate(text.lines, 1):
         for pattern in (_STAND_IN, _CONVERSION):
             for match in pattern.finditer(line):
-                yield Mention(plain(match[1]), text.within(number, *match.span(1)), "line")
+                yield Occurrence(plain(match[1]), text.within(number, *match.span(1)), "line")
 
 
 @lru_cache(maxsize=1 << 14)

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeAlias
 
-from mars_asp.lsp.mentions import Mention, is_configuration
+from mars_asp.lsp.mentions import Occurrence, is_configuration
 from mars_asp.lsp.places import Place, Position, Range
-from mars_asp.lsp.robot import EditorRobot, File, Scene, behind
+from mars_asp.lsp.robot import DocumentContext, EditorRobot, File, behind
 
 #: What several mentions have in common: a robot and a name in it, or the module of a source.
 _Key: TypeAlias = tuple[str, str]
@@ -16,7 +16,7 @@ _PATHS = re.compile(r"[ \t]*@(sources|include)[ \t]+(.*)")
 _START = Range(Position(0, 0), Position(0, 0))
 
 
-def definition(scene: Scene, position: Position) -> tuple[Place, ...]:
+def definition(scene: DocumentContext, position: Position) -> tuple[Place, ...]:
     """Return where what stands at a position is defined: annotated, else listed."""
     mention = scene.here.at(position)
     if mention is None:
@@ -32,17 +32,19 @@ def definition(scene: Scene, position: Position) -> tuple[Place, ...]:
     return tuple(place for place, _ in same[:1])
 
 
-def references(scene: Scene, position: Position) -> tuple[tuple[Place, Mention], ...]:
+def references(scene: DocumentContext, position: Position) -> tuple[tuple[Place, Occurrence], ...]:
     """Return everything that names the module at a position, each with its place."""
     mention = scene.here.at(position)
     return () if mention is None else same_module(scene, mention)
 
 
-def same_module(scene: Scene, mention: Mention) -> tuple[tuple[Place, Mention], ...]:
+def same_module(
+    scene: DocumentContext, mention: Occurrence
+) -> tuple[tuple[Place, Occurrence], ...]:
     """Return all that names a module, in the order of files, however often these are included."""
     path = scene.here.text.path
-    of_key: dict[_Key, list[tuple[Place, Mention]]] = {}
-    keys_of: dict[tuple[Place, Mention], set[_Key]] = {}
+    of_key: dict[_Key, list[tuple[Place, Occurrence]]] = {}
+    keys_of: dict[tuple[Place, Occurrence], set[_Key]] = {}
     for robot in scene.robots or (_alone(scene),):
         files = tuple(scene.files(robot))
         annotated = {
@@ -72,7 +74,7 @@ def same_module(scene: Scene, mention: Mention) -> tuple[tuple[Place, Mention], 
 
 
 def _keys(
-    robot: EditorRobot, file: File, mention: Mention, annotated: set[str], blocks: set[str]
+    robot: EditorRobot, file: File, mention: Occurrence, annotated: set[str], blocks: set[str]
 ) -> Iterator[_Key]:
     """Yield what a mention has in common with others."""
     name = mention.name
@@ -84,13 +86,13 @@ def _keys(
             yield _SOURCES, name
 
 
-def _alone(scene: Scene) -> EditorRobot:
+def _alone(scene: DocumentContext) -> EditorRobot:
     """Return the robot of a file that was not analysed yet."""
     here = scene.here
     return EditorRobot(here.text.path, (File(here.text.path, "", here.mentions),), {})
 
 
-def _ports(scene: Scene, mention: Mention) -> Iterator[Place]:
+def _ports(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]:
     assert mention.port is not None
     for robot in scene.robots:
         for file in robot.files:
@@ -101,7 +103,7 @@ def _ports(scene: Scene, mention: Mention) -> Iterator[Place]:
                     yield from filter(None, (ports.get(mention.port.name),))
 
 
-def _file_at(scene: Scene, position: Position) -> Iterator[Place]:
+def _file_at(scene: DocumentContext, position: Position) -> Iterator[Place]:
     """Yield the file that a path of `@sources` or `@include` names."""
     text = scene.here.text
     line, column = text.column(position)

@@ -2,7 +2,7 @@
 
 from mars_asp.lsp.places import Edit, Position, Range
 from mars_asp.lsp.references import same_module
-from mars_asp.lsp.robot import Scene, behind
+from mars_asp.lsp.robot import DocumentContext, behind
 from mars_asp.model.names import read_name, written
 
 
@@ -10,7 +10,7 @@ class RefusedError(Exception):
     """There can be no such name; what is told says why."""
 
 
-def renamed_range(scene: Scene, position: Position) -> Range | None:
+def renamed_range(scene: DocumentContext, position: Position) -> Range | None:
     """Return the name at a position that can be another one."""
     mention = scene.here.at(position)
     if mention is None or not mention.range.holds(position):
@@ -18,7 +18,7 @@ def renamed_range(scene: Scene, position: Position) -> Range | None:
     return mention.range
 
 
-def rename(scene: Scene, position: Position, name: str) -> tuple[Edit, ...]:
+def rename(scene: DocumentContext, position: Position, name: str) -> tuple[Edit, ...]:
     """Return the edits that give the module at a position another name.
 
     In an included file a module has its own name, and elsewhere one behind that of the include.

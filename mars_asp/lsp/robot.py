@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Severity
-from mars_asp.lsp.mentions import Mention, Outline, is_configuration, outline
+from mars_asp.lsp.mentions import DocumentOutline, Occurrence, is_configuration, outline
 from mars_asp.lsp.places import Edit, Place, Position
 
 #: A proxy of a mapping crosses no pipe.
@@ -50,9 +50,9 @@ class File(NamedTuple):
 
     path: str
     prefix: str
-    mentions: tuple[Mention, ...]
+    mentions: tuple[Occurrence, ...]
 
-    def name_of(self, mention: Mention) -> str:
+    def name_of(self, mention: Occurrence) -> str:
         """Return the name that the robot gives to a module of the file."""
         return behind(self.prefix, mention.name) if is_configuration(self.path) else mention.name
 
@@ -77,10 +77,10 @@ class EditorRobot(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Scene:
+class DocumentContext:
     """What a question is about: an open text, the robots that it is part of, and open texts."""
 
-    here: Outline
+    here: DocumentOutline
     robots: tuple[EditorRobot, ...] = ()
     texts: Mapping[str, str] = field(default_factory=dict)
     findings: tuple[EditorFinding, ...] = ()

@@ -22,7 +22,7 @@ from mars_asp import __version__
 from mars_asp.lsp.actions import Action, actions_at, mended, respelt
 from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError, strict_converter
 from mars_asp.lsp.completion import Completions, completion, rule_completion
-from mars_asp.lsp.desk import Desk
+from mars_asp.lsp.desk import EditorWorkspace
 from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
 from mars_asp.lsp.mentions import is_configuration, language_of
@@ -106,7 +106,7 @@ class _Server(LanguageServer):
             converter_factory=strict_converter,
         )
         self._workers = workers
-        self._desk = Desk()
+        self._desk = EditorWorkspace()
         self._uris: dict[str, str] = {}
         self._told = Protocol(self._uri)
         self._versions: dict[str, int] = {}

@@ -4,9 +4,9 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple, TypeAlias
 
-from mars_asp.lsp.mentions import Outline
+from mars_asp.lsp.mentions import DocumentOutline
 from mars_asp.lsp.places import Place, Range
-from mars_asp.lsp.robot import File, Scene
+from mars_asp.lsp.robot import DocumentContext, File
 from mars_asp.lsp.rule_text import RuleText
 
 Sort: TypeAlias = Literal["module", "predicate"]
@@ -22,7 +22,7 @@ class Symbol(NamedTuple):
     whole: Range
 
 
-def module_symbols(found: Outline) -> Iterator[Symbol]:
+def module_symbols(found: DocumentOutline) -> Iterator[Symbol]:
     """Yield the modules that a text lists or annotates, in its order."""
     for each in found.mentions:
         if each.role == "listed":
@@ -42,7 +42,7 @@ def predicate_symbols(text: RuleText) -> Iterator[Symbol]:
 
 
 def workspace_symbols(
-    scenes: Iterable[Scene], rules: Iterable[RuleText], query: str
+    scenes: Iterable[DocumentContext], rules: Iterable[RuleText], query: str
 ) -> Iterator[tuple[str, Sort, Place]]:
     """Yield the symbols of open files and of their robots whose name contains `query`, once each.
 
@@ -65,7 +65,7 @@ def workspace_symbols(
     return (each for each in found if query.lower() in each[0].lower())
 
 
-def _block(found: Outline, name: Range) -> Range:
+def _block(found: DocumentOutline, name: Range) -> Range:
     """Return the block that a name stands in, else its line."""
     number = name.start.line + 1
     at = bisect_right(found.blocks, number, key=lambda block: block[0]) - 1

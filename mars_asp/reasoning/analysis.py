@@ -13,7 +13,7 @@ import clingo
 
 from mars_asp.asp.fragments import Fragment, stated
 from mars_asp.asp.messages import (
-    Said,
+    RenderedMessage,
     check_decided,
     labelling,
     labels,
@@ -323,9 +323,9 @@ def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCo
     }
 
 
-def _first_said(analysis: Analysis) -> dict[TermId, Said]:
+def _first_said(analysis: Analysis) -> dict[TermId, RenderedMessage]:
     """Return for each consequence what the first rule says of it."""
-    first: dict[TermId, Said] = {}
+    first: dict[TermId, RenderedMessage] = {}
     for told in said(analysis.grounding.control, _STAGE, analysis.speakers):
         rival = first.setdefault(told.head, told)
         if (told.number, as_symbol(told.values)) < (rival.number, as_symbol(rival.values)):

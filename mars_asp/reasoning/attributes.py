@@ -135,7 +135,7 @@ def attribute_facts(
         MarsError: attributes that no pack declares, values that are none of theirs, and two values
             of one property.
     """
-    return _Reader(configuration, modules, kinds).facts()
+    return _AttributeReader(configuration, modules, kinds).facts()
 
 
 class _Stated(NamedTuple):
@@ -145,7 +145,7 @@ class _Stated(NamedTuple):
     attribute: Attribute
 
 
-class _Reader:
+class _AttributeReader:
     """Reads the attributes of one configuration, and notes what is wrong with them."""
 
     def __init__(

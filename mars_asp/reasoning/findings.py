@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from mars_asp.asp.messages import Said
+from mars_asp.asp.messages import RenderedMessage
 from mars_asp.asp.rules.checks import Contract, placed
 from mars_asp.asp.rules.expansions import Expansion
 from mars_asp.asp.rules.rule import Rule
@@ -87,7 +87,7 @@ CONTRACT = Contract(
 )
 
 
-def check_severities(said: Iterable[Said]) -> None:
+def check_severities(said: Iterable[RenderedMessage]) -> None:
     """Check that how severe a consequence is, is one of the words for that.
 
     A rule may take the word from its body, and a `#const` of a pack may replace it.

@@ -69,7 +69,7 @@ _MOST_BYTES = 64 * 1024
 _MOST_LISTED = 200
 
 
-class Need(NamedTuple):
+class Requirement(NamedTuple):
     """What a pack rests on: a pack or `mars-asp`, and the versions that will do, if any is said."""
 
     name: str
@@ -83,7 +83,7 @@ class Manifest(NamedTuple):
 
     name: str
     version: str
-    needs: tuple[Need, ...]
+    needs: tuple[Requirement, ...]
     kinds: tuple[PackKind, ...]
     span: Span
     summary: str = ""
@@ -291,13 +291,13 @@ def _manifest(path: Path, problems: list[Diagnostic]) -> Manifest | None:
     except MarsError as error:
         problems += error.diagnostics
         return None
-    reader = _Reader(text, shown)
+    reader = _ManifestReader(text, shown)
     manifest = reader.manifest(tables)
     problems += reader.problems
     return None if reader.problems else manifest
 
 
-class _Reader:
+class _ManifestReader:
     """Reads one manifest, and notes what is wrong with it."""
 
     def __init__(self, text: str, shown: str) -> None:
@@ -356,7 +356,7 @@ class _Reader:
             pack,
         )
 
-    def _needs(self, needs: object) -> Iterator[Need | None]:
+    def _needs(self, needs: object) -> Iterator[Requirement | None]:
         if isinstance(needs, list) and len(needs) > _MOST_LISTED:
             self._wrong(f"`needs` lists more than {_MOST_LISTED} packs", None, "needs")
             return
@@ -370,7 +370,7 @@ class _Reader:
                 self._wrong(f"{each!r} is not what a pack needs", advice, "needs", number)
             else:
                 place = self._places.of("needs", number)
-                yield Need(match[1], match[2] or "", match[3] or "", place)
+                yield Requirement(match[1], match[2] or "", match[3] or "", place)
 
     def _text(
         self,
@@ -433,7 +433,7 @@ def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
                 yield Diagnostic(_CODE, "error", message, need.span)
 
 
-def _will_do(version: str, need: Need) -> bool:
+def _will_do(version: str, need: Requirement) -> bool:
     if not need.comparison:
         return True
     there, asked = (_parts(each) for each in (version, need.version))

@@ -16,7 +16,7 @@ import pytest
 
 from mars_asp import MarsError, asp
 from mars_asp.asp.solve import optimum
-from mars_asp.asp.trace.tree import Derived, Missing
+from mars_asp.asp.trace.tree import Derived, Underivable
 from tests.support.documents import ROOT
 from tests.support.random_programs import ATOMS, random_program
 from tests.support.trace_checker import faults
@@ -95,7 +95,7 @@ def test_what_does_not_hold_has_no_reason() -> None:
 
 def test_an_absence_names_the_nearest_that_each_rule_comes() -> None:
     reason = of("reachability").solve().why_not("reach(f)")
-    assert isinstance(reason.trace, Missing)
+    assert isinstance(reason.trace, Underivable)
     assert {attempt.rule.id for attempt in reason.trace.attempts} == {
         "reachability/start",
         "reachability/step",
@@ -338,7 +338,7 @@ def test_a_session_finds_each_answer_once() -> None:
         assert session.solve() is session.solve()
         assert session.solve({"n": 4}) is not session.solve()
         assert session.why("node(9)").leaves()[0].atom == "node(9)"
-        assert isinstance(session.why_not("has(9,2)").trace, Missing)
+        assert isinstance(session.why_not("has(9,2)").trace, Underivable)
 
 
 def test_everything_that_is_wrong_is_told_with_its_place(tmp_path: Path) -> None:

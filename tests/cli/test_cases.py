@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import pytest
 
 from mars_asp.cli import run_here
-from mars_asp.cli.cases_report import Ran, junit
+from mars_asp.cli.cases_report import CaseFileResult, junit
 from mars_asp.diagnostic import Diagnostic, point
 from tests.support.documents import ROOT, answered, questions
 from tests.support.processes import HANGING, mars
@@ -97,7 +97,7 @@ def test_junit_holds_each_case(odd: Path, capsys: pytest.CaptureFixture[str]) ->
 
 def test_junit_is_xml_whatever_a_name_holds() -> None:
     wrong = Diagnostic("case", "error", "a \x00 and \ud800 and <&>", point("\x1b.lp", 1, 1))
-    (suite,) = ElementTree.fromstring(junit([Ran(Path("\x1b.lp"), None, [wrong], 0.0)]))
+    (suite,) = ElementTree.fromstring(junit([CaseFileResult(Path("\x1b.lp"), None, [wrong], 0.0)]))
     assert suite.get("errors") == "1"
 
 

@@ -5,7 +5,7 @@ from fractions import Fraction
 import pytest
 
 from mars_asp.exchange.lift import lifted
-from mars_asp.exchange.ros2.glue import Handed, handed_on
+from mars_asp.exchange.ros2.glue import Forward, handed_on
 from mars_asp.exchange.ros2.launch_markup import read_markup
 from mars_asp.exchange.ros2.parameters import Given, values_for
 from mars_asp.exchange.ros2.programs import Program
@@ -151,35 +151,40 @@ SELECT = "topics that a mux of topic_tools can select later"
 AMOUNT = "amounts that are delayed, dropped or limited in bytes"
 #: What is called with which words and parameters, and what it hands on.
 CALLED = [
-    ("relay", "a", "{}", Handed("a", "a_relay")),
-    ("relay", "a b", "{}", Handed("a", "b")),
-    ("relay", "", "{input_topic: a}", Handed("a", "a_relay")),
-    ("relay", "a b", "{input_topic: c, output_topic: d}", Handed("c", "d")),
+    ("relay", "a", "{}", Forward("a", "a_relay")),
+    ("relay", "a b", "{}", Forward("a", "b")),
+    ("relay", "", "{input_topic: a}", Forward("a", "a_relay")),
+    ("relay", "a b", "{input_topic: c, output_topic: d}", Forward("c", "d")),
     ("relay", "", "{}", None),
-    ("throttle", "messages a 2.5", "{}", Handed("a", "a_throttle", Rate(Fraction("2.5")))),
-    ("throttle", "messages a 2 b", "{}", Handed("a", "b", Rate(Fraction(2)))),
-    ("throttle", "messages a fast b", "{}", Handed("a", "b", None, (("rates of throttles", "b"),))),
-    ("throttle", "bytes a 1024 1.0 b", "{}", Handed("a", "b", None, ((AMOUNT, "b"),))),
+    ("throttle", "messages a 2.5", "{}", Forward("a", "a_throttle", Rate(Fraction("2.5")))),
+    ("throttle", "messages a 2 b", "{}", Forward("a", "b", Rate(Fraction(2)))),
+    (
+        "throttle",
+        "messages a fast b",
+        "{}",
+        Forward("a", "b", None, (("rates of throttles", "b"),)),
+    ),
+    ("throttle", "bytes a 1024 1.0 b", "{}", Forward("a", "b", None, ((AMOUNT, "b"),))),
     (
         "throttle",
         "",
         "{input_topic: a, throttle_type: messages, msgs_per_sec: 4.0}",
-        Handed("a", "a_throttle", Rate(Fraction(4))),
+        Forward("a", "a_throttle", Rate(Fraction(4))),
     ),
-    ("drop", "a 1 2", "{}", Handed("a", "a_drop", None, ((AMOUNT, "a_drop"),))),
-    ("delay", "a 0.5 b", "{}", Handed("a", "b", None, ((AMOUNT, "b"),))),
-    ("mux", "o a b", "{}", Handed("a", "o", None, ((SELECT, "b"),))),
-    ("mux", "o a b", "{initial_topic: b}", Handed("b", "o", None, ((SELECT, "a"),))),
+    ("drop", "a 1 2", "{}", Forward("a", "a_drop", None, ((AMOUNT, "a_drop"),))),
+    ("delay", "a 0.5 b", "{}", Forward("a", "b", None, ((AMOUNT, "b"),))),
+    ("mux", "o a b", "{}", Forward("a", "o", None, ((SELECT, "b"),))),
+    ("mux", "o a b", "{initial_topic: b}", Forward("b", "o", None, ((SELECT, "a"),))),
     ("mux", "o a b", "{initial_topic: __none}", None),
-    ("mux", "", "{input_topics: [a, b]}", Handed("a", "~/selected", None, ((SELECT, "b"),))),
-    ("demux", "a o p", "{}", Handed("a", "o", None, ((SELECT, "p"),))),
+    ("mux", "", "{input_topics: [a, b]}", Forward("a", "~/selected", None, ((SELECT, "b"),))),
+    ("demux", "a o p", "{}", Forward("a", "o", None, ((SELECT, "p"),))),
     ("transform", "a b", "{}", None),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("executable", "words", "parameters", "expected"), CALLED)
 def test_what_tools_hand_on_follows_from_how_they_are_called(
-    executable: str, words: str, parameters: str, expected: Handed | None
+    executable: str, words: str, parameters: str, expected: Forward | None
 ) -> None:
     program = Program("topic_tools", executable, False)
     assert handed_on(program, words.split(), values(parameters)) == expected
@@ -188,7 +193,7 @@ def test_what_tools_hand_on_follows_from_how_they_are_called(
 def test_components_and_the_relay_of_a_joystick_are_known() -> None:
     given = values("{input_topic: a}")
     component = Program("topic_tools", "topic_tools::RelayNode", True)
-    assert handed_on(component, (), given) == Handed("a", "a_relay")
+    assert handed_on(component, (), given) == Forward("a", "a_relay")
     joystick = handed_on(Program("twist_mux", "joystick_relay.py", False), (), {})
     assert joystick is not None
     assert (joystick.source, joystick.target) == ("joy_vel_in", "joy_vel_out")

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from mars_asp.execution.promises import Promise, promises
+from mars_asp.execution.promises import LinkStats, promises
 from mars_asp.execution.trial import Trial
 from tests.support.trials import BASE, trial, verdicts
 
@@ -67,7 +67,7 @@ def test_without_a_message_nothing_is_promised(tmp_path: Path) -> None:
     assert verdicts(made)["services delivered"] is True
 
 
-def undelivered(seeds: Iterable[int], folder: Path) -> list[tuple[int, Promise]]:
+def undelivered(seeds: Iterable[int], folder: Path) -> list[tuple[int, LinkStats]]:
     """Return the promises that were not kept of random rates and first messages."""
     found = []
     for seed in seeds:

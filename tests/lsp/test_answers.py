@@ -12,7 +12,7 @@ from mars_asp.language.expected import _WORDS, KEYWORDS
 from mars_asp.language.text_edits import LineEdit, apply_lines
 from mars_asp.lsp.actions import line_edits
 from mars_asp.lsp.completion import completion, rule_completion
-from mars_asp.lsp.desk import Desk
+from mars_asp.lsp.desk import EditorWorkspace
 from mars_asp.lsp.hover import hover
 from mars_asp.lsp.places import Edit, Place, Position, Range, Text
 from mars_asp.lsp.questions import Checked, Survey
@@ -28,9 +28,9 @@ from mars_asp.reasoning.findings import EXPANSIONS
 from tests.support.asked import asked
 
 
-def desk_of(folder: Path, texts: Mapping[str, str], robot: str = "robot.mars") -> Desk:
+def desk_of(folder: Path, texts: Mapping[str, str], robot: str = "robot.mars") -> EditorWorkspace:
     """Return what is known of files that are all open, the robot's analysed."""
-    desk = Desk()
+    desk = EditorWorkspace()
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
         desk.texts[str(folder / name)] = text
@@ -208,7 +208,7 @@ def test_the_comments_of_nodes_name_modules(tmp_path: Path) -> None:
         "@specification hierarchical\n@modules A, B, C, InheritanceNode1\n"
         "// InheritanceNode1: A\nInheritanceNode1 is_controlled_by B 0\n"
     )
-    desk = Desk()
+    desk = EditorWorkspace()
     path = str(tmp_path / "spec.mars")
     desk.texts[path] = text
     scene = desk.scene(path)
@@ -267,7 +267,7 @@ def test_a_line_is_completed(line: str, has: set[str], lacks: set[str], tmp_path
     ],
 )
 def test_annotations_are_completed(line: str, has: set[str]) -> None:
-    desk = Desk()
+    desk = EditorWorkspace()
     desk.texts["/a.cpp"], position = marked(line)
     scene = desk.scene("/a.cpp")
     assert scene is not None
@@ -277,7 +277,7 @@ def test_annotations_are_completed(line: str, has: set[str]) -> None:
 
 
 def test_what_is_typed_is_replaced() -> None:
-    desk = Desk()
+    desk = EditorWorkspace()
     desk.texts["/a.mars"], position = marked('@modules "😀 eye", Base\n"😀 e¦')
     scene = desk.scene("/a.mars")
     assert scene is not None
@@ -389,7 +389,7 @@ def test_each_word_has_its_meaning() -> None:
 
 
 def test_symbols_span_their_blocks() -> None:
-    desk = Desk()
+    desk = EditorWorkspace()
     desk.texts["/a.mars"] = "@modules A\n@module_start\n@module_name B\n@Grasp 0 1\n@module_end\n"
     scene = desk.scene("/a.mars")
     assert scene is not None

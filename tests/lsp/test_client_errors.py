@@ -11,7 +11,7 @@ import pytest
 
 from mars_asp.lsp import client_errors
 from mars_asp.lsp.client_errors import BoundedInput
-from mars_asp.lsp.desk import Desk
+from mars_asp.lsp.desk import EditorWorkspace
 from tests.support import hostile_editor
 from tests.support.hostile_editor import _framed
 from tests.support.processes import HANGING
@@ -143,7 +143,7 @@ def test_a_message_that_is_too_large_is_dropped(monkeypatch: pytest.MonkeyPatch)
 def test_open_texts_are_compared_with_regular_files_of_their_size(tmp_path: Path) -> None:
     (tmp_path / "large.mars").write_bytes(b"x" * 100_000)
     (tmp_path / "same.mars").write_text("text")
-    desk = Desk()
+    desk = EditorWorkspace()
     paths = ["/dev/zero", "/proc/self/environ", *(str(each) for each in tmp_path.iterdir())]
     desk.texts |= dict.fromkeys(paths, "text")
     assert sorted(desk.unsaved()) == sorted(

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mars_asp.diagnostic import Span
 from mars_asp.lsp.completion import completion, rule_completion
-from mars_asp.lsp.desk import Desk
+from mars_asp.lsp.desk import EditorWorkspace
 from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
 from mars_asp.lsp.places import Position, Range, Text, changed_lines
@@ -79,7 +79,7 @@ def test_an_unsaved_text_is_read_by_every_path_to_its_file(tmp_path: Path) -> No
 
 def test_answers_survive_edits_at_random() -> None:
     rng = random.Random(1)
-    desk = Desk()
+    desk = EditorWorkspace()
     paths = [
         *sorted((ROOT / "tests/lsp/robot").iterdir()),
         ROOT / "examples/own-rules/rules/safety.lp",
@@ -135,7 +135,7 @@ def test_no_text_takes_long_to_read() -> None:
     with takes_at_most(6):
         for name, texts in ENDLESS.items():
             for text in texts:
-                desk = Desk()
+                desk = EditorWorkspace()
                 desk.texts[name] = text
                 position = Position(0, len(text))
                 scene, rules = desk.scene(name), desk.rule_text(name)

@@ -13,7 +13,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.trace import Absent, Attempt, Derived, Given, Missing, Trace
+from mars_asp.asp.trace import Absent, Derived, Given, NearMiss, Trace, Underivable
 
 Values = Mapping[str, clingo.Symbol]
 _TYPE = ast.ASTType
@@ -247,7 +247,7 @@ class _Claims:
         self.lines.append(f"holds({len(self.said)}) :- {body}.")
         self.claim(said, f"not holds({len(self.said)})")
 
-    def look(self, trace: Trace | Attempt) -> frozenset[str]:
+    def look(self, trace: Trace | NearMiss) -> frozenset[str]:
         """Check a trace once; return the atoms in and below it."""
         if id(trace) in self._below:
             return self._below[id(trace)]
@@ -265,7 +265,7 @@ class _Claims:
                 self.step(trace)
                 if trace.atom in inside:
                     self.wrong.append(f"{trace.atom} is among its own reasons")
-            case Missing():
+            case Underivable():
                 self.claim_not(f"no {trace.atom}", f"true({trace.atom})")
                 for attempt in trace.attempts:
                     self.attempt(attempt)
@@ -282,7 +282,7 @@ class _Claims:
         bodies = _instances(step.rule, place, step.bindings, f"_H = {step.atom}")
         self.claim(f"{step.atom} by {step.rule.text} from {rests}", *bodies)
 
-    def attempt(self, attempt: Attempt) -> None:
+    def attempt(self, attempt: NearMiss) -> None:
         """Claim that what is said to fail does fail."""
         said = f"{attempt.fails} fails for {attempt.bindings} in {attempt.rule.text}"
         if attempt.fails is None:

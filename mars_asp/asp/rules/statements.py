@@ -661,7 +661,7 @@ def _may_compute(text: str) -> bool:
 
 
 def _statement(node: Node, place: Callable[[Node], Place]) -> Statement:
-    reader = _Reader(place)
+    reader = _StatementReader(place)
     body = [reader.read(literal) for literal in node.body]
     cost, where = None, node
     heads: list[Head] = []
@@ -687,7 +687,7 @@ def _statement(node: Node, place: Callable[[Node], Place]) -> Statement:
     )
 
 
-class _Reader:
+class _StatementReader:
     """Reads one statement, literal by literal."""
 
     def __init__(self, place: Callable[[Node], Place]) -> None:

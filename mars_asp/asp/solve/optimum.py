@@ -188,7 +188,7 @@ def others(
         yield found
 
 
-class Need(NamedTuple):
+class Core(NamedTuple):
     """Of these atoms every answer has one, which costs at least `weight` beside other needs."""
 
     weight: int
@@ -197,7 +197,7 @@ class Need(NamedTuple):
 
 def disjoint_needs(
     component: Component, best: Optimum, level: int, deadline: float | None = None
-) -> tuple[Need, ...]:
+) -> tuple[Core, ...]:
     """Return needs that bound the cost at a level from below, where none is higher above it.
 
     No atom costs less than all needs in which it is weigh together, so where each costs 1 no atom
@@ -217,7 +217,7 @@ def disjoint_needs(
     control = _bounded(component, above)
     needs = []
     for atom in sorted(_in_all(control, best.true.intersection(left), component, deadline)):
-        needs.append(Need(left.pop(atom), (atom,)))
+        needs.append(Core(left.pop(atom), (atom,)))
     # The atoms that are not true cost nothing, so what is left bounds what can still be found.
     open_cost = sum(weight for atom, weight in left.items() if atom in best.true)
     searches = 0
@@ -229,7 +229,7 @@ def disjoint_needs(
             smaller = _core(control, [other for other in core if other != literal], deadline)
             core = core if smaller is None else smaller
             searches += 1
-        need = Need(min(left[-literal] for literal in core), tuple(sorted(-lit for lit in core)))
+        need = Core(min(left[-literal] for literal in core), tuple(sorted(-lit for lit in core)))
         needs.append(need)
         for atom in need.atoms:
             left[atom] -= need.weight

@@ -10,23 +10,23 @@ if TYPE_CHECKING:
     from mars_asp.asp.trace.explainer import Explainer
     from mars_asp.asp.trace.tree import (
         Absent,
-        Attempt,
         Derived,
         Given,
-        Missing,
+        NearMiss,
         Trace,
+        Underivable,
         Unexplained,
     )
 
 __all__ = [
     "DEPTH",
     "Absent",
-    "Attempt",
     "Derived",
     "Explainer",
     "Given",
-    "Missing",
+    "NearMiss",
     "Trace",
+    "Underivable",
     "Unexplained",
 ]
 #: How deep a trace is printed: deep enough for a reason, short enough to read.

@@ -13,12 +13,14 @@ from mars_asp.asp.trace.firings import Firing
 from mars_asp.asp.trace.given import is_cited
 from mars_asp.asp.trace.near_misses import IN_QUESTION, LACKING, NEAR, Candidate, NearMisses
 from mars_asp.asp.trace.patterns import can_be_followed, fixed_parts, shown_pattern
-from mars_asp.asp.trace.tree import Absent, Attempt, Missing, Trace, bindings_of
+from mars_asp.asp.trace.tree import Absent, NearMiss, Trace, Underivable, bindings_of
 
 Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
 
 
-def explain_absence(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing | Absent:
+def explain_absence(
+    explainer: Explainer, pattern: clingo.Symbol, depth: int
+) -> Underivable | Absent:
     """Return what keeps an atom from holding; holes of the pattern are any value.
 
     Each level below is one more grounding, or two; at most `depth` of them are asked for.
@@ -115,8 +117,8 @@ def _absence(
     explainer: Explainer,
     true: Mapping[clingo.Symbol, Trace],
     above: Set[clingo.Symbol] = frozenset(),
-    known: dict[clingo.Symbol, Missing | Absent] | None = None,
-) -> Missing | Absent:
+    known: dict[clingo.Symbol, Underivable | Absent] | None = None,
+) -> Underivable | Absent:
     """Return why no atom of a pattern holds.
 
     What is needed twice is one object; what leads back to itself ends in a leaf.
@@ -129,7 +131,7 @@ def _absence(
     if pattern in known:
         return known[pattern]
     if pattern not in found:
-        return Missing(written, (), False, words)
+        return Underivable(written, (), False, words)
     if not found[pattern]:
         return leaf
     attempts = []
@@ -145,7 +147,7 @@ def _absence(
             held = tuple(filter(is_cited, map(true.__getitem__, _believed(firing))))
         rule, bindings = explainer.rules[candidate.rule], bindings_of(firing.values)
         attempts.append(
-            Attempt(
+            NearMiss(
                 written,
                 rule,
                 fill(rule.because, bindings, shown),
@@ -156,7 +158,7 @@ def _absence(
                 held,
             )
         )
-    known[pattern] = Missing(written, tuple(attempts), words=words)
+    known[pattern] = Underivable(written, tuple(attempts), words=words)
     return known[pattern]
 
 

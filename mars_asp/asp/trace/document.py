@@ -10,11 +10,11 @@ from mars_asp.asp.trace.absence_text import attempt_text
 from mars_asp.asp.trace.premise_order import PremiseOrder
 from mars_asp.asp.trace.tree import (
     Absent,
-    Attempt,
     Derived,
     Given,
-    Missing,
+    NearMiss,
     Trace,
+    Underivable,
     Unexplained,
     is_pseudo,
 )
@@ -23,7 +23,7 @@ from mars_asp.diagnostic import Span
 FORMAT, VERSION = "mars-trace", 2
 
 _Json: TypeAlias = dict[str, object]
-_Step: TypeAlias = Trace | Attempt
+_Step: TypeAlias = Trace | NearMiss
 
 
 def trace_json(
@@ -97,16 +97,16 @@ class Document:
                     entry["computed_from"] = [] if place is None else [place]
                 if origin == "observed":
                     entry["at_s"] = step.seconds
-            case Missing() if not step.followed:
+            case Underivable() if not step.followed:
                 entry["folded"] = True
-            case Derived() | Attempt():
+            case Derived() | NearMiss():
                 entry["bindings"] = _bindings(step)
                 entry["rule"] = self._rules.get(id(step.rule)) or self._rules.setdefault(
                     id(step.rule), rule_json(step.rule)
                 )
                 if isinstance(step, Derived) and step.chosen and self._chosen is not None:
                     entry |= self._chosen(step)
-                if isinstance(step, Attempt):
+                if isinstance(step, NearMiss):
                     value = None if step.value is None else str(step.value)
                     entry |= {"fails": step.fails, "value": value}
             case _:
@@ -187,20 +187,20 @@ class _Lines:
         if place is not None:
             yield from self._file(place.path)
             at = [self._files[place.path], place.line, place.column]
-        if isinstance(step, Derived | Attempt):
+        if isinstance(step, Derived | NearMiss):
             yield from self._rule(step.rule)
             rule = self._rules[id(step.rule)]
         number = self._numbers[_key(step)] = len(self._numbers) + 1
         entry: _Json = {"step": number, "kind": _kind(step), "atom": plain(step.atom)}
         entry |= {"says": _message(step), "at": at, "rule": rule}
-        entry["with"] = _bindings(step) if isinstance(step, Derived | Attempt) else {}
+        entry["with"] = _bindings(step) if isinstance(step, Derived | NearMiss) else {}
         entry["from"] = [self.number(each) for each in _inside(step, self._order)]
         match step:
             case Given(_, _, "computed"):
                 entry["computed_from"] = [] if at is None else [at]
             case Given(_, _, "observed"):
                 entry["at_s"] = step.seconds
-            case Attempt():
+            case NearMiss():
                 entry["fails"] = step.fails
             case Derived() if id(step) in self._other_of:
                 entry["other_of"] = self._other_of[id(step)]
@@ -228,9 +228,9 @@ def _inside(step: _Step, order: PremiseOrder) -> Sequence[_Step]:
     match step:
         case Derived():
             return order.of(step)
-        case Missing(_, attempts):
+        case Underivable(_, attempts):
             return attempts
-        case Attempt():
+        case NearMiss():
             return (*(() if step.cause is None else (step.cause,)), *step.held)
         case _:
             return ()
@@ -253,11 +253,11 @@ def _message(step: _Step) -> str | None:
     match step:
         case Absent(_, _, external) if external is not None:
             return plain(step.message)
-        case Absent() | Missing():
+        case Absent() | Underivable():
             return None if step.sentence is None else plain(step.sentence)
         case Unexplained():
             return step.reason
-        case Attempt():
+        case NearMiss():
             return plain(attempt_text(step))
         case _:
             return step.message
@@ -271,7 +271,7 @@ def _place(leaf: Given) -> _Json | None:
     return {"path": span.path, "line": span.line, "column": span.column}
 
 
-def _bindings(step: Derived | Attempt) -> dict[str, str]:
+def _bindings(step: Derived | NearMiss) -> dict[str, str]:
     if isinstance(step, Derived):
         return step.values_written
     return {name: str(value) for name, value in step.bindings.items()}

@@ -8,7 +8,7 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve import term_ids
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.trace.sentences import Sentences
-from mars_asp.asp.trace.tree import Absent, Given, Trace, Words
+from mars_asp.asp.trace.tree import Absent, Given, SentenceRenderer, Trace
 from mars_asp.diagnostic import Span
 
 
@@ -53,7 +53,7 @@ class GivenFacts:
             return None
         declared = self._declared.get(Signature(name, len(fact.atom.arguments)))
         origin = "stated" if declared is None or declared.origin is None else declared.origin
-        words = None if declared is None else Words(self._sentences, fact.atom, declared)
+        words = None if declared is None else SentenceRenderer(self._sentences, fact.atom, declared)
         is_external = written in self._externals
         return Given(written, fact.span, "external" if is_external else origin, words)
 
@@ -71,9 +71,9 @@ class GivenFacts:
         """Return the place of an atom that is given from outside, or None if it is not."""
         return self._externals.get(written)
 
-    def words_of_absence(self, pattern: term_ids.TermId) -> Words | None:
+    def words_of_absence(self, pattern: term_ids.TermId) -> SentenceRenderer | None:
         """Return what tells an absence; `None` where nothing is declared at all."""
-        return Words(self._sentences, pattern) if self._declared else None
+        return SentenceRenderer(self._sentences, pattern) if self._declared else None
 
 
 def is_cited(leaf: Trace) -> bool:

@@ -29,7 +29,7 @@ class _Form(NamedTuple):
     holes: tuple[_Hole, ...]
 
 
-class Told(NamedTuple):
+class Sentence(NamedTuple):
     """A sentence, and the values that fill its holes as they are written in it."""
 
     sentence: str
@@ -53,7 +53,7 @@ class Sentences:
         self._alike: dict[tuple[int, int], tuple[tuple[int, int], ...]] = {}
         self._forms: dict[tuple[str, int, str], _Form | None] = {}
 
-    def says(self, atom: Atom) -> Told | None:
+    def says(self, atom: Atom) -> Sentence | None:
         """Return the sentence of an atom; `None` where nobody declares one."""
         declared = self._declared.get((atom.name, len(atom.arguments)))
         return None if declared is None else self._first(declared.says, declared, atom)
@@ -98,7 +98,9 @@ class Sentences:
                 return number
         return None
 
-    def _first(self, sentences: Sequence[str], declared: Declaration, atom: Atom) -> Told | None:
+    def _first(
+        self, sentences: Sequence[str], declared: Declaration, atom: Atom
+    ) -> Sentence | None:
         for sentence in sentences:
             key = declared.name, len(declared.arguments), sentence
             if key not in self._forms:
@@ -106,7 +108,7 @@ class Sentences:
             form = self._forms[key]
             values = [] if form is None else self._values(form, declared, atom)
             if form is not None and values is not None:
-                return Told(form.text % tuple(values), tuple(values))
+                return Sentence(form.text % tuple(values), tuple(values))
         return None
 
     def _form(self, sentence: str, declared: Declaration) -> _Form | None:

@@ -15,11 +15,11 @@ from mars_asp.asp.trace.absence_text import attempt_text, failure, nearest
 from mars_asp.asp.trace.premise_order import PremiseOrder
 from mars_asp.asp.trace.tree import (
     Absent,
-    Attempt,
     Derived,
     Given,
-    Missing,
+    NearMiss,
     Trace,
+    Underivable,
     Unexplained,
     is_pseudo,
 )
@@ -112,11 +112,11 @@ class _Entry(NamedTuple):
 
     level: int
     line: str | _Quoted
-    step: Derived | Attempt | None = None
+    step: Derived | NearMiss | None = None
 
 
-def _said(step: Derived | Attempt, folded: bool) -> str:
-    if isinstance(step, Attempt):
+def _said(step: Derived | NearMiss, folded: bool) -> str:
+    if isinstance(step, NearMiss):
         return plain(attempt_text(step))
     return step.message or plain(_named(step.head) if folded else step.atom)
 
@@ -156,24 +156,24 @@ class _Teller:
         """Yield the lines of one trace."""
         yield _Entry(0, title)
         depth = self._depth
-        stack: list[tuple[Trace | Attempt | str | _Quoted, int]] = [(trace, 1)]
-        if not isinstance(trace, Derived | Missing):
+        stack: list[tuple[Trace | NearMiss | str | _Quoted, int]] = [(trace, 1)]
+        if not isinstance(trace, Derived | Underivable):
             stack = [(leaf, 1) for leaf in self._leaves([trace])[::-1]]
         said_of: dict[int, str] = {}
         #: The leaves told at each level since the last step above it.
         said: list[set[str | _Quoted]] = []
         while stack:
             step, level = stack.pop()
-            if isinstance(step, Derived | Attempt):
+            if isinstance(step, Derived | NearMiss):
                 del said[level + 1 :]
                 if id(step) in self._opened:
                     self.again.add(id(step))
                     yield _Entry(level, "", step)
                     continue
                 self._opened.add(id(step))
-            below: Sequence[Trace | Attempt | str]
+            below: Sequence[Trace | NearMiss | str]
             match step:
-                case Missing() if step.attempts:
+                case Underivable() if step.attempts:
                     stack += [(attempt, level) for attempt in reversed(nearest(step))]
                     continue
                 case Derived():
@@ -190,7 +190,7 @@ class _Teller:
                         cut = any(isinstance(premise, Derived) for premise in below)
                         below = leaves_of(step) if cut else below
                     below = (*below, *(() if choice is None else choice.reasons))
-                case Attempt():
+                case NearMiss():
                     yield _Entry(level, "", step)
                     below = failure(step, depth is None or level < depth)
                     below = (*below, *self._interesting(step.held, False))
@@ -205,13 +205,13 @@ class _Teller:
             stack += [(premise, level + 1) for premise in reversed(self._leaves(below))]
 
     def _leaves(
-        self, below: Sequence[Trace | Attempt | str]
-    ) -> Sequence[Trace | Attempt | str | _Quoted]:
+        self, below: Sequence[Trace | NearMiss | str]
+    ) -> Sequence[Trace | NearMiss | str | _Quoted]:
         """Return what stands below a step, leaves as they are written: each line of a file once.
 
         Lines that follow each other are in the order of what they say and then of their places.
         """
-        found: list[Trace | Attempt | str | _Quoted] = []
+        found: list[Trace | NearMiss | str | _Quoted] = []
         quoted: dict[tuple[object, ...], list[Given]] = {}
         for each in below:
             if isinstance(each, Given) and self._folded and not _is_told(each):
@@ -221,8 +221,8 @@ class _Teller:
             if quoted:
                 found += self._quotations(quoted)
                 quoted.clear()
-            goes_on = isinstance(each, Missing) and bool(each.attempts)
-            if goes_on or isinstance(each, Derived | Attempt | str):
+            goes_on = isinstance(each, Underivable) and bool(each.attempts)
+            if goes_on or isinstance(each, Derived | NearMiss | str):
                 found.append(each)
             elif (line := self._plain(each)) is not None:
                 found.append(line)
@@ -271,7 +271,7 @@ class _Teller:
                 return f"{told}  (computed from {place})" if self._folded else f"{told}  {place}"
             case Absent() if step.external is not None:
                 return f"{step.message}  {self._place(step.external)}"
-            case Absent() | Missing():
+            case Absent() | Underivable():
                 return step.sentence if self._folded else step.message
             case Unexplained(atom, reason):
                 return f"{atom}: not traced, because {reason}"

@@ -14,12 +14,12 @@ from mars_asp.asp.rules.symbols import term_of
 from mars_asp.asp.signature import plain
 from mars_asp.asp.solve.atoms import Atom
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
-from mars_asp.asp.trace.sentences import Sentences, Told
+from mars_asp.asp.trace.sentences import Sentence, Sentences
 from mars_asp.diagnostic import Span
 from mars_asp.output import brief_repr
 
 
-class Words(NamedTuple):
+class SentenceRenderer(NamedTuple):
     """What tells an atom or its absence in words, when somebody asks for them."""
 
     sentences: Sentences
@@ -53,10 +53,10 @@ class Given:
     atom: str
     span: Span | None
     origin: Origin | Literal["external"] = "stated"
-    words: Words | None = field(default=None, compare=False, repr=False)
+    words: SentenceRenderer | None = field(default=None, compare=False, repr=False)
 
     @property
-    def told(self) -> Told | None:
+    def told(self) -> Sentence | None:
         """Return the sentence that the vocabulary has for the fact; `None` where it has none."""
         return None if self.words is None else self.words.sentences.says(self.words.atom)
 
@@ -94,7 +94,7 @@ class Absent:
     __repr__ = brief_repr
 
     atom: str
-    words: Words | None = field(default=None, compare=False, repr=False)
+    words: SentenceRenderer | None = field(default=None, compare=False, repr=False)
     external: Span | None = None
 
     @property
@@ -109,7 +109,7 @@ class Absent:
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
 
-def _absence(atom: str, words: Words | None) -> str:
+def _absence(atom: str, words: SentenceRenderer | None) -> str:
     """Return a sentence about an absence; of what nothing is declared it names the atom."""
     if words is None:
         return f"no {plain(atom)}"
@@ -182,7 +182,7 @@ class Unexplained:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Attempt:
+class NearMiss:
     """The nearest that a rule comes to an absent `atom`.
 
     `fails` is the literal that is false for these bindings, `value` what its aggregate amounts
@@ -201,7 +201,7 @@ class Attempt:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Missing:
+class Underivable:
     """An atom that does not hold, with the nearest that each rule comes; `_` is any value.
 
     `followed` is false where no more was asked, as beyond a depth.
@@ -215,9 +215,9 @@ class Missing:
     __repr__ = brief_repr
 
     atom: str
-    attempts: tuple[Attempt, ...]
+    attempts: tuple[NearMiss, ...]
     followed: bool = True
-    words: Words | None = None
+    words: SentenceRenderer | None = None
 
     @property
     def message(self) -> str:
@@ -261,4 +261,4 @@ def _shown(value: TermId) -> str:
     return shown(as_symbol(value))
 
 
-Trace: TypeAlias = Given | Absent | Derived | Unexplained | Missing
+Trace: TypeAlias = Given | Absent | Derived | Unexplained | Underivable

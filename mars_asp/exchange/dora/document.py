@@ -124,14 +124,14 @@ def read_dataflow(text: str, path: str) -> Dataflow:
     Raises:
         MarsError: it is no YAML, or all that is wrong with its nodes.
     """
-    reader = _Reader()
+    reader = _DataflowReader()
     reader.read(read_dump(text, path))
     if reader.problems:
         raise MarsError(reader.problems)
     return Dataflow(tuple(reader.workers.values()), tuple(reader.unread))
 
 
-class _Reader:
+class _DataflowReader:
     """Collects what takes part in a dataflow."""
 
     def __init__(self) -> None:

@@ -29,11 +29,11 @@ class Unknown:
 
 
 @dataclass(frozen=True, slots=True)
-class Here:
+class LaunchDirectory:
     """The folder of the launch file."""
 
 
-Part: TypeAlias = str | Argument | Share | Unknown | Here
+Part: TypeAlias = str | Argument | Share | Unknown | LaunchDirectory
 #: A text in parts, as substitutions are; an empty one is the empty text.
 Text: TypeAlias = tuple[Part, ...]
 UNKNOWN: Text = (Unknown(),)

@@ -140,13 +140,13 @@ def read_cmake(
     Paths are relative to the package. `elsewhere` are the macros and functions of other
     packages that may install something.
     """
-    reader = _Reader(files or {}, elsewhere)
+    reader = _CMakeReader(files or {}, elsewhere)
     reader.follow(list(_commands(text)), "", {"CMAKE_INSTALL_DATADIR": ["share"]})
     reader.targets.is_whole &= reader.left > 0
     return reader.targets
 
 
-class _Reader:
+class _CMakeReader:
     """Follows the commands of a package, through loops, macros and the files they name."""
 
     def __init__(self, files: Mapping[str, Callable[[], str]], elsewhere: Set[str]) -> None:

@@ -27,7 +27,7 @@ _NONE = "__none"
 
 
 @dataclass(frozen=True, slots=True)
-class Handed:
+class Forward:
     """What a node hands on, both topics as its program names them, and at most how often.
 
     `left_out` is what else it does: its sort, and what it is called.
@@ -39,11 +39,13 @@ class Handed:
     left_out: tuple[tuple[str, str], ...] = ()
 
 
-def handed_on(program: Program, words: Sequence[str], values: Mapping[str, Given]) -> Handed | None:
+def handed_on(
+    program: Program, words: Sequence[str], values: Mapping[str, Given]
+) -> Forward | None:
     """Return what a program hands on, if it is a relay; `words` are its arguments."""
     if program.package == "twist_mux" and program.executable.startswith("joystick_relay"):
         left_out = (("locks", "joy_priority"), ("topics of markers", "text_marker"))
-        return Handed("joy_vel_in", "joy_vel_out", None, left_out)
+        return Forward("joy_vel_in", "joy_vel_out", None, left_out)
     if program.package != "topic_tools":
         return None
     kind = _COMPONENTS.get(program.executable) if program.plugin else program.executable
@@ -58,7 +60,7 @@ def handed_on(program: Program, words: Sequence[str], values: Mapping[str, Given
             return None
 
 
-def _copied(kind: str, words: Sequence[str], values: Mapping[str, Given]) -> Handed | None:
+def _copied(kind: str, words: Sequence[str], values: Mapping[str, Given]) -> Forward | None:
     """Return what one topic is handed on as."""
     sort, *words = words if kind == "throttle" and words else ("", *words)
     named = _one(values, "throttle_type") or sort or "messages"
@@ -79,25 +81,25 @@ def _copied(kind: str, words: Sequence[str], values: Mapping[str, Given]) -> Han
             hz = rate
     elif kind != "relay":
         left_out.append(("amounts that are delayed, dropped or limited in bytes", target))
-    return Handed(source, target, hz, tuple(left_out))
+    return Forward(source, target, hz, tuple(left_out))
 
 
-def _mux(words: Sequence[str], values: Mapping[str, Given]) -> Handed | None:
+def _mux(words: Sequence[str], values: Mapping[str, Given]) -> Forward | None:
     """Return what a mux hands on at first; a service may select another topic."""
     sources = _several(values, "input_topics") or tuple(words[1:])
     target = _one(values, "output_topic") or next(iter(words), "~/selected")
     first = _one(values, "initial_topic") or next(iter(sources), "")
     others = tuple((_NOT_SELECTED, each) for each in sources if each != first)
-    return Handed(first, target, None, others) if first not in ("", _NONE) else None
+    return Forward(first, target, None, others) if first not in ("", _NONE) else None
 
 
-def _demux(words: Sequence[str], values: Mapping[str, Given]) -> Handed | None:
+def _demux(words: Sequence[str], values: Mapping[str, Given]) -> Forward | None:
     """Return to what a demux hands on at first."""
     targets = _several(values, "output_topics") or tuple(words[1:])
     source = _one(values, "input_topic") or next(iter(words), "~/input")
     first = _one(values, "initial_topic") or next(iter(targets), "")
     others = tuple((_NOT_SELECTED, each) for each in targets if each != first)
-    return Handed(source, first, None, others) if first not in ("", _NONE) else None
+    return Forward(source, first, None, others) if first not in ("", _NONE) else None
 
 
 def _one(values: Mapping[str, Given], name: str) -> str:

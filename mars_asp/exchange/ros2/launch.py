@@ -14,8 +14,8 @@ from mars_asp.exchange.ros2.actions import (
     Argument,
     Declare,
     Group,
-    Here,
     Include,
+    LaunchDirectory,
     NotRead,
     Parameter,
     PushNamespace,
@@ -767,7 +767,7 @@ class Launch:
                 case Share(package):
                     named = self._spelt(package, scope, files, depth + 1)
                     spelt = None if named is None else f"$(find-pkg-share {named})"
-                case Here():
+                case LaunchDirectory():
                     spelt = str(files[-1].parent)
                 case _:
                     spelt = None
@@ -787,13 +787,13 @@ class Launch:
                     shown.append(scope.arguments.get(name) or f"$(var {name})")
                 case Share(package):
                     shown.append(f"$(find-pkg-share {self._shown(package, scope)})")
-                case Here():
+                case LaunchDirectory():
                     pass
                 case _:
                     shown.append("...")
         whole = "".join(shown)
         # Without the folder of the launch file, what is left begins with the separator after it.
-        whole = whole.lstrip("/") if text and isinstance(text[0], Here) else whole
+        whole = whole.lstrip("/") if text and isinstance(text[0], LaunchDirectory) else whole
         return whole or "..."
 
 

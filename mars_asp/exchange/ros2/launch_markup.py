@@ -13,8 +13,8 @@ from mars_asp.exchange.ros2.actions import (
     Argument,
     Declare,
     Group,
-    Here,
     Include,
+    LaunchDirectory,
     NotRead,
     Parameter,
     Part,
@@ -454,7 +454,7 @@ def _substitution(inside: str) -> Part | Text:
         case "find-pkg-share" | "find" | "find-pkg-prefix":
             return Share((rest,))
         case "dirname":
-            return Here()
+            return LaunchDirectory()
         case "env" | "optenv":
             name, blank, default = rest.partition(" ")
             return Argument(f"env {name}", (default.strip("'\" "),) if blank else None)

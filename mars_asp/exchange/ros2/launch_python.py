@@ -94,7 +94,7 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
         raise _wrong(place, message, NEWER if is_newer(error) else "launch") from None
     except (ValueError, RecursionError, MemoryError):
         raise _wrong(whole_file(path), "this Python is nested too deeply, or not text") from None
-    reader = _Reader(path, text)
+    reader = _LaunchReader(path, text)
     try:
         return reader.actions(tree)
     except RecursionError:
@@ -106,7 +106,7 @@ def _wrong(place: Span, message: str, code: str = "launch") -> MarsError:
     return MarsError((Diagnostic(code, "error", message, place, help=help_text),))
 
 
-class _Reader(Evaluator):
+class _LaunchReader(Evaluator):
     """Reads the actions that a launch file builds."""
 
     def actions(self, tree: ast.Module) -> tuple[Action, ...]:

@@ -14,7 +14,7 @@ from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
     Declare,
-    Here,
+    LaunchDirectory,
     Reads,
     Share,
     Text,
@@ -235,7 +235,7 @@ class Evaluator:
             case ast.Call():
                 return self.call(node, names, depth)
             case ast.Name(id="__file__"):
-                return Plain((Here(), "/."), self.span(node))
+                return Plain((LaunchDirectory(), "/."), self.span(node))
             case ast.Name(id=name):
                 if name in names or name in self.globals:
                     return names.get(name, self.globals.get(name))

@@ -3,7 +3,7 @@
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
     Argument,
-    Here,
+    LaunchDirectory,
     Share,
     plain,
 )
@@ -56,7 +56,7 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
         case "TextSubstitution":
             return Plain(text_from(call.get("text", 0)), call.span)
         case "ThisLaunchFileDir":
-            return Plain((Here(),), call.span)
+            return Plain((LaunchDirectory(),), call.span)
         case "EnvironmentVariable" | "getenv":
             called = plain(text_from(call.get("name", 0)))
             value = call.get("default_value", 1)

@@ -27,7 +27,9 @@ _NAME_IT = (
 
 def read_topic_info(text: str, path: str) -> Dump:
     """Return the graph that the output of `ros2 topic info -v` tells, of one topic or several."""
-    reader = _Reader(path, sum(line.lstrip().startswith("Type:") for line in text.split("\n")))
+    reader = _TopicInfoReader(
+        path, sum(line.lstrip().startswith("Type:") for line in text.split("\n"))
+    )
     for number, line in enumerate(text.split("\n"), 1):
         if line.strip():
             reader.take(number, line)
@@ -35,7 +37,7 @@ def read_topic_info(text: str, path: str) -> Dump:
     return reader.dump
 
 
-class _Reader:
+class _TopicInfoReader:
     """Collects the ends of topics, line by line."""
 
     def __init__(self, path: str, topics: int) -> None:

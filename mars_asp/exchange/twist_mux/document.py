@@ -110,7 +110,7 @@ def read_parts(text: str, path: str) -> Document:
         MarsError: it is no YAML, or all that is wrong with its muxes.
     """
     root = read_yaml(text, path)
-    reader = _Reader()
+    reader = _MuxReader()
     if isinstance(root, Pairs):
         reader.find(root, ())
     return reader.document()
@@ -122,12 +122,12 @@ def read_parameters(root: Pairs, node: str) -> Document:
     Raises:
         MarsError: all that is wrong with it.
     """
-    reader = _Reader()
+    reader = _MuxReader()
     reader.mux(root, tuple(filter(None, node.split("/"))), listed=True)
     return reader.document()
 
 
-class _Reader:
+class _MuxReader:
     """Collects muxes and all that is to say about them."""
 
     def __init__(self) -> None:

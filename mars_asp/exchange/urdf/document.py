@@ -72,10 +72,10 @@ def read_document(text: str, path: str) -> Document:
         MarsError: everything that is wrong with it, or with the XML alone.
     """
     text = text.replace("\r\n", "\n").replace("\r", "\n")
-    return _Reader(text.split("\n")).document(read_elements(text, path))
+    return _UrdfReader(text.split("\n")).document(read_elements(text, path))
 
 
-class _Reader:
+class _UrdfReader:
     """Collects what is wrong, so that one mistake hides no other."""
 
     def __init__(self, lines: list[str]) -> None:

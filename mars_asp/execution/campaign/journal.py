@@ -20,7 +20,7 @@ FORMAT, VERSION = "mars-campaign", 1
 COUNTED = ("collisions", "min_clearance_mm", "control_time", "turn_while_driving_s", "error")
 
 
-class Ended(NamedTuple):
+class FinishedRun(NamedTuple):
     """A run that has ended: its line, with the line feed, and what of it is counted."""
 
     line: bytes
@@ -34,7 +34,7 @@ class Journal:
     Of its `size` in bytes the first `kept` are the header and runs.
     """
 
-    ended: Mapping[str, Ended] = field(default_factory=dict)
+    ended: Mapping[str, FinishedRun] = field(default_factory=dict)
     kept: int = 0
     size: int = 0
 
@@ -52,11 +52,11 @@ def header_of(configuration: str, scenario: str, tool: str) -> bytes:
     )
 
 
-def ended_run(run: Run, result: Mapping[str, Any]) -> Ended:
+def ended_run(run: Run, result: Mapping[str, Any]) -> FinishedRun:
     """Return the line of a run from the result that `run` prints."""
     # The seed stands first, where it is looked for.
     whole = {"seed": run.seed, "vary": run.vary, **result}
-    return Ended(_line(whole), _counted(whole))
+    return FinishedRun(_line(whole), _counted(whole))
 
 
 def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
@@ -71,7 +71,7 @@ def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
             return Journal(size=len(raw))
         raise _refused(path, 1, "this is not the file of a campaign")
     _check_header(lines[0], header, path)
-    ended: dict[str, Ended] = {}
+    ended: dict[str, FinishedRun] = {}
     kept = len(lines[0]) + 1
     for number, line in enumerate(lines[1:], 2):
         found = _object(line)
@@ -83,19 +83,19 @@ def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
                 raise _refused(path, number, "a summary is the last line")
             break
         ended.setdefault(
-            run_name(found["seed"], found["vary"]), Ended(line + b"\n", _counted(found))
+            run_name(found["seed"], found["vary"]), FinishedRun(line + b"\n", _counted(found))
         )
         kept += len(line) + 1
     return Journal(ended, kept, len(raw))
 
 
-def in_order(runs: Iterable[Run], ended: Mapping[str, Ended]) -> list[Ended]:
+def in_order(runs: Iterable[Run], ended: Mapping[str, FinishedRun]) -> list[FinishedRun]:
     """Return runs that have ended in the order of a grid; those of earlier grids follow."""
     names = dict.fromkeys((*(run.name for run in runs), *ended))
     return [ended[name] for name in names if name in ended]
 
 
-def whole_text(header: bytes, ended: Iterable[Ended], summary: Mapping[str, Any]) -> bytes:
+def whole_text(header: bytes, ended: Iterable[FinishedRun], summary: Mapping[str, Any]) -> bytes:
     """Return the file of a campaign that has come to its end."""
     return b"".join((header, *(each.line for each in ended), _line(summary)))
 

@@ -69,7 +69,7 @@ class Grid:
         self.link.send(self.latest)
 
 
-class Keep:
+class LatestBuffer:
     """Keeps the latest unread message for a request; with none, the next answers it.
 
     `upstream` is asked for one where the source makes messages only on request.
@@ -113,7 +113,7 @@ class Poll:
         rank: int,
         upstream: Callable[[], None],
     ) -> None:
-        self.kept = Keep(link, upstream)
+        self.kept = LatestBuffer(link, upstream)
         link.request = None
         self.offer = self.kept.offer
         schedule.every(hz, rank, self.kept.request)
@@ -133,7 +133,7 @@ def open_link(
     """
     carried, rate = made
     if asked.name == ON_REQUEST:
-        return Keep(link, upstream if carried.name == ON_REQUEST else None).offer
+        return LatestBuffer(link, upstream if carried.name == ON_REQUEST else None).offer
     if asked.name == AT_FREQUENCY:
         hz = link.hz or rate
         if carried.name == ON_REQUEST and hz is not None and upstream is not None:

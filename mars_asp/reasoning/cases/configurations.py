@@ -44,7 +44,7 @@ _NUMBERED = ("nodes", "cost", "findings", "order")
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ExpectedFinding:
     """A finding that a line speaks of; what is `None` is left open."""
 
     severity: str | None
@@ -52,7 +52,7 @@ class Wanted:
     subject: str | None
     lines: tuple[int, ...] = ()
 
-    def fits(self, found: "Told", anywhere: bool = False) -> bool:
+    def fits(self, found: "ReportedFinding", anywhere: bool = False) -> bool:
         """Whether a finding is one of these; `anywhere` leaves its severity and lines open."""
         if self.kind != found.kind or self.subject not in (None, found.subject):
             return False
@@ -62,7 +62,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Told:
+class ReportedFinding:
     """A finding of the configuration, with the lines of its file that it concerns."""
 
     severity: str
@@ -83,7 +83,7 @@ class Line:
     before: str
     text: str
     span: Span
-    wanted: tuple[Wanted, ...] = ()
+    wanted: tuple[ExpectedFinding, ...] = ()
     counts: Mapping[str, int] | None = None
 
 
@@ -152,7 +152,7 @@ class _Robot:
         self._reasoner = Reasoner(load_project(path, text=text), rulebook)
 
     @cached_property
-    def told(self) -> tuple[Told, ...]:
+    def told(self) -> tuple[ReportedFinding, ...]:
         """Return its findings."""
         return tuple(map(self._told, self._reasoner.analysis.consequences))
 
@@ -227,9 +227,9 @@ class _Robot:
         """Whether a rule can find any kind."""
         return any(kinds_of(rule) is None for rule in self.rulebook.rules)
 
-    def _told(self, found: Consequence) -> Told:
+    def _told(self, found: Consequence) -> ReportedFinding:
         lines = sorted({span.line for span in found.spans if span.path == self.path})
-        return Told(found.severity, found.kind, found.subject, tuple(lines))
+        return ReportedFinding(found.severity, found.kind, found.subject, tuple(lines))
 
 
 # ---- What lines expect ---------------------------------------------------------------------------
@@ -277,7 +277,9 @@ def _line(
     return Line(what, before, text, span, tuple(filter(None, wanted)))
 
 
-def _finding(text: str, span: Span, robot: _Robot, problems: list[Diagnostic]) -> Wanted | None:
+def _finding(
+    text: str, span: Span, robot: _Robot, problems: list[Diagnostic]
+) -> ExpectedFinding | None:
     match = _FINDING.fullmatch(text)
     if match is None:
         advice = "write `KIND`, `KIND(SUBJECT)` or `SEVERITY KIND at LINE`; a severity is "
@@ -289,7 +291,7 @@ def _finding(text: str, span: Span, robot: _Robot, problems: list[Diagnostic]) -
         advice = f"did you mean `{near}`?" if near else "is the pack that finds it given?"
         problems.append(_wrong(f"no rule finds `{match['kind']}`", span, advice))
     lines = tuple(map(int, re.findall(r"\d+", match["lines"] or "")))
-    return Wanted(match["severity"], match["kind"], match["subject"], lines)
+    return ExpectedFinding(match["severity"], match["kind"], match["subject"], lines)
 
 
 def _counts(

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 import clingo
 
-from mars_asp.asp.messages import Said, said, saying, shown
+from mars_asp.asp.messages import RenderedMessage, said, saying, shown
 from mars_asp.asp.rules.premises import fragment_of
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -234,7 +234,7 @@ def reads(rules: Iterable[Rule]) -> frozenset[Signature]:
 
 
 @dataclass(frozen=True)
-class Told:
+class Explanations:
     """Accounts by their things, the rule that forces each node, and its author's sentence.
 
     Only nodes of rule packs have such a sentence.
@@ -251,7 +251,7 @@ def told(
     atoms_of: Atoms,
     names: Names,
     wanted: Set[Key],
-) -> Told:
+) -> Explanations:
     """Return what rules tell of the things that are `wanted`.
 
     `deciding` are rules of other stages: of the atoms that these force, the first of them is told.
@@ -267,7 +267,7 @@ def told(
     program = (fragment_of(rule) for rule in rules if ACCOUNT not in rule.heads)
     sayings = (*saying(STAGE, telling, instead=True), *saying(_DECIDING, deciding))
     grounding.derive([*program, *sayings])
-    found: dict[Key, dict[str, list[Said]]] = {}
+    found: dict[Key, dict[str, list[RenderedMessage]]] = {}
     word = cache(text)
     for each in said(grounding.control, STAGE, telling):
         kind, subject, case, part, _, _ = arguments(each.head)
@@ -276,7 +276,7 @@ def told(
             continue
         parts = found.setdefault(key, {})
         parts.setdefault(word(part), []).append(each)
-    forced: dict[TermId, Said] = {}
+    forced: dict[TermId, RenderedMessage] = {}
     by_rule = sorted(
         said(grounding.control, _DECIDING, deciding),
         # The messages of one pack's node are in the order of their words.
@@ -285,18 +285,18 @@ def told(
     for each in by_rule:
         forced.setdefault(arguments(each.head)[0] if _inserts(each) else each.head, each)
     accounts = {key: _account(parts, names) for key, parts in found.items()}
-    return Told(
+    return Explanations(
         accounts,
         {node: each.rule.id for node, each in forced.items()},
         {node: _sentence(each, names) for node, each in forced.items() if _inserts(each)},
     )
 
 
-def _inserts(each: Said) -> bool:
+def _inserts(each: RenderedMessage) -> bool:
     return INSERTED in each.rule.heads
 
 
-def _account(parts: Mapping[str, Sequence[Said]], names: Names) -> Account:
+def _account(parts: Mapping[str, Sequence[RenderedMessage]], names: Names) -> Account:
     answers, notes = _in_order(parts.get("answer", ()), names), parts.get("notes", ())
     return Account(
         _sentence(answers[0], names) if answers else None,
@@ -306,7 +306,7 @@ def _account(parts: Mapping[str, Sequence[Said]], names: Names) -> Account:
     )
 
 
-def _cited(cites: Sequence[Said], names: Names) -> Iterator[Cited]:
+def _cited(cites: Sequence[RenderedMessage], names: Names) -> Iterator[Cited]:
     """Yield the lines in their order, each once, with all that is said beside it."""
     # Two things may be on one line.
     lines: dict[tuple[str, int], tuple[_Order, Span]] = {}
@@ -321,11 +321,11 @@ def _cited(cites: Sequence[Said], names: Names) -> Iterator[Cited]:
         yield Cited(span, names.where(span), "; ".join(labels.get(line, ())))
 
 
-def _sentence(each: Said, names: Names) -> str:
+def _sentence(each: RenderedMessage, names: Names) -> str:
     return each.filled(each.rule.because, names.written) or ""
 
 
-def _in_order(told: Sequence[Said], names: Names) -> Sequence[Said]:
+def _in_order(told: Sequence[RenderedMessage], names: Names) -> Sequence[RenderedMessage]:
     """Return what is told by its order, then by rules, then by values."""
     if len(told) < 2:
         return told
@@ -333,7 +333,7 @@ def _in_order(told: Sequence[Said], names: Names) -> Sequence[Said]:
     return sorted(by_values, key=lambda each: (names.order(arguments(each.head)[4]), each.number))
 
 
-def _are_few(told: Sequence[Said]) -> bool:
+def _are_few(told: Sequence[RenderedMessage]) -> bool:
     """Whether each of them is told by a rule of its own, so that values decide nothing."""
     return len({each.number for each in told}) == len(told)
 
@@ -408,7 +408,7 @@ def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence
 def _told(
     thing: Consequence | Node,
     key: Key,
-    found: Told,
+    found: Explanations,
     names: Names,
 ) -> tuple[Account, str | None]:
     account = found.accounts.get(key, Account(None, (), ()))

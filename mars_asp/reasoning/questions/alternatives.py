@@ -18,7 +18,7 @@ import clingo
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.grounding import Answer, Part
 from mars_asp.asp.solve.optimum import COST_LEVEL, Optimum, disjoint_needs, others
-from mars_asp.asp.solve.optimum import Need as AtomNeed
+from mars_asp.asp.solve.optimum import Core as AtomNeed
 from mars_asp.language.print import print_configuration
 from mars_asp.model.declarations import Control, Data
 from mars_asp.reasoning.analysis import Analysis
@@ -52,7 +52,7 @@ class Alternative:
 
 
 @dataclass(frozen=True, slots=True)
-class Need:
+class CertificateEntry:
     """Every realisation has one of these nodes: `names` are those of ours among them.
 
     `nodes` are told by their terms; `reasons` say of each what it is, and of ours why. They are
@@ -89,7 +89,7 @@ class Alternatives:
     declared: int
     nodes: int
     forced: tuple[str, ...]
-    needs: tuple[Need, ...]
+    needs: tuple[CertificateEntry, ...]
     candidates: int
     levels: Mapping[int, Level]
     conversions: tuple[str, ...]
@@ -155,7 +155,7 @@ class _Search:
         own = _lines(self.synthesis.specification)
         told = [self._told(extra, chosen, own) for extra, chosen in found[:most]]
         bounds = self._bounds(parts)
-        needs = [Need((str(atom),), (names[atom],)) for atom in forced]
+        needs = [CertificateEntry((str(atom),), (names[atom],)) for atom in forced]
         for part in parts:
             needs += self._needs(part, bounds[id(part.component), NODES], names)
         place = {name: number for number, name in enumerate(names.values())}
@@ -203,7 +203,7 @@ class _Search:
             found[level] = Level(cost, cost - open_cost + met)
         return found
 
-    def _explained(self, needs: Sequence[Need]) -> Iterator[Need]:
+    def _explained(self, needs: Sequence[CertificateEntry]) -> Iterator[CertificateEntry]:
         asked = [node for need in needs for node in need.nodes]
         found = self._reasons(asked)
         for need in needs:
@@ -255,13 +255,13 @@ class _Search:
 
     def _needs(
         self, part: Part, found: Sequence[AtomNeed], names: Mapping[clingo.Symbol, str]
-    ) -> Iterator[Need]:
+    ) -> Iterator[CertificateEntry]:
         symbol_of = self.analysis.grounding.symbol_of
         for need in found:
             numbers = [part.atoms[atom - 1] for atom in need.atoms]
             told = [symbol_of[number] for number in numbers if number in symbol_of]
             ours = tuple(names[symbol] for symbol in told if symbol in names)
-            yield Need(tuple(map(str, told)), ours)
+            yield CertificateEntry(tuple(map(str, told)), ours)
 
 
 def _combined(

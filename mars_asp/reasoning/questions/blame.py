@@ -10,7 +10,7 @@ from functools import cached_property
 
 import clingo
 
-from mars_asp.asp.messages import Said, fill, said, saying, shown
+from mars_asp.asp.messages import RenderedMessage, fill, said, saying, shown
 from mars_asp.asp.rules.rule import HOLE
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
@@ -91,7 +91,7 @@ def reasons(
     names = tuple(modules)
     questions = [_sought(kind, name) for kind in kinds for name in names]
     told = _Told(project, rulebook, questions, (ABSENT,))
-    first: dict[tuple[TermId, ...], Said] = {}
+    first: dict[tuple[TermId, ...], RenderedMessage] = {}
     for each in told.of(ABSENT):
         key = tuple(arguments(each.head)[:2])
         if key not in first or _order(each) < _order(first[key]):
@@ -126,7 +126,9 @@ def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]
             yield Atom("sought_input", (name, number, index))
 
 
-def _that_give(told: "_Told", project: Project, gives: Callable[[Project], bool]) -> Iterator[Said]:
+def _that_give(
+    told: "_Told", project: Project, gives: Callable[[Project], bool]
+) -> Iterator[RenderedMessage]:
     """Yield the changes after which there is one, the least first."""
     proposed = sorted(
         told.of(_CHANGE), key=lambda each: (as_symbol(each.head).arguments[3].number, _order(each))
@@ -144,7 +146,7 @@ def _that_give(told: "_Told", project: Project, gives: Callable[[Project], bool]
             continue
 
 
-def _order(told: Said) -> tuple[int, str]:
+def _order(told: RenderedMessage) -> tuple[int, str]:
     return told.number, str(as_symbol(told.values))
 
 
@@ -178,11 +180,11 @@ class _Told:
             fact.atom.arguments[0]: fact.span for fact in facts if fact.atom.name == "place"
         }
 
-    def of(self, signature: Signature) -> Iterator[Said]:
+    def of(self, signature: Signature) -> Iterator[RenderedMessage]:
         """Yield what rules that derive a predicate say."""
         return (each for each in self._every if each.rule.derives(signature))
 
-    def text(self, told: Said) -> str:
+    def text(self, told: RenderedMessage) -> str:
         """Return what a rule says, with places for `at(I)`, and names in lines as these write them.
 
         A line is what is between backticks, unless that is nothing but a name.

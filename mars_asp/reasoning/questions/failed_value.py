@@ -10,7 +10,7 @@ from mars_asp.asp.messages import shown
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.statements import Literal
 from mars_asp.asp.signature import Signature, plain
-from mars_asp.asp.trace.tree import Attempt
+from mars_asp.asp.trace.tree import NearMiss
 from mars_asp.asp.units import UNITS, measured_alike
 
 _COMPARISON = re.compile(r"([^\s{}]+) (<=|>=|!=|<|>|=) ([^\s{}]+)")
@@ -37,7 +37,7 @@ class _ComparedValue(NamedTuple):
 
 
 def failed_value(
-    attempt: Attempt, declared: Mapping[Signature, Declaration], known: Set[str]
+    attempt: NearMiss, declared: Mapping[Signature, Declaration], known: Set[str]
 ) -> str | None:
     """Return the value that fails a comparison and the needed one, or None if it has no name.
 
@@ -69,7 +69,7 @@ class _Sides:
     """Reads the sides of the comparison that fails in an attempt."""
 
     def __init__(
-        self, attempt: Attempt, declared: Mapping[Signature, Declaration], known: Set[str]
+        self, attempt: NearMiss, declared: Mapping[Signature, Declaration], known: Set[str]
     ) -> None:
         self._attempt, self._declared, self._known = attempt, declared, known
 

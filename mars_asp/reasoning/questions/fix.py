@@ -16,8 +16,8 @@ from mars_asp.reasoning.questions.edits import (
 )
 from mars_asp.reasoning.questions.repair import (
     MOST_FACTS,
+    FindingCounts,
     Repair,
-    Told,
     new_remarks,
     order_kept,
     repairs,
@@ -109,7 +109,7 @@ def _applied(
         analysis = analyse(project_facts(after), rulebook, after.configuration.span)
     except (MarsError, UnknownEditError, ImpossibleEditError):
         return None
-    known, told = Told(before.consequences), Told(analysis.consequences)
+    known, told = FindingCounts(before.consequences), FindingCounts(analysis.consequences)
     mends = [repair.mends[0] for repair in chosen]
     announced = {warning.message for mend in mends for warning in mend.warnings}
     announced |= {remark.message for mend in mends for remark in mend.remarks}

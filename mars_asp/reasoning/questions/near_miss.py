@@ -15,7 +15,7 @@ from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.trace import absence
 from mars_asp.asp.trace.patterns import is_hole, pattern_in
 from mars_asp.asp.trace.text import leaves_of
-from mars_asp.asp.trace.tree import Absent, Attempt, Given, Missing, Trace
+from mars_asp.asp.trace.tree import Absent, Given, NearMiss, Trace, Underivable
 from mars_asp.diagnostic import Span
 from mars_asp.model.names import written
 from mars_asp.reasoning.project import Project
@@ -90,20 +90,20 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
     resolved = is_resolved(reasoner.rulebook, signature_of(pattern))
     explainer = reasoner.evidence(resolved and reasoner.synthesis is not None).explainer
     trace: Trace = absence.explain_absence(explainer, pattern, MOST_LEVELS)
-    attempt: Attempt | None = None
+    attempt: NearMiss | None = None
     seen: set[int] = set()
-    while isinstance(trace, Missing) and trace.attempts and id(trace) not in seen:
+    while isinstance(trace, Underivable) and trace.attempts and id(trace) not in seen:
         seen.add(id(trace))
         attempt = trace.attempts[0]
         if attempt.cause is None:
             return _compared(attempt, pattern, reasoner.rulebook.declarations)
         trace = attempt.cause
-    if isinstance(trace, Absent | Missing):
+    if isinstance(trace, Absent | Underivable):
         return _of_absent(trace, frozenset(_strings(pattern)))
     return _excluded(trace)
 
 
-def _of_absent(trace: Absent | Missing, kept: Set[str]) -> _Lack:
+def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
     """Return that nothing of a given predicate fits; names are `kept` that somebody asks about."""
     found = pattern_in(trace.atom)
     if found is not None and found.name in _LINES and len(found.arguments) > 2:
@@ -159,7 +159,7 @@ def _excluded(trace: Trace) -> _Lack:
 
 
 def _compared(
-    attempt: Attempt, pattern: clingo.Symbol, declared: Mapping[Signature, Declaration]
+    attempt: NearMiss, pattern: clingo.Symbol, declared: Mapping[Signature, Declaration]
 ) -> _Lack:
     """Return that what is there does not suffice, or may be chosen and is not."""
     if attempt.fails is None:

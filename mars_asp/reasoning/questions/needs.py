@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mars_asp.asp.fragments import stated
-from mars_asp.asp.messages import Said, said, saying
+from mars_asp.asp.messages import RenderedMessage, said, saying
 from mars_asp.asp.rules.premises import fragment_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.grounding import Grounding
@@ -61,14 +61,14 @@ def reasons(
     grounding = Grounding((), true_atoms(evidence, read))
     facts = stated("".join(f"asked_node({term}).\n" for term in asked), {_ASKED.name})
     grounding.derive([facts, *map(fragment_of, rules), *saying(_STAGE, speaking)])
-    found: dict[str, dict[str, list[Said]]] = {}
+    found: dict[str, dict[str, list[RenderedMessage]]] = {}
     for each in said(grounding.control, _STAGE, speaking):
         node, part, _, _, _ = arguments(each.head)
         found.setdefault(text(node), {}).setdefault(text(part), []).append(each)
     return {node: _reason(parts, names) for node, parts in found.items() if "what" in parts}
 
 
-def _reason(parts: Mapping[str, Sequence[Said]], names: Names) -> Reason:
+def _reason(parts: Mapping[str, Sequence[RenderedMessage]], names: Names) -> Reason:
     lines: dict[Span, dict[str, None]] = {}
     ordered = sorted(parts.get("lines", ()), key=lambda each: _order(each, names))
     for each in ordered:
@@ -76,7 +76,7 @@ def _reason(parts: Mapping[str, Sequence[Said]], names: Names) -> Reason:
         lines.setdefault(span, {})[each.filled(each.rule.because, names.written) or ""] = None
     whats, whys, costs = (parts.get(part, ()) for part in ("what", "why", "cost"))
 
-    def told(each: Said) -> str:
+    def told(each: RenderedMessage) -> str:
         return each.filled(each.rule.because, lambda term: _written(term, names, lines)) or ""
 
     first = min(whats, key=lambda each: each.number)
@@ -92,7 +92,7 @@ def _reason(parts: Mapping[str, Sequence[Said]], names: Names) -> Reason:
     )
 
 
-def _order(each: Said, names: Names) -> tuple[object, ...]:
+def _order(each: RenderedMessage, names: Names) -> tuple[object, ...]:
     *_, order, thing = arguments(each.head)
     return names.order(order), names.place(thing), each.number
 

@@ -261,7 +261,7 @@ class _Search:
         self._texts = Texts(project)
         self._rulebook = rulebook
         self._deadline = deadline
-        self._before = Told(before)
+        self._before = FindingCounts(before)
         self._findings = findings
 
     def repairs(
@@ -340,7 +340,7 @@ class _Search:
             return None
         if not order_kept(self._texts, project.configuration, terms):
             return None
-        told = Told(analysis.consequences)
+        told = FindingCounts(analysis.consequences)
         gone = frozenset(
             n for n, finding in enumerate(self._findings) if told.lacks(finding, self._before)
         )
@@ -420,7 +420,7 @@ def _ranked(mends: Iterable[Mend]) -> tuple[Mend, ...]:
     return tuple(sorted(mends, key=lambda mend: mend.cost))
 
 
-class Told:
+class FindingCounts:
     """Consequences as they can be found again in another analysis, counted."""
 
     def __init__(self, consequences: Iterable[Consequence]) -> None:
@@ -430,7 +430,7 @@ class Told:
         self._taking_part = Counter(map(_taking_part, self._consequences))
         self._messages = Counter(map(_message, self._consequences))
 
-    def lacks(self, finding: Consequence, before: "Told") -> bool:
+    def lacks(self, finding: Consequence, before: "FindingCounts") -> bool:
         """Say whether a finding of `before` is gone, and none of its kind stands in its place."""
         about, message = _about(finding), _message(finding)
         return (
@@ -438,14 +438,14 @@ class Told:
             and self._messages[message] < before._messages[message]
         )
 
-    def fewer(self, findings: Iterable[Consequence], before: "Told") -> int:
+    def fewer(self, findings: Iterable[Consequence], before: "FindingCounts") -> int:
         """Return how many there are less of the kinds and subjects of findings of `before`."""
         return sum(
             max(0, before._about[about] - self._about[about])
             for about in set(map(_about, findings))
         )
 
-    def beyond(self, before: "Told") -> list[Consequence]:
+    def beyond(self, before: "FindingCounts") -> list[Consequence]:
         """Return what was not there before, or with others taking part, or said otherwise."""
         return [
             c

@@ -17,7 +17,7 @@ from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
 from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, shown_pattern
 from mars_asp.asp.trace.text import leaves_of
-from mars_asp.asp.trace.tree import Absent, Missing, Trace
+from mars_asp.asp.trace.tree import Absent, Trace, Underivable
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import node_names
 from mars_asp.output import brief_repr, listing
@@ -465,7 +465,7 @@ def _named(words: Sequence[str]) -> Sequence[str]:
 
 def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
     """Leave out rules that could give any kind of consequence where others name the one asked."""
-    if pattern.name != "consequence" or not isinstance(trace, Missing):
+    if pattern.name != "consequence" or not isinstance(trace, Underivable):
         return trace
     named = tuple(a for a in trace.attempts if kinds_of(a.rule) is not None)
     return replace(trace, attempts=named or trace.attempts)

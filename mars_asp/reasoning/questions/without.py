@@ -35,14 +35,14 @@ _LEFT = "<left>"
 
 
 @dataclass(frozen=True, slots=True)
-class Broken:
+class ViolatedClause:
     """A violation of what is left, and the relationships of the configuration that it rests on."""
 
     violation: Violation
     relationships: tuple[Relationship, ...]
 
 
-def without(name: str, reasoner: Reasoner) -> tuple[Broken, ...] | None:
+def without(name: str, reasoner: Reasoner) -> tuple[ViolatedClause, ...] | None:
     """Return what is broken in the least specification without a node of it.
 
     `None` where nothing realises the configuration. The rulebook of `reasoner` holds the stages
@@ -73,7 +73,9 @@ def without(name: str, reasoner: Reasoner) -> tuple[Broken, ...] | None:
         spans = {leaf.span for leaf in leaves_of(traces[violation.head])}
         numbers = {of_span[span] for span in spans if span in of_span}
         numbers.update(*(_over_all(over, line) for line in left.last(spans)))
-        found.append(Broken(violation, tuple(declared[number] for number in sorted(numbers))))
+        found.append(
+            ViolatedClause(violation, tuple(declared[number] for number in sorted(numbers)))
+        )
     return tuple(found)
 
 

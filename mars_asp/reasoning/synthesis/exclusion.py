@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from mars_asp.asp.fragments import Fragment
-from mars_asp.asp.messages import Said, heard
+from mars_asp.asp.messages import RenderedMessage, heard
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import bound_variables, without_rules
@@ -76,7 +76,7 @@ def _relaxed(number: int, rule: Rule) -> str:
     return f"_broken({number},none,v({','.join(holes)})) :- {rule.written[1] or '#true'}."
 
 
-def _diagnostics(said: Sequence[Said]) -> Iterator[Diagnostic]:
+def _diagnostics(said: Sequence[RenderedMessage]) -> Iterator[Diagnostic]:
     for each in said[:_MOST]:
         rule = each.rule
         message = each.message

@@ -3,17 +3,17 @@
 import clingo
 import pytest
 
-from mars_asp.asp.trace import Attempt, Missing
+from mars_asp.asp.trace import NearMiss, Underivable
 from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.patterns import hole
 from tests.support.programs import explainer_of
 
 
-def attempts(program: str, atom: str) -> list[Attempt]:
+def attempts(program: str, atom: str) -> list[NearMiss]:
     found = explainer_of(program)
     assert found is not None
     trace = explain_absence(found[0], clingo.parse_term(atom), 9)
-    assert isinstance(trace, Missing)
+    assert isinstance(trace, Underivable)
     return list(trace.attempts)
 
 
@@ -71,7 +71,7 @@ def test_absence_is_followed_through_rules_and_ends_where_it_turns_in_a_circle()
     (attempt,) = attempts("p(X) :- q(X). q(X) :- r(X). r(X) :- p(X).", "p(1)")
     names = []
     cause = attempt.cause
-    while isinstance(cause, Missing):
+    while isinstance(cause, Underivable):
         names.append(cause.atom)
         cause = cause.attempts[0].cause
     assert names == ["q(1)", "r(1)"]
@@ -83,5 +83,5 @@ def test_holes_of_one_name_are_one_value() -> None:
     found = explainer_of("q(1,2). p(X,Y) :- q(X,Y).")
     assert found is not None
     trace = explain_absence(found[0], clingo.Function("p", [hole("X"), hole("X")]), 3)
-    assert isinstance(trace, Missing)
+    assert isinstance(trace, Underivable)
     assert trace.attempts[0].fails == "X = Y"

@@ -6,7 +6,7 @@ import time
 import clingo
 import pytest
 
-from mars_asp.asp.trace import Derived, Missing, explainer
+from mars_asp.asp.trace import Derived, Underivable, explainer
 from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.firings import Firing, read_firings
 from tests.asp.trace.test_explainer import wrong_derivations, wrong_explanations
@@ -106,7 +106,7 @@ def test_what_fails_is_found_once_for_all_values(
     for size in (10, 20):
         found = explainer_of((f"a :- {body}" + _VALUES).format(size=size))
         assert found is not None
-        assert isinstance(explain_absence(found[0], _A, 1), Missing)
+        assert isinstance(explain_absence(found[0], _A, 1), Underivable)
     assert sizes[1] <= 2 * sizes[0]
 
 
@@ -122,7 +122,7 @@ def _seconds_of_why_not(size: int) -> float:
     found = explainer_of((f"a :- {body}" + _VALUES).format(size=size))
     assert found is not None
     begin = time.process_time()
-    assert isinstance(explain_absence(found[0], _A, 1), Missing)
+    assert isinstance(explain_absence(found[0], _A, 1), Underivable)
     return time.process_time() - begin
 
 
@@ -142,7 +142,7 @@ def test_what_fails_for_each_of_several_values_is_told_once(body: str, value: st
     found = explainer_of(text)
     assert found is not None
     missing = explain_absence(found[0], _A, 9)
-    assert isinstance(missing, Missing)
+    assert isinstance(missing, Underivable)
     (attempt,) = missing.attempts
     assert attempt.value == (None if value is None else clingo.parse_term(value))
     assert faults([missing], frozenset(), found[1]) == []

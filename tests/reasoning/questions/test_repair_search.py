@@ -18,8 +18,8 @@ from mars_asp.reasoning.questions import repair
 from mars_asp.reasoning.questions.edits import Texts, apply_edits
 from mars_asp.reasoning.questions.repair import (
     STAGES,
+    FindingCounts,
     Repair,
-    Told,
     new_remarks,
     order_kept,
     repairs,
@@ -350,38 +350,38 @@ def _finding(kind: str, subject: str, message: str, participants: str = "") -> C
 def test_a_finding_is_gone_where_fewer_are_about_it_and_none_reads_like_it() -> None:
     one, two = _finding("tie", "W", "at 1"), _finding("tie", "W", "at 2")
     other = _finding("tie", "V", "at 1")
-    before = Told([one, two, other])
-    assert Told([two, other]).lacks(one, before)
-    assert not Told([two, other]).lacks(two, before)
+    before = FindingCounts([one, two, other])
+    assert FindingCounts([two, other]).lacks(one, before)
+    assert not FindingCounts([two, other]).lacks(two, before)
     # Another of its kind that reads otherwise stands in its place.
-    assert not Told([two, other, _finding("tie", "W", "at 3")]).lacks(one, before)
+    assert not FindingCounts([two, other, _finding("tie", "W", "at 3")]).lacks(one, before)
     assert not before.lacks(one, before)
-    assert not Told([one, two]).lacks(one, before)
-    assert Told([one, two]).fewer([one, two, other], before) == 1
-    assert Told([]).fewer([one, two], before) == 2
-    assert Told([one, one, one]).fewer([one, other], before) == 1
+    assert not FindingCounts([one, two]).lacks(one, before)
+    assert FindingCounts([one, two]).fewer([one, two, other], before) == 1
+    assert FindingCounts([]).fewer([one, two], before) == 2
+    assert FindingCounts([one, one, one]).fewer([one, other], before) == 1
 
 
 def test_what_is_new_has_others_taking_part_or_warns_of_something_else() -> None:
     one = _finding("tie", "W", "at 1", "A B")
-    before = Told([one])
+    before = FindingCounts([one])
     for new in (
         _finding("tie", "V", "at 1", "A B"),
         _finding("tie", "W", "at 1", "A C"),
         _finding("loop", "W", "at 1", "A B"),
     ):
-        assert Told([one, new]).beyond(before) == [new]
-        assert Told([new]).beyond(before) == [new]
-    assert Told([one, one]).beyond(before) == [one, one]
-    assert Told([]).beyond(before) == []
+        assert FindingCounts([one, new]).beyond(before) == [new]
+        assert FindingCounts([new]).beyond(before) == [new]
+    assert FindingCounts([one, one]).beyond(before) == [one, one]
+    assert FindingCounts([]).beyond(before) == []
     assert before.beyond(before) == []
     # An error may read otherwise; a warning that does is another one.
     error = replace(one, message="at 2")
     warning = replace(error, severity="warning")
-    assert Told([error]).beyond(before) == []
-    assert Told([warning]).beyond(before) == [warning]
+    assert FindingCounts([error]).beyond(before) == []
+    assert FindingCounts([warning]).beyond(before) == [warning]
     quiet = replace(one, severity="warning")
-    assert Told([quiet]).beyond(Told([quiet])) == []
+    assert FindingCounts([quiet]).beyond(FindingCounts([quiet])) == []
 
 
 def test_new_remarks_are_warnings_that_were_not_there_as_often() -> None:

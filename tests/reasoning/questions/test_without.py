@@ -9,7 +9,7 @@ from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text
 from mars_asp.reasoning.project import Project, load_project
-from mars_asp.reasoning.questions.without import Broken, without
+from mars_asp.reasoning.questions.without import ViolatedClause, without
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.campaigns import sample, seeds
@@ -74,7 +74,7 @@ def test_what_breaks(path: str, node: str, expected: list[tuple[int, str, list[i
     assert [told(broken) for broken in found] == expected
 
 
-def told(broken: Broken) -> tuple[int, str, list[int]]:
+def told(broken: ViolatedClause) -> tuple[int, str, list[int]]:
     lines = [each.span.line for each in broken.relationships]
     return broken.violation.clause, broken.violation.message, lines
 
