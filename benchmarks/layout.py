@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from mars_asp.diagnostic import point
 from mars_asp.draw import depict
-from mars_asp.draw.layered import Drawing, Link, Point, Route, Size
+from mars_asp.draw.layered import Drawing, LayeredEdge, Point, Route, Size
 from mars_asp.draw.packing import draw_graph
 from mars_asp.draw.picture import Picture
 from mars_asp.draw.png import png_bytes
@@ -51,7 +51,7 @@ STEPS = 12
 NEAR_END = 14.0
 #: Pixels for one of a pair.
 WIDE, HIGH = 620, 620
-Layout = Callable[[Sequence[Size], Sequence[Link]], Drawing]
+Layout = Callable[[Sequence[Size], Sequence[LayeredEdge]], Drawing]
 
 
 class Measured(NamedTuple):
@@ -103,7 +103,7 @@ def pictures() -> Iterator[tuple[str, Picture]]:
         yield f"random, {modules} modules, seed {seed}", depict(parsed, {})
 
 
-def by_dot(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
+def by_dot(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
     """Return Graphviz's layout of boxes and links, with its own defaults but for distances."""
     graph = pygraphviz.AGraph(directed=True, strict=False, nodesep=26 / 72)
     for index, (width, height) in enumerate(sizes):
@@ -142,7 +142,7 @@ def _sized(label: Size | None) -> str:
 # ---- Counting ------------------------------------------------------------------------------------
 
 
-def measured(drawing: Drawing, sizes: Sequence[Size], links: Sequence[Link]) -> Measured:
+def measured(drawing: Drawing, sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Measured:
     """Return what can be counted on a drawing."""
     lines = [_line(route) for route in drawing.routes]
     boxes = [_rectangle(at, size, -2) for at, size in zip(drawing.centres, sizes, strict=True)]
@@ -282,7 +282,7 @@ def _drawn(picture: Picture, layout: Layout) -> tuple[str, Measured]:
     """Return a picture as it is drawn where `layout` places what it shows."""
     seen: list[Measured] = []
 
-    def watched(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
+    def watched(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
         drawing = layout(sizes, links)
         seen.append(measured(drawing, sizes, links))
         return drawing

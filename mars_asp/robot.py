@@ -50,7 +50,12 @@ from mars_asp.cli.results import Result
 from mars_asp.cli.selection import Selection
 from mars_asp.cli.synthesise import minimal_specification, specification_text, synthesis_json
 from mars_asp.cli.trace_document import topics_document, why_not_document
-from mars_asp.cli.verify import Comparison, judge_wiring, verification_json, verification_lines
+from mars_asp.cli.verify import (
+    SpecificationComparison,
+    judge_wiring,
+    verification_json,
+    verification_lines,
+)
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.recognise import FORMATS
@@ -906,7 +911,7 @@ class VerifyResult(RobotAnswer):
     """
 
     found: Verification
-    comparison: Comparison
+    comparison: SpecificationComparison
 
     def __bool__(self) -> bool:
         return self.realises

@@ -7,7 +7,7 @@ from typing import Any
 import clingo
 import pytest
 
-from mars_asp.asp.cases.mutants import Mutant, Verdict, drawn, rule_mutants
+from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, drawn, rule_mutants
 from tests.mutate.mutant import known_survivors
 from tests.mutate.python_mutants import compiled_mutants, python_mutants
 from tests.mutate.rules import judge_rules, rule_files
@@ -142,7 +142,7 @@ RULES_HELD = ("data", "services", "pace", "mounts", "repair/conversions", "repai
 SEED = 1
 
 
-def alive(verdicts: Iterable[Verdict]) -> list[str]:
+def alive(verdicts: Iterable[MutantVerdict]) -> list[str]:
     return [str(verdict.mutant) for verdict in verdicts if verdict.killer is None]
 
 

@@ -70,7 +70,7 @@ class Uncompared:
     offset: int
 
 
-class _Words:
+class _DirectiveWords:
     """Finds our words and near misses of them; `meant` keeps which of ours each of them is."""
 
     def __init__(self) -> None:
@@ -96,7 +96,7 @@ def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
 
     Outside of modules a word that is not spelt as ours is another's, unless it is plainly ours.
     """
-    words = _Words()
+    words = _DirectiveWords()
     inside = False
     for line in source.annotations(words.is_near):
         match = _DIRECTIVE.match(line.text)

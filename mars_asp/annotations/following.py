@@ -7,9 +7,9 @@ from functools import partial
 from typing import TypeAlias
 
 from mars_asp.annotations.comments import blanked
-from mars_asp.annotations.declarations import Declaration, NoFunction, read_declaration
+from mars_asp.annotations.declarations import NoFunction, SourceDeclaration, read_declaration
 from mars_asp.annotations.directives import Directive
-from mars_asp.annotations.sources import Source, Stretch
+from mars_asp.annotations.sources import Source, SourceRange
 
 #: How far behind its annotations a declaration may end, in bytes; most end much earlier.
 MOST_DECLARED = 16384
@@ -29,7 +29,7 @@ class Endless:
     offset: int
 
 
-Found: TypeAlias = Declaration | NoFunction | Endless | None
+Found: TypeAlias = SourceDeclaration | NoFunction | Endless | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,17 +69,19 @@ def following(source: Source, begin: int, end: int) -> Following:
     return Following(found, partial(source.within, begin, stretch.text), over)
 
 
-def _begins_otherwise(read: Declaration | NoFunction) -> bool:
+def _begins_otherwise(read: SourceDeclaration | NoFunction) -> bool:
     """Whether what stands there is no function, however it goes on."""
     return isinstance(read, NoFunction) and read.found not in ("def", "async", "@")
 
 
-def _is_whole(language: str, read: Declaration | NoFunction | None, stretch: Stretch) -> bool:
+def _is_whole(
+    language: str, read: SourceDeclaration | NoFunction | None, stretch: SourceRange
+) -> bool:
     """Whether all of a declaration stands in a stretch that is cut.
 
     What stands behind the parameters counts as well: a return type, or in old C their types.
     """
-    if not isinstance(read, Declaration):
+    if not isinstance(read, SourceDeclaration):
         return False
     if language == "python":
         return read.end < len(stretch.code)

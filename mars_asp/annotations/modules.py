@@ -40,7 +40,7 @@ def read_modules(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, 
 
 
 @dataclass(slots=True)
-class _Open:
+class _OpenBlock:
     """A module that is not closed yet; `named` is whether a name was tried to be given."""
 
     start: Directive
@@ -63,7 +63,7 @@ class _ModuleReader:
         self.problems = Problems(source)
         self.pending = Pending(self.problems)
         self.modules: list[Module] = []
-        self.open: _Open | None = None
+        self.open: _OpenBlock | None = None
         #: Whether what stands outside of modules follows from an error that was told already.
         self.excused = False
 
@@ -101,7 +101,7 @@ class _ModuleReader:
         """Return the offset behind the word of an annotation."""
         return self.source.within(directive.offset, f"@{word}", len(word) + 1)
 
-    def read_inside(self, module: _Open, directive: Directive, misspelt: bool) -> None:
+    def read_inside(self, module: _OpenBlock, directive: Directive, misspelt: bool) -> None:
         """Read an annotation inside of a module; one that is misspelt, as far as it is clear."""
         word = directive.word
         if word == "module_end":
@@ -147,9 +147,9 @@ class _ModuleReader:
                 "write `@module_end` before it",
             )
             self.end(self.open, directive.offset)
-        self.open = _Open(directive)
+        self.open = _OpenBlock(directive)
 
-    def name(self, module: _Open, directive: Directive) -> None:
+    def name(self, module: _OpenBlock, directive: Directive) -> None:
         rest = directive.rest
         begin, end = directive.place(self.source, 0), directive.place(self.source, len(rest))
         if not rest:
@@ -172,7 +172,7 @@ class _ModuleReader:
         else:
             module.name, module.place = name, self.problems.span(begin, end)
 
-    def function(self, module: _Open, directive: Directive) -> None:
+    def function(self, module: _OpenBlock, directive: Directive) -> None:
         bounds = read_bounds(directive.rest)
         if isinstance(bounds, list):
             self.problems.note_wrong(directive, *bounds)
@@ -183,7 +183,7 @@ class _ModuleReader:
             module.moving = module.moving or directive
             module.functions[directive.word] = Function(directive.word, span, *bounds)
 
-    def vertex(self, module: _Open, directive: Directive) -> None:
+    def vertex(self, module: _OpenBlock, directive: Directive) -> None:
         read = read_vertex(directive.rest)
         if isinstance(read, list):
             self.problems.note_wrong(directive, *read)
@@ -193,7 +193,7 @@ class _ModuleReader:
             span = self.problems.span(directive.offset, directive.end)
             module.vertices[read[0]] = Vertex(*read, span)
 
-    def guard(self, module: _Open, directive: Directive) -> None:
+    def guard(self, module: _OpenBlock, directive: Directive) -> None:
         if directive.rest:
             message = f"expected nothing after `@Guard`, found `{directive.rest}`"
             self.problems.note_word("MARS124", directive, message, "write `@Guard` alone on a line")
@@ -202,7 +202,7 @@ class _ModuleReader:
         else:
             module.guard = directive
 
-    def attribute(self, module: _Open, directive: Directive) -> None:
+    def attribute(self, module: _OpenBlock, directive: Directive) -> None:
         read = read_attribute(directive.word, directive.rest)
         if isinstance(read, AttributeProblem):
             place = (None,) if not directive.rest else (read.begin, read.end)
@@ -219,7 +219,7 @@ class _ModuleReader:
             span = self.problems.span(directive.offset, directive.end)
             module.attributes[key] = Attribute(name, span, value)
 
-    def end(self, module: _Open, offset: int) -> None:
+    def end(self, module: _OpenBlock, offset: int) -> None:
         """Close a module; keep it where it has a name."""
         module.services += self.pending.settle(offset, closing=True)
         self.open = None
@@ -243,7 +243,7 @@ class _ModuleReader:
             )
         )
 
-    def note_idle_guard(self, module: _Open) -> None:
+    def note_idle_guard(self, module: _OpenBlock) -> None:
         kinds = {service.kind for service in module.services}
         if module.guard is not None and "ControlOut" not in kinds:
             self.problems.note_word(
@@ -253,7 +253,7 @@ class _ModuleReader:
                 "a guard is a ControlOutAlgorithm: annotate its function with `@ControlOut`",
             )
 
-    def note_moving_sensor(self, module: _Open) -> None:
+    def note_moving_sensor(self, module: _OpenBlock) -> None:
         sensing = [service for service in module.services if service.kind == "Sense"]
         if not sensing or module.moving is None:
             return

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from mars_asp.annotations.arguments import ArgumentProblem, parts
-from mars_asp.annotations.declarations import Declaration
+from mars_asp.annotations.declarations import SourceDeclaration
 from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.types import representation
 from mars_asp.model.names import QUOTED, plain, read_name
@@ -30,7 +30,7 @@ class Overrides:
 
 
 def read_overrides(
-    found: Sequence[Directive], declaration: Declaration
+    found: Sequence[Directive], declaration: SourceDeclaration
 ) -> tuple[Overrides, list[tuple[Directive, ArgumentProblem]]]:
     """Read the overrides of one declaration, and what is wrong with them."""
     output: str | None = None
@@ -88,7 +88,9 @@ def _no_name(text: str) -> ArgumentProblem | None:
     )
 
 
-def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> ArgumentProblem | None:
+def _unknown_parameter(
+    single: re.Match[str], declaration: SourceDeclaration
+) -> ArgumentProblem | None:
     names = [parameter.name for parameter in declaration.parameters if parameter.name]
     if single[1] in names:
         return None
@@ -101,7 +103,7 @@ def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> Argum
     )
 
 
-def _unreadable(text: str, declaration: Declaration) -> ArgumentProblem | None:
+def _unreadable(text: str, declaration: SourceDeclaration) -> ArgumentProblem | None:
     if any(parameter.name == text for parameter in declaration.parameters):
         return None
     return _unreadable_part(0, text)

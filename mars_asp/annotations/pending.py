@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from mars_asp.annotations.arguments import ArgumentProblem, read_commands, read_cost, read_delivery
-from mars_asp.annotations.declarations import Declaration, NoFunction
+from mars_asp.annotations.declarations import NoFunction, SourceDeclaration
 from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.following import (
     MOST_DECLARED,
@@ -14,7 +14,7 @@ from mars_asp.annotations.following import (
 )
 from mars_asp.annotations.overrides import Overrides, read_overrides
 from mars_asp.annotations.problems import Problems
-from mars_asp.annotations.services import Signature, read_signature
+from mars_asp.annotations.services import ServiceSignature, read_signature
 from mars_asp.diagnostic import Severity, Span
 from mars_asp.model.declarations import SERVICE_KINDS, Service
 
@@ -81,7 +81,7 @@ class Pending:
             return []
         pending, self._services = self._services, []
         overrides, self._overrides = self._overrides, []
-        if not isinstance(behind.found, Declaration):
+        if not isinstance(behind.found, SourceDeclaration):
             self._note_missing(behind, pending[0][0])
             return []
         written = [d for d in overrides if d.word != "Signature" and d.rest]
@@ -133,14 +133,14 @@ class Pending:
     def _bind(
         self,
         services: Sequence[Service],
-        declaration: Declaration,
+        declaration: SourceDeclaration,
         place: Callable[[int], int],
         overrides: Overrides,
     ) -> list[Service]:
         """Return the services with what their declaration says."""
         at = place(declaration.offset)
         bound: list[Service] = []
-        signatures: dict[bool, Signature] = {}
+        signatures: dict[bool, ServiceSignature] = {}
         for service in services:
             delivers = service.kind in ("Sense", "DataOut", "Converts")
             if delivers not in signatures:

@@ -7,14 +7,14 @@ from typing import NamedTuple
 _WORD = re.compile(r"[A-Za-z_][\w:]*")
 
 
-class Names(NamedTuple):
+class RepresentationNames(NamedTuple):
     """Each name's canonical form, and the names that may stand for several."""
 
     canonical: Mapping[str, str]
     ambiguous: Mapping[str, tuple[str, ...]]
 
 
-def canonical_names(names: Iterable[str]) -> Names:
+def canonical_names(names: Iterable[str]) -> RepresentationNames:
     """Find the names that are equal: the same, or the only `::`-suffix of another.
 
     Where the longer names that end in a name are suffixes of one another they count as one.
@@ -42,4 +42,4 @@ def canonical_names(names: Iterable[str]) -> Names:
         doubtful = [word for word in _WORD.findall(name) if word in unclear]
         if doubtful:
             ambiguous[name] = unclear[doubtful[0]]
-    return Names(canonical, ambiguous)
+    return RepresentationNames(canonical, ambiguous)

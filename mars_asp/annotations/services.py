@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from mars_asp.annotations.declarations import Declaration, Parameter
+from mars_asp.annotations.declarations import DeclaredParameter, SourceDeclaration
 from mars_asp.annotations.overrides import Overrides
 from mars_asp.annotations.type_words import ARITHMETIC, BUILTIN, NOT_INPUTS
 from mars_asp.annotations.types import CALLBACK, representation
@@ -17,7 +17,7 @@ _CONTEXT = "ctx"
 
 
 @dataclass(frozen=True, slots=True)
-class Signature:
+class ServiceSignature:
     """Representations of a declaration; a `remark` says what is noteworthy, with its code.
 
     `parameters` are the names of the inputs, where they have names.
@@ -29,7 +29,9 @@ class Signature:
     remarks: tuple[tuple[str, str, str], ...]
 
 
-def read_signature(declaration: Declaration, overrides: Overrides, delivers: bool) -> Signature:
+def read_signature(
+    declaration: SourceDeclaration, overrides: Overrides, delivers: bool
+) -> ServiceSignature:
     """Return a declaration's representations; `delivers` is whether it needs an output."""
     parameters = list(declaration.parameters)
     remarks: list[tuple[str, str, str]] = []
@@ -59,12 +61,12 @@ def read_signature(declaration: Declaration, overrides: Overrides, delivers: boo
         builtin.insert(0, output)
     if builtin:
         remarks.append(_builtin(list(dict.fromkeys(builtin))))
-    return Signature(output or None, inputs, names, tuple(remarks))
+    return ServiceSignature(output or None, inputs, names, tuple(remarks))
 
 
 def _overridden(
-    written: str, parameters: Sequence[Parameter]
-) -> tuple[str | None, list[Parameter]]:
+    written: str, parameters: Sequence[DeclaredParameter]
+) -> tuple[str | None, list[DeclaredParameter]]:
     """Read `@Output`: a parameter's name, `none` or a type."""
     rest = [parameter for parameter in parameters if parameter.name != written]
     if len(rest) < len(parameters):
@@ -73,7 +75,9 @@ def _overridden(
     return (None if written == "none" else representation(written)), list(parameters)
 
 
-def _no_output(declaration: Declaration, parameters: Sequence[Parameter]) -> tuple[str, str, str]:
+def _no_output(
+    declaration: SourceDeclaration, parameters: Sequence[DeclaredParameter]
+) -> tuple[str, str, str]:
     line = next((p.name for p in parameters if p.out and p.name), "TYPE")
     return (
         "MARS206",
@@ -92,7 +96,7 @@ def _builtin(names: Sequence[str | None]) -> tuple[str, str, str]:
 
 
 def _inputs(
-    parameters: Sequence[Parameter], overrides: Overrides
+    parameters: Sequence[DeclaredParameter], overrides: Overrides
 ) -> Iterator[tuple[str | None, str | None]]:
     """Yield the name and the representation of each input."""
     if overrides.inputs is not None:

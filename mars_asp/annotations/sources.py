@@ -67,7 +67,7 @@ class CommentLine(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class SourceRange:
     """A stretch of a source and the same with comments and strings blanked.
 
     `cut` is whether it ends for being too long.
@@ -170,7 +170,7 @@ class Source:
                 return (begin, comment_end(self._lexicon, data, begin)) if begin > first else None
         return None
 
-    def stretch(self, begin: int, end: int, most: int) -> Stretch:
+    def stretch(self, begin: int, end: int, most: int) -> SourceRange:
         """Return what stands between two offsets, at most so many bytes.
 
         Nothing may be open at `begin`, such as where a comment ends.
@@ -184,7 +184,7 @@ class Source:
             first = len(self._decode(begin, low))
             behind = len(self._decode(begin, min(high, last)))
             code = code[:first] + re.sub(r"[^\n]", " ", code[first:behind]) + code[behind:]
-        return Stretch(text, code, last < end)
+        return SourceRange(text, code, last < end)
 
     def within(self, offset: int, text: str, index: int) -> int:
         """Return the offset of a character of the text that stands at an offset."""

@@ -34,7 +34,7 @@ class Made(NamedTuple):
     knows: bool
 
 
-class Entry(NamedTuple):
+class EntryPoint(NamedTuple):
     """An input of a module: its sources, its name, and its place among the inputs, if known."""
 
     source: str
@@ -106,7 +106,7 @@ def prepared(
     target: Callable[..., Any],
     context: Context,
     clock: Callable[[], float],
-    inputs: Sequence[Entry | str] | None = None,
+    inputs: Sequence[EntryPoint | str] | None = None,
     *,
     knows: bool = False,
 ) -> Callable[..., Any]:
@@ -131,7 +131,7 @@ def prepared(
         help_text = "add a parameter `ctx`, and read `ctx.parameters`"
         raise UnfitError(f"`{shown}` takes no `ctx`, so it cannot read {told}", help_text)
     if signature is not None and inputs is not None:
-        entries = [Entry(each) if isinstance(each, str) else each for each in inputs]
+        entries = [EntryPoint(each) if isinstance(each, str) else each for each in inputs]
         _refuse_inputs(signature, given, entries, shown)
         order = _parameter_order(signature, given, entries, shown)
     if given is not None and signature is not None:
@@ -149,7 +149,7 @@ def prepared(
 
 
 def _parameter_order(
-    signature: Signature, given: Parameter | None, inputs: Sequence[Entry], shown: str
+    signature: Signature, given: Parameter | None, inputs: Sequence[EntryPoint], shown: str
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]] | None:
     """Return a decorator that passes each input to its parameter, or None if they are in order.
 
@@ -190,7 +190,7 @@ def _parameter_order(
     return reorder
 
 
-def _filled(parameters: Sequence[Parameter], inputs: Sequence[Entry]) -> dict[int, int]:
+def _filled(parameters: Sequence[Parameter], inputs: Sequence[EntryPoint]) -> dict[int, int]:
     """Return the number of the input of each parameter: by name, by place, then in order."""
     number_of: dict[str | None, int] = {each.name: n for n, each in enumerate(parameters)}
     filled: dict[int, int] = {}
@@ -268,7 +268,7 @@ def _refuse_stretched(target: Callable[..., Any], shown: str) -> None:
 
 
 def _refuse_inputs(
-    signature: Signature, given: Parameter | None, inputs: Sequence[Entry], shown: str
+    signature: Signature, given: Parameter | None, inputs: Sequence[EntryPoint], shown: str
 ) -> None:
     """Refuse a function that cannot be called with so many inputs."""
     taken = [each for each in _positional(signature) if each is not given]

@@ -31,7 +31,7 @@ _START = re.compile(rb'\s*\{\s*"format"\s*:\s*"mars-baseline"')
 _KEYS = ("file", "kind", "subject", "participants")
 
 
-class Known(NamedTuple):
+class BaselineEntry(NamedTuple):
     """What a baseline holds of one finding; such entries are in the order of the file."""
 
     file: str
@@ -43,7 +43,7 @@ class Known(NamedTuple):
 class Baseline:
     """Findings that are known; `path` is shown in messages."""
 
-    def __init__(self, path: str, entries: Iterable[Known]) -> None:
+    def __init__(self, path: str, entries: Iterable[BaselineEntry]) -> None:
         """Take what a baseline lists."""
         self.path = path
         self._left = Counter(entries)
@@ -83,13 +83,13 @@ class Baseline:
             )
 
 
-def known_of(finding: Consequence | Diagnostic, baseline: str) -> Known:
+def known_of(finding: Consequence | Diagnostic, baseline: str) -> BaselineEntry:
     """Return the entry of a finding, or of a message on reading, in the baseline of a path."""
     if isinstance(finding, Diagnostic):
         file = _relative(finding.span.path, baseline)
-        return Known(file, finding.kind or finding.code, finding.message, ())
+        return BaselineEntry(file, finding.kind or finding.code, finding.message, ())
     file = _relative(finding.spans[0].path, baseline)
-    return Known(file, finding.kind, finding.subject, finding.participants)
+    return BaselineEntry(file, finding.kind, finding.subject, finding.participants)
 
 
 @cache
@@ -162,7 +162,7 @@ def read_baseline(path: str) -> Baseline:
     return Baseline(path, [_entry(path, number, each) for number, each in enumerate(listed, 1)])
 
 
-def _entry(path: str, number: int, value: object) -> Known:
+def _entry(path: str, number: int, value: object) -> BaselineEntry:
     """Return an entry of a baseline.
 
     Raises:
@@ -173,7 +173,7 @@ def _entry(path: str, number: int, value: object) -> Known:
         case [str(file), str(kind), str(subject), list(participants)] if all(
             isinstance(each, str) for each in participants
         ):
-            return Known(file, kind, subject, tuple(participants))
+            return BaselineEntry(file, kind, subject, tuple(participants))
     keys = ", ".join(f"`{key}`" for key in _KEYS)
     raise _wrong(path, f"entry {number} of `findings` must be an object with {keys}")
 

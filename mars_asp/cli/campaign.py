@@ -22,7 +22,7 @@ from mars_asp.cli.schemas import add_schema, campaign_schema
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 
 if TYPE_CHECKING:
-    from mars_asp.cli.campaign_runner import Outcome
+    from mars_asp.cli.campaign_runner import RunOutcome
     from mars_asp.execution.campaign.grid import Grid, Run
     from mars_asp.execution.campaign.journal import FinishedRun, Journal
     from mars_asp.execution.campaign.summary import Share
@@ -209,7 +209,7 @@ def _journal(header: bytes, arguments: argparse.Namespace) -> "Journal":
 
 def _outcomes(
     job: bytes, runs: "Sequence[Run]", arguments: argparse.Namespace
-) -> "Generator[tuple[Run, Outcome]]":
+) -> "Generator[tuple[Run, RunOutcome]]":
     if not runs:
         return
     if arguments.cluster:

@@ -15,7 +15,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from mars_asp import __version__
-from mars_asp.cli.campaign_runner import Outcome, Runner, RunnerLostError
+from mars_asp.cli.campaign_runner import Runner, RunnerLostError, RunOutcome
 from mars_asp.diagnostic import MarsError, refusal
 from mars_asp.execution.campaign.grid import Run
 
@@ -37,7 +37,7 @@ def has_dask() -> bool:
     return find_spec("distributed") is not None
 
 
-def on_cluster(job: bytes, runs: Sequence[Run], address: str) -> Iterator[tuple[Run, Outcome]]:
+def on_cluster(job: bytes, runs: Sequence[Run], address: str) -> Iterator[tuple[Run, RunOutcome]]:
     """Yield runs with their outcomes, as they end.
 
     Raises:
@@ -67,7 +67,7 @@ def _client(address: str) -> "Iterator[Client]":
 
 def _outcomes(
     client: "Client", job: bytes, runs: Sequence[Run], shown: str
-) -> Iterator[tuple[Run, Outcome]]:
+) -> Iterator[tuple[Run, RunOutcome]]:
     name = hashlib.sha256(job).hexdigest()[:16]
     # A task, so that the cluster makes it again where the worker that holds it is lost.
     shared = client.submit(bytes, job, key=f"mars-asp-job-{name}", pure=False)
@@ -110,7 +110,7 @@ def _outcomes(
             raise _wrong(f"the workers of {shown} were lost {_TRIES} times with one run")
 
 
-def _outcome(future: "Future[Any]", shown: str) -> Outcome | None:
+def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
     """Return what became of a run; nothing where its workers were lost."""
     from distributed import KilledWorker
 
@@ -118,7 +118,7 @@ def _outcome(future: "Future[Any]", shown: str) -> Outcome | None:
         raise _wrong(f"the scheduler of {shown} is gone")
     error = future.exception()
     if error is None:
-        found: Outcome | None = future.result()
+        found: RunOutcome | None = future.result()
         return found
     if isinstance(error, KilledWorker | RunnerLostError):
         return None
@@ -128,10 +128,10 @@ def _outcome(future: "Future[Any]", shown: str) -> Outcome | None:
     raise _wrong(f"a worker of {shown} cannot carry out runs: {told}") from None
 
 
-def _task() -> Callable[[str, bytes, tuple[Any, ...]], Outcome | None]:
+def _task() -> Callable[[str, bytes, tuple[Any, ...]], RunOutcome | None]:
     """Return what a worker does; only there it needs mars-asp, and not in the scheduler."""
 
-    def carry_out(version: str, job: bytes, run: tuple[Any, ...]) -> Outcome | None:
+    def carry_out(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome | None:
         from mars_asp.cli.campaign_dask import carry_out_here
 
         return carry_out_here(version, job, run)
@@ -145,7 +145,7 @@ def _task() -> Callable[[str, bytes, tuple[Any, ...]], Outcome | None]:
 _here = threading.local()
 
 
-def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> Outcome | None:
+def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome | None:
     """Carry out a run in the runner of this thread; nothing where nobody wants it any more."""
     from distributed import get_worker
 
@@ -158,7 +158,7 @@ def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> Outcome | 
         task = worker.state.tasks.get(key)
         return task is not None and task.state in ("executing", "long-running")
 
-    outcome: Outcome | None
+    outcome: RunOutcome | None
     for again in (True, False):
         if getattr(_here, "job", None) != job:
             if hasattr(_here, "runner"):

@@ -22,7 +22,7 @@ from mars_asp.reasoning.packs import MANIFEST, find_packs
 from mars_asp.reasoning.project import Project
 
 
-class Needs(NamedTuple):
+class JobNeeds(NamedTuple):
     """What the runs of a campaign import, by absolute paths, and warnings about their scenarios."""
 
     code: Mapping[str, bytes]
@@ -35,7 +35,7 @@ def needs_of(
     grid: Grid,
     text: str,
     path: Path,
-) -> Needs:
+) -> JobNeeds:
     """Return the Python files that runs import, and what is odd about any of their scenarios.
 
     Raises:
@@ -55,7 +55,7 @@ def needs_of(
     if missing:
         told = "this file, which runs import, is not there"
         raise refusal("campaign", told, str(missing[0]))
-    return Needs(imported_code(files), tuple(found))
+    return JobNeeds(imported_code(files), tuple(found))
 
 
 def job_of(

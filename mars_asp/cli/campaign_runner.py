@@ -72,7 +72,7 @@ class Job:
     version: str = __version__
 
 
-class Outcome(NamedTuple):
+class RunOutcome(NamedTuple):
     """What became of a run: its result, or else what of the input is wrong."""
 
     result: Mapping[str, Any] | None
@@ -152,7 +152,7 @@ class Runner:
                 self._job = None
             self._send(pickle.dumps(run))
 
-    def outcome(self) -> Outcome:
+    def outcome(self) -> RunOutcome:
         """Return the outcome of the run that was requested, when it has ended.
 
         Raises:
@@ -165,10 +165,10 @@ class Runner:
         if answer is None:
             self.end()
             raise RunnerLostError
-        found: Outcome = pickle.loads(answer)
+        found: RunOutcome = pickle.loads(answer)
         return found
 
-    def run(self, run: Run, wanted: Callable[[], bool] = lambda: True) -> Outcome | None:
+    def run(self, run: Run, wanted: Callable[[], bool] = lambda: True) -> RunOutcome | None:
         """Carry out a run; return its outcome, or None if it is wanted no more.
 
         Raises:
@@ -195,7 +195,7 @@ class Runner:
         _send(self._process.stdin, payload)
 
 
-def outcomes_of(job: bytes, runs: Sequence[Run], workers: int) -> Generator[tuple[Run, Outcome]]:
+def outcomes_of(job: bytes, runs: Sequence[Run], workers: int) -> Generator[tuple[Run, RunOutcome]]:
     """Yield runs with their outcomes as they end, carried out by so many runners.
 
     Raises:
@@ -327,14 +327,14 @@ class _Carrier:
         gc.freeze()
         gc.set_threshold(1_000_000, 20, 20)
 
-    def __call__(self, run: Run) -> Outcome:
+    def __call__(self, run: Run) -> RunOutcome:
         key = json.dumps(run.vary)
         try:
             if key not in self._scenarios:
                 path = Path(self._job.path)
                 self._scenarios[key] = read_scenario(self._job.scenario, path, run.changes)
         except MarsError as error:
-            return Outcome(None, error.diagnostics)
+            return RunOutcome(None, error.diagnostics)
         scenario = replace(self._scenarios[key], seed=run.seed)
         seconds = self._job.seconds or 60.0 + 10 * scenario.duration
         for _ in range(_TRIES):
@@ -343,9 +343,9 @@ class _Carrier:
                 return _outcome(json.loads(said.decode("utf-8", "surrogatepass")))
             if how is None:
                 told = f"the run took longer than {seconds:g} s, so it was ended"
-                return Outcome(_unfinished(scenario, NOT_DECIDED, told))
+                return RunOutcome(_unfinished(scenario, NOT_DECIDED, told))
         told = f"the code of a behaviour ended the run ({how})"
-        return Outcome(_unfinished(scenario, FAIL, told))
+        return RunOutcome(_unfinished(scenario, FAIL, told))
 
     def _contained(self, scenario: Scenario, seconds: float) -> tuple[bytes | None, str | None]:
         """Return what a child says of a run; else how it ended, `None` where its time was over."""
@@ -461,12 +461,12 @@ def _ended_soon(child: int) -> int | None:
     return None
 
 
-def _outcome(said: Mapping[str, Any]) -> Outcome:
+def _outcome(said: Mapping[str, Any]) -> RunOutcome:
     problems = tuple(
         Diagnostic(code, "error", message, point(path, line, column), help=help_text)
         for code, message, path, line, column, help_text in said.get("problems", ())
     )
-    return Outcome(said.get("result"), problems)
+    return RunOutcome(said.get("result"), problems)
 
 
 def _unfinished(scenario: Scenario, verdict: str, error: str) -> dict[str, object]:

@@ -4,7 +4,7 @@ import argparse
 import sys
 from collections.abc import Iterator
 
-from mars_asp.asp.trace.document import Document
+from mars_asp.asp.trace.document import TraceDocument
 from mars_asp.cli.account import account_json, told_lines
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, wrapped
@@ -12,7 +12,7 @@ from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
 from mars_asp.model.names import written
 from mars_asp.output import visible
-from mars_asp.reasoning.questions.capability import Answer, capability
+from mars_asp.reasoning.questions.capability import CapabilityAnswer, capability
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -35,9 +35,9 @@ def run(arguments: argparse.Namespace) -> int:
     return int(not answer.able)
 
 
-def capability_json(answer: Answer) -> dict[str, object]:
+def capability_json(answer: CapabilityAnswer) -> dict[str, object]:
     """Return an answer with the keys of the contract."""
-    document = Document()
+    document = TraceDocument()
     demands = [
         {
             "function": v.demand.function,
@@ -52,7 +52,7 @@ def capability_json(answer: Answer) -> dict[str, object]:
     return {"query": answer.query, "can": answer.able, "demands": demands}
 
 
-def capability_lines(answer: Answer, coloured: bool = False) -> Iterator[str]:
+def capability_lines(answer: CapabilityAnswer, coloured: bool = False) -> Iterator[str]:
     """Yield the lines of an answer: yes or no, the reason for each demand, help."""
     yield paint("yes" if answer.able else "no", "strong", coloured)
     for verdict in answer.verdicts:

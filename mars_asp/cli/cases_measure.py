@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mars_asp.asp.cases.coverage import Case, covered
-from mars_asp.asp.cases.mutants import Mutant, RuleFile, rule_file, rule_mutants
+from mars_asp.asp.cases.mutants import Mutant, MutatedFile, rule_file, rule_mutants
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import plain
 from mars_asp.output import visible
-from mars_asp.reasoning.cases import Found
+from mars_asp.reasoning.cases import FoundCase
 from mars_asp.reasoning.cases.run import DETERMINISTIC, tried
 from mars_asp.reasoning.findings import EXPANSIONS
 
@@ -27,7 +27,7 @@ class Measured(NamedTuple):
 
 
 def measured(
-    found: Sequence[Found], books: Mapping[Path | None, Rulebook], arguments: argparse.Namespace
+    found: Sequence[FoundCase], books: Mapping[Path | None, Rulebook], arguments: argparse.Namespace
 ) -> Measured:
     """Return what is asked for of coverage and mutants of the rules of each pack."""
     lines: list[str] = []
@@ -64,7 +64,7 @@ def _rules(pack: Path | None, rulebook: Rulebook) -> tuple[Rule, ...]:
     return tuple(rule for rule in rules if _is_of(rule.span.path, pack))
 
 
-def _files(pack: Path | None, rulebook: Rulebook) -> Iterator[RuleFile]:
+def _files(pack: Path | None, rulebook: Rulebook) -> Iterator[MutatedFile]:
     packs = rulebook.packs
     texts = zip(rulebook.texts, rulebook.paths, strict=True)
     for (stage, text), path in list(texts)[len(rulebook.texts) - packs if packs else 0 :]:
@@ -100,7 +100,11 @@ def _rule_json(rule: Rule) -> dict[str, object]:
 
 
 def _mutants(
-    of: str, files: Sequence[RuleFile], rulebook: Rulebook, cases: Sequence[Case], jobs: int | None
+    of: str,
+    files: Sequence[MutatedFile],
+    rulebook: Rulebook,
+    cases: Sequence[Case],
+    jobs: int | None,
 ) -> tuple[list[str], dict[str, object], int]:
     mutants = [mutant for file in files for mutant in rule_mutants(file)]
     alive = sorted(_survivors(files, mutants, rulebook, cases, jobs), key=_order)
@@ -118,7 +122,7 @@ def _mutants(
 
 
 def _survivors(
-    files: Sequence[RuleFile],
+    files: Sequence[MutatedFile],
     mutants: Sequence[Mutant],
     rulebook: Rulebook,
     cases: Sequence[Case],

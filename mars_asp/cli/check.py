@@ -44,7 +44,7 @@ from mars_asp.reading import OUTSIDE, is_hidden
 if TYPE_CHECKING:
     from mars_asp.reasoning.analysis import Analysis
     from mars_asp.reasoning.project import Project
-    from mars_asp.reasoning.questions.fix import Fix
+    from mars_asp.reasoning.questions.fix import AppliedFix
     from mars_asp.reasoning.questions.repair import Repair
 
     _Seen: TypeAlias = Callable[[Project, Analysis], None]
@@ -338,7 +338,7 @@ def _fix(
     raw: bytes | None,
     one: Checked,
     edited: dict[object, tuple[str, bytes]],
-) -> "Fix | None":
+) -> "AppliedFix | None":
     """Apply repairs to the files; return nothing where none could be applied.
 
     The files are written at the end, all of a robot or none. The new content of each is added to

@@ -25,7 +25,7 @@ class _Option(NamedTuple):
 _HELP = _Option(("--help", "-h"), "", False, ())
 
 
-class _Words(NamedTuple):
+class _CommandWords(NamedTuple):
     """What may follow a verb, which has several names: options, and words that are no files."""
 
     names: tuple[str, ...]
@@ -55,12 +55,12 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _verbs() -> Iterator[_Words]:
+def _verbs() -> Iterator[_CommandWords]:
     for name, verb in VERBS.items():
         _, parser = parser_of(name)
         aliases = tuple(alias for alias, of in ALIASES.items() if of == name)
         words = [str(choice) for action in parser.positionals() for choice in action.choices or ()]
-        yield _Words(
+        yield _CommandWords(
             (name, *aliases), verb.summary, tuple(_options_of(parser.options())), tuple(words)
         )
 
@@ -95,11 +95,11 @@ def _described() -> list[argparse.Action]:
 # ---- Shells --------------------------------------------------------------------------------------
 
 
-def _bash(verbs: tuple[_Words, ...]) -> Iterator[str]:
+def _bash(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
     commands = tuple(name for verb in verbs for name in verb.names[:1])
     common = tuple(_options_of(_described()))
-    before = _Words(("",), "", (_HELP, *common), (*commands, "help"))
-    verbs = (before, _Words(("help",), "", (), commands), *verbs)
+    before = _CommandWords(("",), "", (_HELP, *common), (*commands, "help"))
+    verbs = (before, _CommandWords(("help",), "", (), commands), *verbs)
     yield f"# Completion of {_COMMAND} for bash."
     yield "_mars_asp() {"
     yield "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}"
@@ -148,7 +148,7 @@ def _bash(verbs: tuple[_Words, ...]) -> Iterator[str]:
     yield f"complete -o default -o bashdefault -F _mars_asp {_COMMAND}"
 
 
-def _zsh(verbs: tuple[_Words, ...]) -> Iterator[str]:
+def _zsh(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
     kinds = " ".join(_kinds())
     yield f"#compdef {_COMMAND}"
     yield f"# Completion of {_COMMAND} for zsh."
@@ -184,7 +184,7 @@ def _zsh(verbs: tuple[_Words, ...]) -> Iterator[str]:
     yield f"compdef _mars_asp {_COMMAND}"
 
 
-def _fish(verbs: tuple[_Words, ...]) -> Iterator[str]:
+def _fish(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
     kinds = " ".join(_kinds())
     yield f"# Completion of {_COMMAND} for fish."
     shown = "-n '__fish_use_subcommand; or __fish_seen_subcommand_from help'"

@@ -38,7 +38,7 @@ class ChangedError(OSError):
     """A file that is to be replaced is not what was read."""
 
 
-class File(NamedTuple):
+class OutputFile(NamedTuple):
     """A file to write. `read` is a digest of what it held when it was read, to be replaced."""
 
     path: str
@@ -56,7 +56,7 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
     if read is None:
         _claim(path)
     raw = content.encode(errors="backslashreplace") if isinstance(content, str) else content
-    file = File(path, raw, None if read is None else _digest(read))
+    file = OutputFile(path, raw, None if read is None else _digest(read))
     if _pipe is None:
         _write(file)
         return
@@ -72,7 +72,7 @@ def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
     Raises:
         OSError: one cannot be written, or holds something else by now.
     """
-    group = [File(path, content, _digest(read)) for path, content, read in files]
+    group = [OutputFile(path, content, _digest(read)) for path, content, read in files]
     if _pipe is None:
         _write_together(group)
         return
@@ -302,7 +302,7 @@ class WorkerOutput:
         #: Text for standard error after the output.
         self.closing = ""
         #: Groups of files of which all or none are written.
-        self.files: list[list[File]] = []
+        self.files: list[list[OutputFile]] = []
         #: Files that come in parts, by their paths, and those of them that are whole.
         self._begun: dict[str, AtomicFile] = {}
         self._whole: set[str] = set()
@@ -340,7 +340,7 @@ class WorkerOutput:
         elif kind == _FILE:
             header, _, content = payload.partition(b"\n")
             path, _, read = header.partition(b" ")
-            file = File(_path(path), content, read.decode() or None)
+            file = OutputFile(_path(path), content, read.decode() or None)
             if self._missing:
                 self._missing -= 1
                 self.files[-1].append(file)
@@ -447,7 +447,7 @@ def _write_out(chunks: list[bytes]) -> None:
             rest = rest[os.write(1, rest) :]
 
 
-def _write(file: File) -> None:
+def _write(file: OutputFile) -> None:
     if file.read is not None:
         _check_unchanged(file)
     if _growing is not None and _growing.path == file.path:
@@ -458,13 +458,13 @@ def _write(file: File) -> None:
     write_whole(file.path, file.content)
 
 
-def _write_together(files: Iterable[File]) -> None:
+def _write_together(files: Iterable[OutputFile]) -> None:
     for file in files:
         _check_unchanged(file)
     replace_together({file.path: file.content for file in files})
 
 
-def _check_unchanged(file: File) -> None:
+def _check_unchanged(file: OutputFile) -> None:
     """Check that a file is what was read, and may be written.
 
     Raises:

@@ -17,7 +17,7 @@ from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.questions.diff import Change, Difference, diff
 from mars_asp.reasoning.rules import COSTS
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 
@@ -64,7 +64,7 @@ def _change_json(change: Change[Any], item: dict[str, object]) -> dict[str, obje
     }
 
 
-def _node_json(change: Change[Node], found: Difference) -> dict[str, object]:
+def _node_json(change: Change[IntroducedNode], found: Difference) -> dict[str, object]:
     node = change.item
     return {"name": node.name, "kind": node.kind, "resolves": list(_resolves(change, found))}
 
@@ -79,7 +79,7 @@ def _line_json(span: Span) -> dict[str, object]:
     return {**location_json(span), "text": line_at(span)}
 
 
-def _resolves(change: Change[Node], found: Difference) -> tuple[str, ...]:
+def _resolves(change: Change[IntroducedNode], found: Difference) -> tuple[str, ...]:
     synthesis = found.old if change.new is None else found.new
     return () if synthesis is None else synthesis.specification.resolves[change.item.name]
 

@@ -40,7 +40,7 @@ from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, Sort, Topic, explain
-from mars_asp.reasoning.questions.stated import Stated, lines_meant, stated
+from mars_asp.reasoning.questions.stated import StatedRelationship, lines_meant, stated
 from mars_asp.reasoning.questions.subject import NothingToExplainError
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.rules import NODES, by_name
@@ -455,7 +455,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     return int(selection.has_errors(project, answer.analysis))
 
 
-def _of_line(answer: str, asked: Stated) -> str:
+def _of_line(answer: str, asked: StatedRelationship) -> str:
     """Return an answer about an atom as one about the line that says the same."""
     reason = answer.removeprefix(f"No {asked.atom}: ")
     if reason != answer:

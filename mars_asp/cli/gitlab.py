@@ -6,18 +6,18 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
-from mars_asp.cli.baseline import Known, known_of
+from mars_asp.cli.baseline import BaselineEntry, known_of
 from mars_asp.cli.results import Result, root_of, seen_from_root
 from mars_asp.output import visible
 
 
 def code_quality_report(findings: Iterable[Result]) -> list[dict[str, object]]:
     """Return an entry for each finding; paths are those of the repository."""
-    alike: Counter[Known] = Counter()
+    alike: Counter[BaselineEntry] = Counter()
     return [_entry(each, alike) for each in findings]
 
 
-def _entry(finding: Result, alike: Counter[Known]) -> dict[str, object]:
+def _entry(finding: Result, alike: Counter[BaselineEntry]) -> dict[str, object]:
     found = finding.diagnostic
     path = seen_from_root(found.span.path)[0] if finding.has_file else found.span.path
     severity = {"error": "critical", "warning": "major", "note": "info"}[found.severity]
@@ -33,7 +33,7 @@ def _entry(finding: Result, alike: Counter[Known]) -> dict[str, object]:
     }
 
 
-def _fingerprint(finding: Result, alike: Counter[Known]) -> str:
+def _fingerprint(finding: Result, alike: Counter[BaselineEntry]) -> str:
     """Return a digest of the entry that a baseline has of a finding, and its number among equal.
 
     It has no line, so that it stays when lines move.

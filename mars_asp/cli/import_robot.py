@@ -11,7 +11,7 @@ from mars_asp.cli.reason import STANDARD_INPUT, add_launch, check_inputs
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.exchange.foreign import READERS, File, read_foreign
+from mars_asp.exchange.foreign import READERS, ForeignFile, read_foreign
 from mars_asp.language import Parsed, print_configuration
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_bytes
 from mars_asp.model.declarations import Configuration
@@ -89,12 +89,12 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     files = []
     for name in arguments.files:
         if arguments.origin == "ros2" and Path(name).is_dir():
-            files.append(File(name, "", "ros2"))
+            files.append(ForeignFile(name, "", "ros2"))
             continue
         text, shown = _read_text(name)
         text = plain_lines(text)
         remember(shown, text)
-        files.append(File(shown, text, arguments.origin))
+        files.append(ForeignFile(shown, text, arguments.origin))
     found = read_foreign(files, arguments.launch)
     return found, foreign_text(found.configuration, contract=arguments.contract)
 

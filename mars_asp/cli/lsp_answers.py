@@ -24,7 +24,7 @@ from mars_asp.cli.check import check
 from mars_asp.cli.extract import module_lines
 from mars_asp.cli.limits import limit_memory, memory_limit
 from mars_asp.cli.lines import line_at, remember
-from mars_asp.cli.lsp_files import Files
+from mars_asp.cli.lsp_files import EditorFiles
 from mars_asp.cli.lsp_rules import lint_answer
 from mars_asp.cli.reason import load, rulebook_for
 from mars_asp.cli.results import Result
@@ -34,8 +34,8 @@ from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.lsp.actions import Action, line_edits
 from mars_asp.lsp.mentions import outline
 from mars_asp.lsp.places import Place, Position, Range
-from mars_asp.lsp.questions import Checked, Failed, Question, Sort, Survey
-from mars_asp.lsp.robot import Described, EditorRobot, File, behind
+from mars_asp.lsp.questions import CheckedFile, Failed, Question, Sort, Survey
+from mars_asp.lsp.robot import Described, EditorRobot, OpenFile, behind
 from mars_asp.lsp.workers import read_pickle, write_pickle
 from mars_asp.model.declarations import Module
 from mars_asp.model.ports import inputs, outputs
@@ -120,7 +120,7 @@ def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespa
 # ---- Robots --------------------------------------------------------------------------------------
 
 
-def _check(question: Question, options: argparse.Namespace) -> Checked:
+def _check(question: Question, options: argparse.Namespace) -> CheckedFile:
     """Answer what `mars-asp check` finds."""
     arguments = _call("check", question.path, options)
     # So that findings are kept, and no repairs are looked for.
@@ -131,27 +131,27 @@ def _check(question: Question, options: argparse.Namespace) -> Checked:
         results = [*(each for one in checked for each in one.results), *remarks]
     except MarsError as error:
         results = [Result(each) for each in error.diagnostics]
-    files = Files(question.path)
+    files = EditorFiles(question.path)
     findings = tuple(
         files.finding(each.diagnostic, _title(each.consequence) if each.consequence else None)
         for each in results
         if each.hidden is None
     )
-    return Checked(findings, _robot(seen[0], files) if seen else None)
+    return CheckedFile(findings, _robot(seen[0], files) if seen else None)
 
 
-def _source(question: Question, options: argparse.Namespace) -> Checked:
+def _source(question: Question, options: argparse.Namespace) -> CheckedFile:
     """Answer what `mars-asp extract` finds in a source."""
-    files = Files(question.path)
+    files = EditorFiles(question.path)
     found = extract([Path(question.path)])
     findings = tuple(files.finding(each) for each in found.diagnostics)
     text = files.text(question.path)
-    own = File(question.path, "", outline(question.path, text.written).mentions if text else ())
+    own = OpenFile(question.path, "", outline(question.path, text.written).mentions if text else ())
     described = {each.name: _described(each, files) for each in found.modules}
-    return Checked(findings, EditorRobot(question.path, (own,), described))
+    return CheckedFile(findings, EditorRobot(question.path, (own,), described))
 
 
-def _robot(project: Project, files: Files) -> EditorRobot:
+def _robot(project: Project, files: EditorFiles) -> EditorRobot:
     configuration = project.configuration
     described = {**project.modules, **{each.name: each for each in configuration.declared}}
     own = tuple(_configurations(configuration.path, "", files))
@@ -161,23 +161,23 @@ def _robot(project: Project, files: Files) -> EditorRobot:
     for path in sources:
         text = files.text(path) if path not in read else None
         if text is not None:
-            found.append(File(path, "", outline(path, text.written).mentions))
+            found.append(OpenFile(path, "", outline(path, text.written).mentions))
     modules = {name: _described(module, files) for name, module in described.items()}
     return EditorRobot(os.path.abspath(configuration.path), (*own, *found), modules)  # noqa: PTH100
 
 
-def _configurations(path: str, prefix: str, files: Files) -> Iterator[File]:
+def _configurations(path: str, prefix: str, files: EditorFiles) -> Iterator[OpenFile]:
     """Yield a configuration that was read without errors, and those that it includes."""
     text = files.text(path)
     if text is None:
         return
-    yield File(text.path, prefix, outline(text.path, text.written).mentions)
+    yield OpenFile(text.path, prefix, outline(text.path, text.written).mentions)
     for each in parse_text(text.plain, path).configuration.includes:
         inner = os.path.abspath(Path(path).parent / each.path)  # noqa: PTH100
         yield from _configurations(inner, behind(prefix, each.name) if each.name else prefix, files)
 
 
-def _described(module: Module, files: Files) -> Described:
+def _described(module: Module, files: EditorFiles) -> Described:
     lines = tuple(module_lines(module))
     services = [files.place(each.span) for each in module.services]
     nowhere = Place(files.root, _START)
@@ -193,7 +193,7 @@ def _described(module: Module, files: Files) -> Described:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _EditorQuery:
     """The robot of a question and its rules, for what is asked about it as a whole."""
 
     question: Question
@@ -221,7 +221,7 @@ class _Asked:
 
 def _survey(question: Question, options: argparse.Namespace) -> Survey | Failed:
     """Answer which consequences and nodes there are for each module."""
-    asked = _Asked(question, options)
+    asked = _EditorQuery(question, options)
     try:
         reasoner = asked.reasoner("resolve")
         found = reasoner.analysis.consequences
@@ -256,7 +256,7 @@ def _listed(found: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
 
 def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
     """Answer why there is what a question is about, in lines: its trace to the usual depth."""
-    asked = _Asked(question, options)
+    asked = _EditorQuery(question, options)
     try:
         reasoner = asked.reasoner("resolve", "account")
         found = explain(reasoner, question.about)
@@ -272,18 +272,18 @@ def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
 
 def _repairs(question: Question, options: argparse.Namespace) -> tuple[Action, ...]:
     """Answer the edits that remove findings, each of them tried."""
-    asked = _Asked(question, options)
+    asked = _EditorQuery(question, options)
     try:
         rulebook = rulebook_for(asked.arguments, REPAIRING)
         found = repairs(asked.project, rulebook, seconds=_REPAIR_SECONDS, with_warnings=True)
     except MarsError:
         # They are findings of the check.
         return ()
-    files = Files(question.path)
+    files = EditorFiles(question.path)
     return tuple(each for repair in found for each in _actions(repair, files))
 
 
-def _actions(repair: "Repair", files: Files) -> Iterator[Action]:
+def _actions(repair: "Repair", files: EditorFiles) -> Iterator[Action]:
     for mend in repair.mends:
         texts = {each.path: files.text(each.path) for each in mend.lines}
         known = {path: text for path, text in texts.items() if text is not None}
@@ -321,7 +321,7 @@ def _owners(question: Question, options: argparse.Namespace) -> tuple[str, ...]:
 def _names(configuration: Path, source: Path) -> bool:
     """Whether `@sources` of a configuration, or of what it includes, name a file."""
     try:
-        text = Files(str(configuration)).text(str(configuration))
+        text = EditorFiles(str(configuration)).text(str(configuration))
         parsed = None if text is None else parse_text(text.plain, str(configuration))
     except (MarsError, OSError):
         return False
@@ -335,7 +335,7 @@ def _names(configuration: Path, source: Path) -> bool:
 
 def _format(question: Question, options: argparse.Namespace) -> str | Failed:
     """Answer the text that `mars-asp fmt` writes, unless a text has syntax errors."""
-    text = Files(question.path).text(question.path)
+    text = EditorFiles(question.path).text(question.path)
     try:
         return Failed("there is no text") if text is None else format_text(text.plain, text.path)
     except MarsError as error:

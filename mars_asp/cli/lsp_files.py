@@ -8,7 +8,7 @@ from pathlib import Path
 from mars_asp.annotations.files import MOST_BYTES
 from mars_asp.cli.ignores import decoded
 from mars_asp.diagnostic import Diagnostic, Span, brief
-from mars_asp.lsp.places import Edit, Place, Position, Range, Text
+from mars_asp.lsp.places import Place, Position, Range, Text, TextEdit
 from mars_asp.lsp.robot import EditorFinding
 from mars_asp.reading import read_file, unsaved_bytes
 from mars_asp.reasoning.rules import rules_directory
@@ -17,7 +17,7 @@ _START = Range(Position(0, 0), Position(0, 0))
 
 
 @dataclass(frozen=True)
-class Files:
+class EditorFiles:
     """The texts of files as they are now, and what is found placed in them.
 
     `root` is where that is placed which stands in no file.
@@ -54,7 +54,7 @@ class Files:
         """Return what is told of a diagnostic; `fixes` are texts for stretches of files."""
         short = brief(found)
         edits = [(self.place(span), text) for span, text in fixes]
-        known = tuple(Edit(place, text) for place, text in edits if place is not None)
+        known = tuple(TextEdit(place, text) for place, text in edits if place is not None)
         placed = ((self.place(span), label) for span, label in short.labels)
         return EditorFinding(
             self.place(short.span) or Place(self.root, _START),

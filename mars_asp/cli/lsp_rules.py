@@ -5,10 +5,10 @@ from contextlib import suppress
 from pathlib import Path
 
 from mars_asp.asp.lint.found import Fix
-from mars_asp.cli.lsp_files import Files
+from mars_asp.cli.lsp_files import EditorFiles
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.lsp.places import Place, Position, Range
-from mars_asp.lsp.questions import Linted, Question
+from mars_asp.lsp.questions import LintedFile, Question
 from mars_asp.lsp.rule_text import PredicateMention, rule_text
 from mars_asp.lsp.rules import Predicate, Rules
 from mars_asp.reasoning.lint import lint
@@ -22,10 +22,10 @@ _START = Range(Position(0, 0), Position(0, 0))
 _EXPECTED = "%="
 
 
-def lint_answer(question: Question, options: argparse.Namespace) -> Linted:
+def lint_answer(question: Question, options: argparse.Namespace) -> LintedFile:
     """Answer what `mars-asp rules lint` finds in a file, and the rules around it."""
     path = Path(question.path)
-    files = Files(question.path)
+    files = EditorFiles(question.path)
     text = files.text(question.path)
     is_own = path.resolve().is_relative_to(rules_directory().resolve())
     found: tuple[Diagnostic, ...] = ()
@@ -42,10 +42,10 @@ def lint_answer(question: Question, options: argparse.Namespace) -> Linted:
         if pack_of(path) is not None:
             found = tuple(each for each in found if Path(each.span.path) == path)
     findings = (files.finding(each, fixes=fixes.get(each, ())) for each in found)
-    return Linted(tuple(findings), _rules(path, files, is_own))
+    return LintedFile(tuple(findings), _rules(path, files, is_own))
 
 
-def _rules(path: Path, files: Files, is_own: bool) -> Rules:
+def _rules(path: Path, files: EditorFiles, is_own: bool) -> Rules:
     """Return the rules around a file: our own, and those in its folder."""
     beside = [] if is_own else sorted(path.parent.glob("*.lp"))[:_MOST_RULES]
     try:

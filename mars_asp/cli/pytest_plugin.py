@@ -64,12 +64,12 @@ class CaseFile(pytest.File):
             told = (f"{d.span.path}:{d.span.line}: {d.message}" for d in error.diagnostics)
             raise self.CollectError("\n".join(told)) from None
         for check in outcome.checks:
-            item = Case.from_parent(self, name=check.title or self.path.stem)
+            item = CaseItem.from_parent(self, name=check.title or self.path.stem)
             item.check = check
             yield item
 
 
-class Case(pytest.Item):
+class CaseItem(pytest.Item):
     """One case, with what came of it."""
 
     check: "Check"

@@ -16,7 +16,7 @@ from mars_asp.cli.settings import settings_of
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.folders import IsExcluded, nothing_excluded
-from mars_asp.exchange.foreign import File, read_foreign
+from mars_asp.exchange.foreign import ForeignFile, read_foreign
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
@@ -213,7 +213,7 @@ def _parse(
     return parse_text(first.text, path), first.text, None
 
 
-def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> File:
+def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> ForeignFile:
     """Read a file, if that was not done, and see which format it is in.
 
     Raises:
@@ -223,7 +223,7 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
         path = shown_input(arguments)
         text = read_input(path)
     if text is None and os.path.isdir(path):  # noqa: PTH112 -- never raises
-        return File(path, "", "ros2")
+        return ForeignFile(path, "", "ros2")
     if text is None:
         # What comes through a pipe comes once.
         streamed: dict[str, str] = vars(arguments).setdefault("streamed", {})
@@ -244,7 +244,7 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
             help_text = ROBOTS
         place = whole_file(path)
         raise MarsError([Diagnostic("usage", "error", message, place, help=help_text)])
-    return File(path, text, format)
+    return ForeignFile(path, text, format)
 
 
 def only_robot(arguments: argparse.Namespace, path: str) -> str:

@@ -19,9 +19,9 @@ from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.repair import (
     STAGES,
-    Edit,
     Mend,
     Repair,
+    RepairEdit,
     repairs,
     repairs_by_hand,
 )
@@ -164,7 +164,7 @@ def mend_json(mend: Mend) -> dict[str, object]:
     }
 
 
-def _edit_json(edit: Edit) -> dict[str, object]:
+def _edit_json(edit: RepairEdit) -> dict[str, object]:
     span = edit.rule.span
     return {
         "edit": str(edit.term),

@@ -229,7 +229,7 @@ def finding_lines(
 # ---- Quoted lines --------------------------------------------------------------------------------
 
 
-class _Quoted(NamedTuple):
+class _QuotedLine(NamedTuple):
     """A line as it is shown, and the columns before and under what is marked in it."""
 
     text: str
@@ -268,7 +268,7 @@ def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[s
 
 
 def _mark(
-    line: _Quoted,
+    line: _QuotedLine,
     label: str,
     margin: int,
     severity: str,
@@ -291,7 +291,7 @@ def _mark(
             yield f"{gutter} {paint(text, style, coloured)}"
 
 
-def _quoted(span: Span, excerpt: str | None = None) -> _Quoted | None:
+def _quoted(span: Span, excerpt: str | None = None) -> _QuotedLine | None:
     """Return the line at a place as it is shown; nothing where it is empty or cannot be read."""
     line = (whole_line(span) if excerpt is None else excerpt).rstrip("\r\n")
     if not line.strip():
@@ -309,4 +309,4 @@ def _quoted(span: Span, excerpt: str | None = None) -> _Quoted | None:
     to_end = f"{before}{line[:end]}".expandtabs(_TAB)
     whole = f"{before}{line}{after}".expandtabs(_TAB)
     begins = cells(visible(to_mark))
-    return _Quoted(visible(whole), begins, max(1, cells(visible(to_end)) - begins))
+    return _QuotedLine(visible(whole), begins, max(1, cells(visible(to_end)) - begins))

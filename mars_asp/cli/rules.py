@@ -37,7 +37,7 @@ from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
 from mars_asp.diagnostic import INPUT_CODES, Diagnostic, InputCode, MarsError, whole_file
 from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import fenced, replace_together, visible
-from mars_asp.reasoning.lint import Linted, lint
+from mars_asp.reasoning.lint import LintResult, lint
 from mars_asp.reasoning.packs import installed_packs, with_companions
 from mars_asp.reasoning.rules import STAGES, is_rule_base
 from mars_asp.spelling import nearest
@@ -164,7 +164,7 @@ def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
     return 2 if found.errors else 0
 
 
-def _suggestions(found: Linted, arguments: argparse.Namespace) -> dict[Diagnostic, Suggestion]:
+def _suggestions(found: LintResult, arguments: argparse.Namespace) -> dict[Diagnostic, Suggestion]:
     """Return what `--fix` would write, for programs; people read it in the advice."""
     if arguments.format != "json":
         return {}
@@ -185,7 +185,7 @@ def _suggestions(found: Linted, arguments: argparse.Namespace) -> dict[Diagnosti
     return suggestions
 
 
-def _mended(found: Linted) -> int:
+def _mended(found: LintResult) -> int:
     """Write the fixes of what was found, and return of how many findings they were."""
     texts: dict[str, bytes] = {}
     count = 0

@@ -20,7 +20,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 from mars_asp.language.parse import MOST_BYTES, decode, unreadable
 from mars_asp.output import visible
 from mars_asp.reading import unsaved, unsaved_bytes
-from mars_asp.reasoning.cases import Found, cases_of, run_case
+from mars_asp.reasoning.cases import FoundCase, cases_of, run_case
 from mars_asp.reasoning.cases.configurations import SUFFIX, snapshot
 from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.rules import STAGES, load_rulebook
@@ -164,7 +164,7 @@ def run_once(arguments: argparse.Namespace) -> int:
     return max(int(failed and not _is_mended(outcomes, arguments)), status)
 
 
-def _snapshot(found: Sequence[Found], rules: list[Path], arguments: argparse.Namespace) -> int:
+def _snapshot(found: Sequence[FoundCase], rules: list[Path], arguments: argparse.Namespace) -> int:
     """Write what robots have now as what is expected of them.
 
     Raises:
@@ -193,7 +193,7 @@ def _rulebook(pack: Path | None, rules: list[Path], trusted: bool) -> Rulebook:
     return load_rulebook([*rules, *companions], STAGES, trusted=trusted)
 
 
-def _ran(found: Found, rulebook: Rulebook) -> CaseFileResult:
+def _ran(found: FoundCase, rulebook: Rulebook) -> CaseFileResult:
     begun = time.monotonic()
     try:
         outcome, problems = run_case(found.path, rulebook), ()
@@ -203,7 +203,7 @@ def _ran(found: Found, rulebook: Rulebook) -> CaseFileResult:
 
 
 def _measured(
-    found: Iterable[Found], books: dict[Path | None, Rulebook], arguments: argparse.Namespace
+    found: Iterable[FoundCase], books: dict[Path | None, Rulebook], arguments: argparse.Namespace
 ) -> tuple[Mapping[str, object], Sequence[str], int]:
     """Return what `--coverage` and `--mutate` found, for programs and people, and the status."""
     if not arguments.coverage and not arguments.mutate:

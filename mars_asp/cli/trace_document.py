@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from mars_asp.asp.trace.document import FORMAT, VERSION, Document, trace_json, trace_lines
+from mars_asp.asp.trace.document import FORMAT, VERSION, TraceDocument, trace_json, trace_lines
 from mars_asp.cli.account import account_json, line_json
 from mars_asp.cli.encode import encoded
 from mars_asp.reasoning.questions.explain import Topic
@@ -25,7 +25,7 @@ def topics_text(subject: str | None, topics: Sequence[Topic], format: str) -> It
 
 def topics_document(subject: str | None, topics: Sequence[Topic]) -> dict[str, object]:
     """Return topics with the keys of the contract."""
-    document = Document()
+    document = TraceDocument()
     traces = [{"title": each.title, **document.trace(each.trace)} for each in topics]
     told = list(map(_topic_json, topics))
     return {**_head(subject), "traces": traces, "topics": told}

@@ -47,7 +47,7 @@ _MOST_LINES = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class SpecificationComparison:
     """What a specification costs and the least, each by name; `None` where time was over.
 
     `fault` says what cannot be: a specification that costs less than what was called least. It is
@@ -133,7 +133,7 @@ def judge_wiring(
     modules: Mapping[str, Module],
     project: Project,
     arguments: argparse.Namespace,
-) -> tuple[Verification, Comparison]:
+) -> tuple[Verification, SpecificationComparison]:
     """Return the violations of a specification and, if there is none, its cost and the minimal one.
 
     `modules` are those that the sources of the specification describe.
@@ -144,11 +144,13 @@ def judge_wiring(
     rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
     verification = judge_specification(specification, project, rulebook, modules=modules)
     if verification.violations:
-        return verification, Comparison(None, None, None, in_time=True)
+        return verification, SpecificationComparison(None, None, None, in_time=True)
     return verification, _compare(arguments, verification, project, rulebook)
 
 
-def verification_json(verification: Verification, compared: Comparison) -> dict[str, object]:
+def verification_json(
+    verification: Verification, compared: SpecificationComparison
+) -> dict[str, object]:
     """Return a verification with the keys of the contract."""
     return {
         "realises": not verification.violations,
@@ -165,7 +167,7 @@ def verification_json(verification: Verification, compared: Comparison) -> dict[
 
 
 def verification_lines(
-    verification: Verification, compared: Comparison, width: int
+    verification: Verification, compared: SpecificationComparison, width: int
 ) -> Iterator[str]:
     """Yield what fails and what may be meant otherwise, or that nothing fails."""
     for violation in verification.violations:
@@ -261,7 +263,7 @@ def _report_own(
 
 def _compare(
     arguments: argparse.Namespace, verification: Verification, project: Project, rulebook: Rulebook
-) -> Comparison:
+) -> SpecificationComparison:
     """Compare what a specification costs with the least that a synthesis finds."""
     seconds = arguments.time_limit
     deadline = None if seconds is None else time.monotonic() + seconds
@@ -271,10 +273,10 @@ def _compare(
         with progress_bar(arguments, "components") as progress:
             best = synthesise(project, analysis, rulebook, Budget(seconds, progress))
     except TimeoutError:
-        return Comparison(None, None, None, in_time=False)
+        return SpecificationComparison(None, None, None, in_time=False)
     cost = by_name(written.cost)
     if best is None:
-        return Comparison(cost, None, None, in_time=True)
+        return SpecificationComparison(cost, None, None, in_time=True)
     least = by_name(best.resolution.cost)
     proven = written.proven and best.resolution.proven
     # Dictionaries keep the order of the levels, in which costs are compared.
@@ -288,13 +290,15 @@ def _compare(
             fault += (
                 f"; no rule in `verify` asks for nodes that packs introduce, such as {brought[0]}"
             )
-        return Comparison(cost, least, None, in_time=True, fault=fault, of_packs=bool(brought))
+        return SpecificationComparison(
+            cost, least, None, in_time=True, fault=fault, of_packs=bool(brought)
+        )
     more = list(cost.values()) > list(least.values())
     minimal = not more if proven else False if more and written.proven else None
-    return Comparison(cost, least, minimal, in_time=minimal is not None)
+    return SpecificationComparison(cost, least, minimal, in_time=minimal is not None)
 
 
-def _minimality(compared: Comparison) -> str:
+def _minimality(compared: SpecificationComparison) -> str:
     if compared.minimal is None or compared.cost is None or compared.least is None:
         return ""
     if compared.minimal:

@@ -101,7 +101,7 @@ def watched(title: str) -> Iterator[Stage | None]:
     """Yield what shows a run in a page, whose address is printed; nothing where none is served."""
     stage, path = Stage(), f"/{secrets.token_urlsafe(24)}/"
     try:
-        server = _Server(stage, path, _page(title).encode())
+        server = _WatchServer(stage, path, _page(title).encode())
         threading.Thread(target=server.serve, daemon=True).start()
     except (OSError, RuntimeError) as error:
         print(f"mars-asp: the run cannot be shown in a browser: {error}", file=sys.stderr)
@@ -135,7 +135,7 @@ def _state(trial: "Trial", judgement: "Judgement | None") -> str:
     return told if judgement is None else f"{judgement.verdict}, after {told}"
 
 
-class _Server(ThreadingHTTPServer):
+class _WatchServer(ThreadingHTTPServer):
     """Serves a page at a path, and what a stage shows beside it, to this machine alone."""
 
     daemon_threads = True
@@ -156,7 +156,7 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Answer(BaseHTTPRequestHandler):
-    server: _Server
+    server: _WatchServer
     timeout = _PATIENCE
 
     def do_GET(self) -> None:

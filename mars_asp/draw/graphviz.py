@@ -5,7 +5,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator, Sequence
 
-from mars_asp.draw.layered import NEAR, Drawing, Link, Point, Route, Size
+from mars_asp.draw.layered import NEAR, Drawing, LayeredEdge, Point, Route, Size
 
 #: Graphviz measures boxes in inches of so many px.
 _INCH = 72
@@ -15,7 +15,7 @@ class NoGraphvizError(Exception):
     """There is no program `dot`, or it fails; the argument is the reason."""
 
 
-def draw_by_dot(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
+def draw_by_dot(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
     """Return the places of boxes and links as `dot` of Graphviz lays them out.
 
     Raises:
@@ -51,7 +51,7 @@ def draw_by_dot(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
     )
 
 
-def _graph(sizes: Sequence[Size], links: Sequence[Link]) -> Iterator[str]:
+def _graph(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Iterator[str]:
     """Yield the lines of a graph of numbers alone: no name reaches the program."""
     yield f'digraph {{ nodesep={NEAR / _INCH:.3f}; node [shape=box, label="", fixedsize=true];'
     for index, (width, height) in enumerate(sizes):

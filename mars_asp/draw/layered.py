@@ -33,7 +33,7 @@ _MOST_PIECES = 60_000
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class LayeredEdge:
     """A link from one box to another, by index, and the size of its label, if it has one.
 
     Links with a `rank` reach their head in this order, from left to right.
@@ -80,7 +80,7 @@ class _Layers:
     named: list[int | None]
 
 
-def draw_layered(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
+def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
     """Return where boxes of given sizes and the links between them are to be drawn.
 
     A box is at least as high as `LOOP` for each of its links to itself.
@@ -144,7 +144,7 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
     )
 
 
-def _split(sizes: Sequence[Size], links: Sequence[Link], between: Sequence[int]) -> _Layers:
+def _split(sizes: Sequence[Size], links: Sequence[LayeredEdge], between: Sequence[int]) -> _Layers:
     """Put boxes into layers, with a layer for labels where there are any, and split links there."""
     arcs = [(links[index].tail, links[index].head) for index in between]
     ranks, downward = rank_boxes(len(sizes), arcs)
@@ -179,7 +179,7 @@ def _split(sizes: Sequence[Size], links: Sequence[Link], between: Sequence[int])
     return found
 
 
-def _widths_with_loops(sizes: Sequence[Size], links: Sequence[Link]) -> list[float]:
+def _widths_with_loops(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> list[float]:
     """Return how wide each box is with its links to itself."""
     widths = [width for width, _ in sizes]
     for link in links:

@@ -5,13 +5,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import sqrt
 
-from mars_asp.draw.layered import Drawing, Link, Point, Route, Size, draw_layered
+from mars_asp.draw.layered import Drawing, LayeredEdge, Point, Route, Size, draw_layered
 
 #: The distance in px between parts.
 APART = 44.0
 
 
-def draw_graph(sizes: Sequence[Size], links: Sequence[Link]) -> Drawing:
+def draw_graph(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
     """Return where boxes of given sizes and the links between them are to be drawn.
 
     Raises:
@@ -44,7 +44,7 @@ def _moved(point: Point, by: Point) -> Point:
     return point[0] + by[0], point[1] + by[1]
 
 
-def _connected(count: int, links: Sequence[Link]) -> Iterator[tuple[list[int], list[int]]]:
+def _connected(count: int, links: Sequence[LayeredEdge]) -> Iterator[tuple[list[int], list[int]]]:
     """Yield the boxes and links of each connected part, in the order of its first box."""
     near = defaultdict(set)
     for link in links:

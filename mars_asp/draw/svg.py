@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.draw.colours import LINES, QUIET
-from mars_asp.draw.layered import Drawing, Link, Point, Size, TooLargeError
+from mars_asp.draw.layered import Drawing, LayeredEdge, Point, Size, TooLargeError
 from mars_asp.draw.legend import (
     ROW,
     draw_findings,
@@ -40,7 +40,7 @@ _MARGIN = 24.0
 _LEGEND_WIDTH = 560.0
 _NEAR = 10.0
 _NOWHERE: Mapping[str | int, str] = MappingProxyType({})
-Layout: TypeAlias = Callable[[Sequence[Size], Sequence[Link]], Drawing]
+Layout: TypeAlias = Callable[[Sequence[Size], Sequence[LayeredEdge]], Drawing]
 
 
 class _Arrangement(NamedTuple):
@@ -141,7 +141,7 @@ def _laid_out(picture: Picture, layout: Layout) -> _Arrangement:
     joined = [index for index, box in enumerate(picture.boxes) if not box.alone]
     number = {index: place for place, index in enumerate(joined)}
     links = [
-        Link(number[line.tail], number[line.head], label_size(line), line.rank)
+        LayeredEdge(number[line.tail], number[line.head], label_size(line), line.rank)
         for line in picture.lines
     ]
     drawing = layout([sizes[index] for index in joined], links)

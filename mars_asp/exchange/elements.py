@@ -12,7 +12,7 @@ _DEEPEST = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Element:
+class XmlElement:
     """An element: its name, attributes, place (of its `<`), the elements and the text in it.
 
     Each piece of the text stands with its line and the columns before it.
@@ -21,17 +21,17 @@ class Element:
     name: str
     attributes: Mapping[str, str]
     span: Span
-    children: list["Element"] = field(default_factory=list)
+    children: list["XmlElement"] = field(default_factory=list)
     pieces: list[tuple[int, int, str]] = field(default_factory=list)
 
-    def child(self, name: str) -> "Element | None":
+    def child(self, name: str) -> "XmlElement | None":
         """Return the first child of a name."""
         return next((child for child in self.children if child.name == name), None)
 
 
 def read_elements(
     text: str, path: str, deepest: int = _DEEPEST, *, whole: bool = False, code: str = "urdf"
-) -> Element:
+) -> XmlElement:
     """Return the root of a document with the elements of its upper levels.
 
     Document types are refused: entities live there, and nothing of a robot does. `whole` is whether
@@ -41,9 +41,9 @@ def read_elements(
         MarsError: the text is no XML, or has a document type.
     """
     parser = expat.ParserCreate()
-    open_elements: list[Element] = []
+    open_elements: list[XmlElement] = []
     depth = 0
-    root: Element | None = None
+    root: XmlElement | None = None
 
     def here() -> Span:
         return point(path, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
@@ -57,7 +57,7 @@ def read_elements(
                 help_text = "nothing of a robot is so deep: take levels away"
                 raise MarsError((Diagnostic(code, "error", message, here(), help=help_text),))
             return
-        element = Element(name, attributes, here())
+        element = XmlElement(name, attributes, here())
         if open_elements:
             open_elements[-1].children.append(element)
         else:

@@ -24,7 +24,7 @@ READERS: Mapping[str, tuple[str, str]] = {
 _READ_WITH: Mapping[str, tuple[str, ...]] = {"twist_mux": ("ros2", "rosgraph")}
 
 
-class File(NamedTuple):
+class ForeignFile(NamedTuple):
     """A file that was read: how it is shown, its text, and the format that it is in."""
 
     path: str
@@ -33,7 +33,7 @@ class File(NamedTuple):
 
 
 def read_foreign(
-    files: Sequence[File],
+    files: Sequence[ForeignFile],
     launch: Sequence[str] = (),
     is_excluded: IsExcluded = nothing_excluded,
 ) -> Parsed:

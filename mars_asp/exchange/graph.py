@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import chain
 
 from mars_asp.annotations.types import representation
-from mars_asp.model.graph import Endpoint, Graph, Node
+from mars_asp.model.graph import Endpoint, Graph, GraphNode
 
 #: Messages that tell somebody to move; a joystick's are none, as no base obeys them.
 COMMANDS = frozenset(
@@ -17,7 +17,7 @@ _NO_TYPES = frozenset({"", "*", "any", "unknown", "unknown type"})
 
 def joined(graphs: Sequence[Graph]) -> Graph:
     """Return several graphs, at least one, as that of one robot: nodes of one name are one."""
-    nodes: dict[str, Node] = {}
+    nodes: dict[str, GraphNode] = {}
     for node in chain.from_iterable(graph.nodes for graph in graphs):
         known = nodes.get(node.name)
         nodes[node.name] = node if known is None else united(known, node)
@@ -31,7 +31,7 @@ def joined(graphs: Sequence[Graph]) -> Graph:
     )
 
 
-def united(first: Node, second: Node) -> Node:
+def united(first: GraphNode, second: GraphNode) -> GraphNode:
     """Return what two sources of knowledge say of one node; the first one's places stay."""
     return replace(
         first,
@@ -67,7 +67,7 @@ def is_command(written: str | None) -> bool:
     return known is not None and known.rpartition("::")[2] in COMMANDS
 
 
-def typed(nodes: Sequence[Node]) -> tuple[Node, ...]:
+def typed(nodes: Sequence[GraphNode]) -> tuple[GraphNode, ...]:
     """Return nodes with the types of what is relayed, as far as another node knows them."""
     relays = [node for node in nodes if node.relays]
     types: dict[str, str] = {}

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from mars_asp.diagnostic import Span
 from mars_asp.exchange import ports
 from mars_asp.exchange.graph import is_command
-from mars_asp.model.graph import Endpoint, Graph, Node, Relay
+from mars_asp.model.graph import Endpoint, Graph, GraphNode, Relay
 
 
 class Passage(NamedTuple):
@@ -68,10 +68,10 @@ def reached(topics: Set[str], ways: Mapping[str, Iterable[str]]) -> set[str]:
     return found
 
 
-def _node(relay: Relay) -> Node:
+def _node(relay: Relay) -> GraphNode:
     published = (Endpoint(relay.target, None, relay.span),)
     subscribed = (Endpoint(relay.source, None, relay.span),)
-    return Node(relay.name, relay.span, published, subscribed, relays=True)
+    return GraphNode(relay.name, relay.span, published, subscribed, relays=True)
 
 
 def _passages(relays: Iterable[Relay], sent: Collection[str]) -> Iterator[Passage]:

@@ -28,7 +28,7 @@ from mars_asp.model.declarations import (
     Name,
     Service,
 )
-from mars_asp.model.graph import Endpoint, Graph, Mux, MuxInput, Node
+from mars_asp.model.graph import Endpoint, Graph, GraphNode, Mux, MuxInput
 
 #: The last words of topics that belong to the middleware, not to the robot.
 _MIDDLEWARE = frozenset(
@@ -42,7 +42,7 @@ _MOST_CASCADED = 16
 _DEBUG = re.compile(r"(?:^|[/_])debug(?:[/_]|$)", re.IGNORECASE)
 
 
-class Mapped(NamedTuple):
+class MappedGraph(NamedTuple):
     """A configuration, and what of the graph is not in it."""
 
     configuration: Configuration
@@ -77,7 +77,7 @@ def end_of(topic: str) -> str:
     return topic.lstrip("/") or topic
 
 
-def configuration_of(graph: Graph) -> Mapped:
+def configuration_of(graph: Graph) -> MappedGraph:
     """Return the configuration of a graph: hierarchical, its known nodes described.
 
     What listens to a command topic is controlled by what publishes on it; where nothing listens, a
@@ -120,11 +120,11 @@ def configuration_of(graph: Graph) -> Mapped:
         relays=tuple(relay.span for relay in relays),
         opaque=tuple(Name(node.name, node.span) for node in nodes if node.unread or node.listens),
     )
-    return Mapped(configuration, tuple(unread))
+    return MappedGraph(configuration, tuple(unread))
 
 
 def _cascaded(
-    wiring: "_Wiring", nodes: Sequence[Node], passages: Sequence[Passage], unread: list[Unread]
+    wiring: "_Wiring", nodes: Sequence[GraphNode], passages: Sequence[Passage], unread: list[Unread]
 ) -> "_Wiring":
     """Return a wiring in which a mux that feeds nothing but an input of another is part of that."""
     for _ in range(_MOST_CASCADED):
@@ -157,7 +157,7 @@ class _Wiring:
 
     def __init__(
         self,
-        nodes: Sequence[Node],
+        nodes: Sequence[GraphNode],
         muxes: Sequence[Mux],
         passages: Sequence[Passage],
         observed: bool,
@@ -238,7 +238,7 @@ class _Wiring:
         )
 
 
-def _without_dropped(node: Node, sent: Collection[str], unread: list[Unread]) -> Node:
+def _without_dropped(node: GraphNode, sent: Collection[str], unread: list[Unread]) -> GraphNode:
     """Return a node without the topics that no robot is about, each of which is noted once.
 
     Nor does it hear optional ones that nobody has `sent`.
@@ -259,7 +259,7 @@ def _without_dropped(node: Node, sent: Collection[str], unread: list[Unread]) ->
     return replace(node, published=published, subscribed=subscribed)
 
 
-def _taking_part(nodes: Iterable[Node], unread: list[Unread]) -> Iterator[Node]:
+def _taking_part(nodes: Iterable[GraphNode], unread: list[Unread]) -> Iterator[GraphNode]:
     """Yield the nodes that have a topic, and note the others."""
     for node in nodes:
         if node.published or node.subscribed:
@@ -334,7 +334,7 @@ def _inputs(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
             yield Control("", name, at, each.priority, each.hold_ms, topic=each.topic)
 
 
-def _wires(wiring: _Wiring, nodes: Sequence[Node]) -> Iterator[Data]:
+def _wires(wiring: _Wiring, nodes: Sequence[GraphNode]) -> Iterator[Data]:
     """Yield a relationship for each topic that carries data from one node to another."""
     for node in nodes:
         for end in node.subscribed:
@@ -377,7 +377,7 @@ def _loose_commands(wiring: _Wiring) -> _Loose:
     )
 
 
-def _described(node: Node, wiring: _Wiring, loose: _Loose) -> Module | None:
+def _described(node: GraphNode, wiring: _Wiring, loose: _Loose) -> Module | None:
     """Return the module that a node is, as far as it exchanges data or sends commands.
 
     What only obeys stays undescribed, as no graph says how it moves.

@@ -71,7 +71,7 @@ class Repeat(NamedTuple):
 
 
 @dataclass(slots=True)
-class _Open:
+class _OpenYamlNode:
     """A list or map of which not everything has been read; `size` counts nodes."""
 
     start: Span
@@ -192,7 +192,7 @@ class _YamlReader:
         self.most_nodes = most_nodes
         self.root: Node | None = None
         self.repeated: list[Repeat] = []
-        self.open: list[_Open] = []
+        self.open: list[_OpenYamlNode] = []
         self.anchored: dict[str, tuple[Node, int]] = {}
         self.documents = 0
 
@@ -229,7 +229,7 @@ class _YamlReader:
                     message = f"lists and maps are nested deeper than {MOST_DEPTH}"
                     raise _wrong(span, message, "no file of parameters needs that")
                 is_map = isinstance(event, yaml.MappingStartEvent)
-                self.open.append(_Open(span, is_map, event.anchor))
+                self.open.append(_OpenYamlNode(span, is_map, event.anchor))
             case yaml.SequenceEndEvent() | yaml.MappingEndEvent():
                 closed = self.open.pop()
                 node = self.closed(
@@ -280,7 +280,7 @@ class _YamlReader:
                 span, message, "write values out instead of aliases, as far as they are needed"
             )
 
-    def closed(self, of: _Open, span: Span) -> Node:
+    def closed(self, of: _OpenYamlNode, span: Span) -> Node:
         """Return a list or map that is complete."""
         if not of.is_map:
             return Items(tuple(of.nodes), span)

@@ -25,7 +25,7 @@ from mars_asp.execution.simulator import (
     Body,
     Circle,
     Fleet,
-    Joint,
+    JointDevice,
     Mark,
     Pose,
     Ramp,
@@ -51,7 +51,7 @@ class Trial:
     executor: Executor
     bodies: tuple[Body, ...]
     limits: Mapping[str, Mapping[str, float]]
-    joints: Mapping[str, Joint]
+    joints: Mapping[str, JointDevice]
     moves: Mapping[str, tuple[str, ...]]
     remarks: tuple[Diagnostic, ...] = ()
 

@@ -25,7 +25,7 @@ Kind: TypeAlias = Literal["blank", "comment", "statement", "first", "block", "la
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class FormattedLine:
     """A line of output; those of a module block are `first`, `block` and `last`."""
 
     kind: Kind
@@ -41,7 +41,7 @@ def format_text(text: str, path: str) -> str:
     before = parse_text(text, path).configuration
     text = plain_lines(text)
     blocks = read_blocks(path, text).lines
-    lines = _Lines(lay_out(path, text, blocks), blocks)
+    lines = _FormattedLines(lay_out(path, text, blocks), blocks)
     formatted = "".join(f"{line}\n" for line in _spaced(list(lines.all())))
     if meaning(parse_text(formatted, path).configuration) != meaning(before):
         message = (
@@ -61,7 +61,7 @@ def meaning(value: object) -> object:
     return value
 
 
-class _Lines:
+class _FormattedLines:
     """The lines of one text, statement by statement."""
 
     def __init__(self, layout: Layout, blocks: Iterable[tuple[int, int]]) -> None:
@@ -71,26 +71,28 @@ class _Lines:
             self._kinds |= dict.fromkeys(range(first, last + 1), "block")
             self._kinds |= {first: "first", last: "last"}
 
-    def all(self) -> Iterator[Line]:
+    def all(self) -> Iterator[FormattedLine]:
         """Yield every line, blank ones as they stand."""
         begin = 0
         for piece in self._layout.grammatical.removesuffix("\n").split("\n"):
             end = begin + len(piece)
             if piece.strip():
-                yield from (Line("statement", text) for text in self._statement(begin, end))
+                yield from (
+                    FormattedLine("statement", text) for text in self._statement(begin, end)
+                )
             else:
                 yield from self._between(begin, end)
             begin = end + 1
 
-    def _between(self, begin: int, end: int) -> Iterator[Line]:
+    def _between(self, begin: int, end: int) -> Iterator[FormattedLine]:
         """Yield the lines of a stretch that holds no statement."""
         number = self._layout.position(begin)[0]
         for count, text in enumerate(self._layout.text[begin:end].split("\n")):
             kind = self._kinds.get(number + count)
             if kind is not None:
-                yield Line(kind, _block_line(text))
+                yield FormattedLine(kind, _block_line(text))
             else:
-                yield Line("comment" if text.strip() else "blank", text.strip())
+                yield FormattedLine("comment" if text.strip() else "blank", text.strip())
 
     def _statement(self, begin: int, end: int) -> Iterator[str]:
         """Yield the lines of one statement.
@@ -179,9 +181,9 @@ def _block_line(text: str) -> str:
     return _behind(words, comment[0] if comment else "")
 
 
-def _spaced(lines: list[Line]) -> Iterator[str]:
+def _spaced(lines: list[FormattedLine]) -> Iterator[str]:
     """Yield lines with at most one blank between two, and one around each module block."""
-    shown: Line | None = None
+    shown: FormattedLine | None = None
     blank = False
     for line in lines:
         if line.kind == "blank" or (line.kind == "block" and not line.text):

@@ -40,7 +40,7 @@ from mars_asp.model.ranges import (
     PRIORITY,
     VERTEX,
     NumberProblem,
-    Range,
+    NumberRange,
 )
 from mars_asp.model.rates import every, read_frequency
 from mars_asp.model.transformation import read_transformation
@@ -328,7 +328,7 @@ class Builder:
             return None, child
         return found, child
 
-    def _number(self, word: "Word | Raw | None", wanted: Range) -> Decimal | None:
+    def _number(self, word: "Word | Raw | None", wanted: NumberRange) -> Decimal | None:
         """Return the number that a word writes; note what is wrong with it."""
         if not isinstance(word, Word):
             return None
@@ -341,7 +341,7 @@ class Builder:
     def _hold(self, word: "Word | Raw | None") -> Hold | None:
         return FOREVER if word == FOREVER else self._whole(word, HOLD)
 
-    def _whole(self, word: "Word | Raw | None", wanted: Range) -> int | None:
+    def _whole(self, word: "Word | Raw | None", wanted: NumberRange) -> int | None:
         found = self._number(word, wanted)
         return None if found is None else int(found)
 

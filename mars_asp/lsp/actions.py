@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from mars_asp.language.text_edits import LineEdit
-from mars_asp.lsp.places import Edit, Place, Position, Range, Text
+from mars_asp.lsp.places import Place, Position, Range, Text, TextEdit
 from mars_asp.lsp.robot import EditorFinding
 from mars_asp.spelling import nearest
 
@@ -22,7 +22,7 @@ class Action(NamedTuple):
     """
 
     title: str
-    edits: tuple[Edit, ...]
+    edits: tuple[TextEdit, ...]
     removes: str
     is_sole: bool = False
 
@@ -60,11 +60,11 @@ def respelt(text: Text, found: Iterable[EditorFinding]) -> Iterator[tuple[Editor
         # The advice may be about another word of the line.
         is_word = 0 < len(word) <= _LONGEST and word != match[1]
         if is_word and nearest(word, [match[1]], _ALIKE) is not None:
-            edit = Edit(finding.place, match[1])
+            edit = TextEdit(finding.place, match[1])
             yield finding, Action(f"Write `{match[1]}`", (edit,), finding.code, True)
 
 
-def line_edits(texts: dict[str, Text], lines: Iterable[LineEdit]) -> Iterator[Edit]:
+def line_edits(texts: dict[str, Text], lines: Iterable[LineEdit]) -> Iterator[TextEdit]:
     """Yield edits of lines as edits of stretches, by the texts that the lines are those of."""
     for each in lines:
         text = texts[each.path]
@@ -75,17 +75,17 @@ def line_edits(texts: dict[str, Text], lines: Iterable[LineEdit]) -> Iterator[Ed
         if each.new is None and each.line < len(text.lines):
             # The line goes with its end.
             end = Position(each.line, 0)
-        yield Edit(Place(each.path, Range(start, end)), each.new or "")
+        yield TextEdit(Place(each.path, Range(start, end)), each.new or "")
 
 
-def _inserted(text: Text, edit: LineEdit) -> Edit:
+def _inserted(text: Text, edit: LineEdit) -> TextEdit:
     """Return the edit that inserts lines; of a file without a last line end it makes one."""
     new = edit.new or ""
     if edit.where == "before":
         start = text.position(edit.line, 1)
-        return Edit(Place(edit.path, Range(start, start)), f"{new}\n")
+        return TextEdit(Place(edit.path, Range(start, start)), f"{new}\n")
     if edit.line < len(text.lines):
         start = Position(edit.line, 0)
-        return Edit(Place(edit.path, Range(start, start)), f"{new}\n")
+        return TextEdit(Place(edit.path, Range(start, start)), f"{new}\n")
     start = text.position(edit.line, 1 << 30)
-    return Edit(Place(edit.path, Range(start, start)), f"\n{new}")
+    return TextEdit(Place(edit.path, Range(start, start)), f"\n{new}")

@@ -12,7 +12,7 @@ from mars_asp.lsp.places import Position, Range, Text
 from mars_asp.lsp.robot import Described, DocumentContext, EditorFinding
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
-from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, Word
+from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, KeywordDoc
 from mars_asp.output import fenced, markdown
 
 _WORD = re.compile(r"@?[A-Za-z_]\w*")
@@ -67,7 +67,7 @@ def hover_rules(
     return Hover("\n\n---\n\n".join(parts), place) if parts else None
 
 
-def word_text(word: Word) -> str:
+def word_text(word: KeywordDoc) -> str:
     """Return what there is to say of a word."""
     return f"{fenced(word.written, 'text')}\n\n{word.meaning}"
 
@@ -114,7 +114,7 @@ def _port_text(described: Described, name: str, is_output: bool) -> str:
     return f"no {sort} `{name}`; there are: {known}"
 
 
-def _word(scene: DocumentContext, text: str, place: Range) -> Word | None:
+def _word(scene: DocumentContext, text: str, place: Range) -> KeywordDoc | None:
     """Return the word of the language that is at a place."""
     is_inside = any(
         first <= place.start.line + 1 <= last for first, last in scene.here.blocks

@@ -35,7 +35,7 @@ _CONVERSION = re.compile(
 )
 
 
-class Port(NamedTuple):
+class PortOccurrence(NamedTuple):
     """The port of a module where it is named; `is_output` is whether it delivers."""
 
     name: str
@@ -52,7 +52,7 @@ class Occurrence(NamedTuple):
     name: str
     range: Range
     role: Role
-    port: Port | None = None
+    port: PortOccurrence | None = None
     described: str | None = None
 
 
@@ -154,7 +154,7 @@ def _mention(text: Text, layout: Layout, at: int, named: _Named) -> Occurrence:
     port = None
     if named.port is not None:
         place = _range(text, layout, at + named.port_begin, at + named.port_end)
-        port = Port(named.port, place, named.is_output)
+        port = PortOccurrence(named.port, place, named.is_output)
     place = _range(text, layout, at + named.begin, at + named.end)
     return Occurrence(named.name, place, named.role, port, named.described)
 

@@ -43,7 +43,7 @@ class Place(NamedTuple):
     range: Range
 
 
-class Edit(NamedTuple):
+class TextEdit(NamedTuple):
     """A stretch of a file and what is put in its place."""
 
     place: Place

@@ -10,7 +10,7 @@ from pygls.uris import to_fs_path
 from mars_asp.lsp.actions import Action
 from mars_asp.lsp.completion import Completions
 from mars_asp.lsp.hover import Hover
-from mars_asp.lsp.places import Edit, Place, Position, Range
+from mars_asp.lsp.places import Place, Position, Range, TextEdit
 from mars_asp.lsp.robot import EditorFinding
 from mars_asp.lsp.symbols import Sort, Symbol
 
@@ -74,7 +74,7 @@ class Protocol:
             is_preferred=action.is_sole,
         )
 
-    def workspace_edit(self, edits: Sequence[Edit]) -> types.WorkspaceEdit:
+    def workspace_edit(self, edits: Sequence[TextEdit]) -> types.WorkspaceEdit:
         """Return edits, file by file."""
         changes: dict[str, list[types.TextEdit]] = {}
         for each in edits:

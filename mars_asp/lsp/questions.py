@@ -24,14 +24,14 @@ class Question(NamedTuple):
     about: str = ""
 
 
-class Checked(NamedTuple):
+class CheckedFile(NamedTuple):
     """What is found in a robot or a source; the robot, if it could be read."""
 
     findings: tuple[EditorFinding, ...]
     robot: EditorRobot | None
 
 
-class Linted(NamedTuple):
+class LintedFile(NamedTuple):
     """What is found in a file of rules, and the rules around it."""
 
     findings: tuple[EditorFinding, ...]

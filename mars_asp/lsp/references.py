@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from mars_asp.lsp.mentions import Occurrence, is_configuration
 from mars_asp.lsp.places import Place, Position, Range
-from mars_asp.lsp.robot import DocumentContext, EditorRobot, File, behind
+from mars_asp.lsp.robot import DocumentContext, EditorRobot, OpenFile, behind
 
 #: What several mentions have in common: a robot and a name in it, or the module of a source.
 _Key: TypeAlias = tuple[str, str]
@@ -74,7 +74,7 @@ def same_module(
 
 
 def _keys(
-    robot: EditorRobot, file: File, mention: Occurrence, annotated: set[str], blocks: set[str]
+    robot: EditorRobot, file: OpenFile, mention: Occurrence, annotated: set[str], blocks: set[str]
 ) -> Iterator[_Key]:
     """Yield what a mention has in common with others."""
     name = mention.name
@@ -89,7 +89,7 @@ def _keys(
 def _alone(scene: DocumentContext) -> EditorRobot:
     """Return the robot of a file that was not analysed yet."""
     here = scene.here
-    return EditorRobot(here.text.path, (File(here.text.path, "", here.mentions),), {})
+    return EditorRobot(here.text.path, (OpenFile(here.text.path, "", here.mentions),), {})
 
 
 def _ports(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]:

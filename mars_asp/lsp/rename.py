@@ -1,6 +1,6 @@
 """Another name for a module, in all files of its robots: configurations, includes and sources."""
 
-from mars_asp.lsp.places import Edit, Position, Range
+from mars_asp.lsp.places import Position, Range, TextEdit
 from mars_asp.lsp.references import same_module
 from mars_asp.lsp.robot import DocumentContext, behind
 from mars_asp.model.names import read_name, written
@@ -18,7 +18,7 @@ def renamed_range(scene: DocumentContext, position: Position) -> Range | None:
     return mention.range
 
 
-def rename(scene: DocumentContext, position: Position, name: str) -> tuple[Edit, ...]:
+def rename(scene: DocumentContext, position: Position, name: str) -> tuple[TextEdit, ...]:
     """Return the edits that give the module at a position another name.
 
     In an included file a module has its own name, and elsewhere one behind that of the include.
@@ -49,4 +49,6 @@ def rename(scene: DocumentContext, position: Position, name: str) -> tuple[Edit,
                 if each.name in wanted and (file.path, each.range) not in places:
                     told = behind(file.prefix, each.name)
                     raise RefusedError(f"`{told}` is a module already")
-    return tuple(Edit(place, written(each.name.removesuffix(own) + new)) for place, each in same)
+    return tuple(
+        TextEdit(place, written(each.name.removesuffix(own) + new)) for place, each in same
+    )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import Severity
 from mars_asp.lsp.mentions import DocumentOutline, Occurrence, is_configuration, outline
-from mars_asp.lsp.places import Edit, Place, Position
+from mars_asp.lsp.places import Place, Position, TextEdit
 
 #: A proxy of a mapping crosses no pipe.
 _NONE: Mapping[str, tuple[str, ...]] = {}
@@ -30,7 +30,7 @@ class EditorFinding(NamedTuple):
     effect: str | None = None
     related: tuple[tuple[Place, str], ...] = ()
     title: str | None = None
-    fixes: tuple[Edit, ...] = ()
+    fixes: tuple[TextEdit, ...] = ()
 
 
 class Described(NamedTuple):
@@ -45,7 +45,7 @@ class Described(NamedTuple):
     inputs: Mapping[str, Place]
 
 
-class File(NamedTuple):
+class OpenFile(NamedTuple):
     """A file of a robot, what its names stand behind, and the modules that it names."""
 
     path: str
@@ -65,7 +65,7 @@ class EditorRobot(NamedTuple):
     """
 
     path: str
-    files: tuple[File, ...]
+    files: tuple[OpenFile, ...]
     modules: Mapping[str, Described]
     consequences: Mapping[str, tuple[str, ...]] = _NONE
     nodes: Mapping[str, tuple[str, ...]] | None = None
@@ -85,7 +85,7 @@ class DocumentContext:
     texts: Mapping[str, str] = field(default_factory=dict)
     findings: tuple[EditorFinding, ...] = ()
 
-    def files(self, robot: EditorRobot) -> Iterator[File]:
+    def files(self, robot: EditorRobot) -> Iterator[OpenFile]:
         """Yield the files of a robot, open ones as they are now."""
         for file in robot.files:
             written = self.texts.get(file.path)

@@ -37,7 +37,7 @@ from mars_asp.lsp.protocol import (
     range_of,
     symbol_of,
 )
-from mars_asp.lsp.questions import Checked, Failed, Linted, Question, Sort, Survey
+from mars_asp.lsp.questions import CheckedFile, Failed, LintedFile, Question, Sort, Survey
 from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename, renamed_range
 from mars_asp.lsp.robot import EditorFinding, EditorRobot
@@ -274,9 +274,9 @@ class _Server(LanguageServer):
         answer = await self._workers.ask(Question(sort, asked, self._desk.unsaved()))
         robot: EditorRobot | None = None
         match answer:
-            case Checked():
+            case CheckedFile():
                 found, robot = answer
-            case Linted():
+            case LintedFile():
                 found, self._desk.rules[asked] = answer
             case _:
                 told = f"this was not analysed: {getattr(answer, 'reason', answer)}"

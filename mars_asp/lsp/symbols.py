@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.lsp.mentions import DocumentOutline
 from mars_asp.lsp.places import Place, Range
-from mars_asp.lsp.robot import DocumentContext, File
+from mars_asp.lsp.robot import DocumentContext, OpenFile
 from mars_asp.lsp.rule_text import RuleText
 
 Sort: TypeAlias = Literal["module", "predicate"]
@@ -48,10 +48,10 @@ def workspace_symbols(
 
     Modules of included files have the names that the robot gives them. Case is ignored.
     """
-    files: dict[tuple[str, str], File] = {}
+    files: dict[tuple[str, str], OpenFile] = {}
     for scene in scenes:
         known = [file for robot in scene.robots for file in scene.files(robot)]
-        known = known or [File(scene.here.text.path, "", scene.here.mentions)]
+        known = known or [OpenFile(scene.here.text.path, "", scene.here.mentions)]
         files |= {(file.path, file.prefix): file for file in known}
     found: dict[tuple[str, Sort, Place], None] = {}
     for file in files.values():

@@ -29,7 +29,7 @@ class Endpoint:
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class GraphNode:
     """A node by its full name; `guard` is the place that makes it a guard, if it is one.
 
     `relays` is whether it publishes the messages that it subscribes to, `unread` whether it may
@@ -121,7 +121,7 @@ class Graph:
     """
 
     path: str
-    nodes: tuple[Node, ...]
+    nodes: tuple[GraphNode, ...]
     muxes: tuple[Mux, ...] = ()
     observed: bool = False
     relays: tuple[Relay, ...] = ()
@@ -212,7 +212,7 @@ class LaunchTree:
     """
 
     path: str
-    nodes: tuple[Node, ...] = ()
+    nodes: tuple[GraphNode, ...] = ()
     muxes: tuple[Mux, ...] = ()
     relays: tuple[Relay, ...] = ()
     unread: tuple[Span, ...] = ()
@@ -221,7 +221,7 @@ class LaunchTree:
     defaults: tuple[tuple[str, str], ...] = ()
     repeated: tuple[RepeatedKey, ...] = ()
     rewritten: tuple[str, ...] = ()
-    by_hand: tuple[Node, ...] = ()
+    by_hand: tuple[GraphNode, ...] = ()
     shared: tuple[str, ...] = ()
     is_of_programs: bool = False
 

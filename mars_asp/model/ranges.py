@@ -24,7 +24,7 @@ class NumberProblem(NamedTuple):
     help: str
 
 
-class Range(NamedTuple):
+class NumberRange(NamedTuple):
     """The numbers that may stand at one place; `noun` comes with its article.
 
     `least` and `most` are within, unless `least` is 0 and `above` says that it is not; `decimals`
@@ -63,9 +63,9 @@ class Range(NamedTuple):
         return None
 
 
-def _whole(noun: str, least: int, most: int = MOST) -> Range:
+def _whole(noun: str, least: int, most: int = MOST) -> NumberRange:
     help_text = f"write a whole number from {least} to {most}"
-    return Range(noun, Decimal(least), Decimal(most), help_text, 0)
+    return NumberRange(noun, Decimal(least), Decimal(most), help_text, 0)
 
 
 PRIORITY = _whole("a priority", 0)
@@ -73,7 +73,7 @@ HOLD = _whole("a hold in milliseconds", 1)
 PERIOD = _whole("a period in milliseconds", 1)
 VERTEX = _whole("a vertex", 0)
 COST = _whole("a cost", 1, 1_000_000)
-FREQUENCY = Range(
+FREQUENCY = NumberRange(
     "a frequency",
     Decimal(0),
     _FARTHEST,
@@ -85,18 +85,18 @@ PERIODS = {
     "ms": _whole("a period in milliseconds", 1),
     "s": _whole("a period in seconds", 1, MOST // 1000),
 }
-LENGTH = Range(
+LENGTH = NumberRange(
     "a length", -_FARTHEST, _FARTHEST, f"write a number of mm from -{_FARTHEST} to {_FARTHEST}"
 )
-ANGLE = Range("an angle", -_WIDEST, _WIDEST, f"write degrees from -{_WIDEST} to {_WIDEST}")
-BOUND = Range(
+ANGLE = NumberRange("an angle", -_WIDEST, _WIDEST, f"write degrees from -{_WIDEST} to {_WIDEST}")
+BOUND = NumberRange(
     "a bound",
     -_FARTHEST,
     _FARTHEST,
     f"write `MIN MAX` or `MIN MAX RATE` as numbers from -{_FARTHEST} to {_FARTHEST},"
     " `_` for an open bound",
 )
-RATE = Range(
+RATE = NumberRange(
     "a rate",
     Decimal(0),
     _FARTHEST,
@@ -104,7 +104,7 @@ RATE = Range(
     above=True,
 )
 _MOST_ARGUMENT = Decimal(10**12)
-ARGUMENT = Range(
+ARGUMENT = NumberRange(
     "an argument",
     -_MOST_ARGUMENT,
     _MOST_ARGUMENT,

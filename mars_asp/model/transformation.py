@@ -5,7 +5,7 @@ from decimal import Decimal
 from typing import NamedTuple
 
 from mars_asp.model.declarations import Transformation
-from mars_asp.model.ranges import ANGLE, LENGTH, NumberProblem, Range
+from mars_asp.model.ranges import ANGLE, LENGTH, NumberProblem, NumberRange
 
 AXES = ("x", "y", "z")
 NONE = "_"
@@ -47,7 +47,7 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TuplePro
             return (TupleProblem(len(before) - 1, message, "write axis and degrees"),)
     problems: list[TupleProblem] = []
 
-    def number(place: int, wanted: Range) -> Decimal:
+    def number(place: int, wanted: NumberRange) -> Decimal:
         found = wanted.read(slots[place])
         if isinstance(found, NumberProblem):
             problems.append(TupleProblem(place, found.message, found.help))

@@ -9,7 +9,7 @@ from decimal import Decimal
 from typing import NamedTuple
 
 from mars_asp.asp.rules.checks import Seal
-from mars_asp.asp.rules.declarations import Argument, Declaration
+from mars_asp.asp.rules.declarations import Declaration, PredicateArgument
 from mars_asp.asp.rules.namespaces import spaced
 from mars_asp.asp.rules.read import NameSpace
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
@@ -47,7 +47,7 @@ class AttributeKind(NamedTuple):
         return self.declaration.name
 
     @property
-    def value(self) -> Argument | None:
+    def value(self) -> PredicateArgument | None:
         """Return what its values are; a tag has none."""
         return None if self.declaration.attribution == "tag" else self.declaration.arguments[1]
 
@@ -211,7 +211,7 @@ class _AttributeReader:
             return None
         return Atom(kind.predicate, (module, value))
 
-    def _value(self, written: str, argument: Argument, module: str) -> "Term | _Wrong":
+    def _value(self, written: str, argument: PredicateArgument, module: str) -> "Term | _Wrong":
         if argument.constants:
             return _constant(written, argument.constants)
         reads: list[Term | _Wrong] = [

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from mars_asp.asp.lint import Host
 from mars_asp.asp.lint import lint as lint_rules
-from mars_asp.asp.lint.found import Found
+from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.lint.recursion import RECURSION
 from mars_asp.asp.rules.consistency import INCONSISTENT
 from mars_asp.asp.rules.declarations import declarations, misspelt_sorts, wrong_references
@@ -29,12 +29,12 @@ INSERTED = Signature("inserted", 2)
 _MOST_RULES = 2_000
 
 
-class Linted(NamedTuple):
+class LintResult(NamedTuple):
     """What lint found: `errors` are what an analysis would refuse, `others` what it would take."""
 
     errors: tuple[Diagnostic, ...]
     others: tuple[Diagnostic, ...]
-    lints: tuple[Found, ...]
+    lints: tuple[LintFinding, ...]
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
@@ -42,7 +42,7 @@ class Linted(NamedTuple):
         return by_place((*self.errors, *self.others, *(each.diagnostic for each in self.lints)))
 
 
-def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
+def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
     """Return what is noteworthy about rule packs; about our own rules where there are none.
 
     What packs need and lies beside them is read with them, without being looked at itself. Where
@@ -76,7 +76,7 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
         {INSERTED: frozenset({Signature("placed_before", 2), Signature("placed_after", 2)})},
     )
     # Where all that was given could not be read, there is nothing else to look at.
-    lints: Sequence[Found] = lint_rules(rulebook, host) if rulebook.packs or not packs else ()
+    lints: Sequence[LintFinding] = lint_rules(rulebook, host) if rulebook.packs or not packs else ()
     # What grows without end would be grounded without end.
     grows = any(each.diagnostic.code == RECURSION for each in lints)
     if grounded and rulebook.packs and not errors and not grows:
@@ -86,7 +86,7 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
     if beside:
         others = [each for each in others if not _is_in(each.span, beside)]
         lints = [each for each in lints if not _is_in(each.diagnostic.span, beside)]
-    return Linted(tuple(errors), tuple(others), tuple(lints))
+    return LintResult(tuple(errors), tuple(others), tuple(lints))
 
 
 def _companions(packs: Sequence[Path]) -> tuple[Path, ...]:

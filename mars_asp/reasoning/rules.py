@@ -81,7 +81,7 @@ def by_name(cost: Mapping[int, int]) -> dict[str, int]:
     return {name: cost.get(level, 0) for name, level in COSTS.items()}
 
 
-class _File(NamedTuple):
+class _RuleText(NamedTuple):
     """A built-in file: where it is, how that is shown, and its stage."""
 
     path: Path
@@ -272,7 +272,7 @@ def _frozen(found: Mapping[Signature, set[str]]) -> dict[Signature, frozenset[st
     return {signature: frozenset(stages) for signature, stages in found.items()}
 
 
-def _made(files: Iterable[_File]) -> list[_Read]:
+def _made(files: Iterable[_RuleText]) -> list[_Read]:
     """Return what built-in files hold, as the build has made it where they are the same."""
     keys = {(file.shown, file.stage, _digest(file.path)): file for file in files}
     return list(memoized("rules", _makers(), keys, lambda key: _read(keys[key], False)).values())
@@ -285,7 +285,7 @@ def _digest(path: Path) -> bytes:
         return b""
 
 
-def _read(file: _File, strict: bool) -> _Read:
+def _read(file: _RuleText, strict: bool) -> _Read:
     problems: list[Diagnostic] = []
     read = read_file(*file, problems, strict, EXPANSIONS)
     if read is None:
@@ -307,12 +307,12 @@ def is_rule_base(path: Path) -> bool:
     return all(one.is_file() and one.read_bytes() == own.read_bytes() for one, own in pairs)
 
 
-def _files(stages: Iterable[str]) -> list[_File]:
+def _files(stages: Iterable[str]) -> list[_RuleText]:
     """Return the built-in files of the base and of stages."""
     root = rules_directory()
     folders = [(root, "base"), *((root / name, name) for name in stages)]
     found = [(path, stage) for folder, stage in folders for path in sorted(folder.glob("*.lp"))]
-    return [_File(path, f"rules/{path.relative_to(root).as_posix()}", at) for path, at in found]
+    return [_RuleText(path, f"rules/{path.relative_to(root).as_posix()}", at) for path, at in found]
 
 
 def _makers() -> list[Path]:

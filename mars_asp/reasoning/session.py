@@ -18,7 +18,7 @@ from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.project import Project, project_facts, with_brought
 from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.synthesis import Derived
+from mars_asp.reasoning.synthesis import SpecifiedAtoms
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class Evidence:
     facts: Sequence[Fact]
     analysis: Analysis
     resolution: Resolution | None = None
-    derived: Derived | None = None
+    derived: SpecifiedAtoms | None = None
 
     @cached_property
     def explainer(self) -> "Explainer":

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import clingo
 
-from mars_asp.annotations.representations import Names, canonical_names
+from mars_asp.annotations.representations import RepresentationNames, canonical_names
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
@@ -295,17 +295,19 @@ def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]
 
 def _shared_names(
     specification: Configuration, own: Mapping[str, Module], project: Project
-) -> Names:
+) -> RepresentationNames:
     """Return the representations of both, as the project's rules know them."""
     declared = representation_names(project.configuration, project.modules).canonical
     comments = [name for c in specification.conversions for name in (c.source, c.target)]
     together = canonical_names([*declared, *comments, *representations(own.values())])
     known = {together.canonical[name]: canonical for name, canonical in declared.items()}
     full = together.canonical.items()
-    return Names({name: known.get(longest, longest) for name, longest in full}, together.ambiguous)
+    return RepresentationNames(
+        {name: known.get(longest, longest) for name, longest in full}, together.ambiguous
+    )
 
 
-def _conversions(specification: Configuration, names: Names) -> Iterator[Fact]:
+def _conversions(specification: Configuration, names: RepresentationNames) -> Iterator[Fact]:
     """Yield what comments say, in the representations that the project's rules know."""
     for conversion in specification.conversions:
         node, span = conversion.transformer, conversion.span

@@ -10,7 +10,7 @@ import re
 import pytest
 
 from mars_asp.annotations.comments import blanked
-from mars_asp.annotations.declarations import Declaration, NoFunction, read_declaration
+from mars_asp.annotations.declarations import NoFunction, SourceDeclaration, read_declaration
 from tests.support.documents import ROOT
 from tests.support.generated import GENERATORS
 from tests.support.oracle import Reading, ask, normalised
@@ -58,7 +58,7 @@ def written(language: str) -> list[str]:
 def ours(language: str, text: str) -> Reading | NoFunction | None:
     key = {"cpp": "c"}.get(language, language)
     found = read_declaration(key, text, blanked(key, text))
-    if not isinstance(found, Declaration):
+    if not isinstance(found, SourceDeclaration):
         return found
     parameters = tuple((p.name, simple(p.type)) for p in found.parameters)
     return Reading(re.sub(r"\s+", "", found.name), parameters, simple(found.output))

@@ -5,7 +5,7 @@ import random
 import pytest
 
 from mars_asp.annotations.comments import blanked
-from mars_asp.annotations.declarations import Declaration, read_declaration
+from mars_asp.annotations.declarations import SourceDeclaration, read_declaration
 from mars_asp.annotations.following import following
 from mars_asp.annotations.sources import Source
 from tests.annotations.test_declarations import LANGUAGES, written
@@ -30,7 +30,7 @@ TAILS = {
 
 
 def reading(found: object) -> object:
-    if isinstance(found, Declaration):
+    if isinstance(found, SourceDeclaration):
         return found.name, found.output, found.parameters
     return found
 
@@ -42,7 +42,7 @@ def test_where_reading_pauses_changes_nothing(language: str) -> None:
     some = [GENERATORS[language](rng) for _ in range(12)] + written(language)[:12]
     for declaration in some + TAILS.get(language, []):
         whole = read_declaration(key, declaration + "\n", blanked(key, declaration + "\n"))
-        if not isinstance(whole, Declaration):
+        if not isinstance(whole, SourceDeclaration):
             continue
         step = 1 if declaration in TAILS.get(language, []) else 17
         for before in range(max(0, 256 - len(declaration)), 256, step):

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mars_asp.draw.layered import (
     LOOP,
     Drawing,
-    Link,
+    LayeredEdge,
     Point,
     Route,
     Size,
@@ -26,12 +26,12 @@ from tests.support.campaigns import examples
 
 
 @st.composite
-def graphs(draw: st.DrawFn) -> tuple[list[Size], list[Link]]:
+def graphs(draw: st.DrawFn) -> tuple[list[Size], list[LayeredEdge]]:
     sizes = st.tuples(st.sampled_from((64.0, 90.5, 210.0)), st.sampled_from((34.0, 46.0)))
     boxes = draw(st.lists(sizes, min_size=1, max_size=9))
     box = st.integers(0, len(boxes) - 1)
     labels = st.one_of(st.none(), st.just((70.0, 16.5)), st.just((180.0, 16.5)))
-    links = draw(st.lists(st.builds(Link, box, box, labels), max_size=14))
+    links = draw(st.lists(st.builds(LayeredEdge, box, box, labels), max_size=14))
     loops = Counter(link.tail for link in links if link.tail == link.head)
     return [(w, max(h, loops[i] * LOOP)) for i, (w, h) in enumerate(boxes)], links
 
@@ -67,7 +67,7 @@ def along(route: Route) -> Iterator[Point]:
 
 
 def rectangles(
-    sizes: list[Size], links: list[Link], drawing: Drawing
+    sizes: list[Size], links: list[LayeredEdge], drawing: Drawing
 ) -> tuple[list[Rectangle], dict[int, Rectangle]]:
     boxes = [around(at, size) for at, size in zip(drawing.centres, sizes, strict=True)]
     labels = {
@@ -80,7 +80,7 @@ def rectangles(
 
 @settings(max_examples=examples(40, 150), deadline=None)
 @given(graphs())
-def test_boxes_and_labels_do_not_overlap(graph: tuple[list[Size], list[Link]]) -> None:
+def test_boxes_and_labels_do_not_overlap(graph: tuple[list[Size], list[LayeredEdge]]) -> None:
     sizes, links = graph
     drawing = draw_graph(sizes, links)
     boxes, labels = rectangles(sizes, links, drawing)
@@ -95,7 +95,7 @@ def test_boxes_and_labels_do_not_overlap(graph: tuple[list[Size], list[Link]]) -
 @settings(max_examples=examples(40, 150), deadline=None)
 @given(graphs())
 def test_no_line_passes_a_box_or_the_label_of_another(
-    graph: tuple[list[Size], list[Link]],
+    graph: tuple[list[Size], list[LayeredEdge]],
 ) -> None:
     sizes, links = graph
     drawing = draw_graph(sizes, links)
@@ -110,7 +110,7 @@ def test_no_line_passes_a_box_or_the_label_of_another(
 @settings(max_examples=examples(30, 100), deadline=None)
 @given(graphs())
 def test_lines_lead_from_the_edge_of_one_box_to_that_of_the_other(
-    graph: tuple[list[Size], list[Link]],
+    graph: tuple[list[Size], list[LayeredEdge]],
 ) -> None:
     sizes, links = graph
     drawing = draw_graph(sizes, links)
@@ -125,14 +125,14 @@ def test_lines_lead_from_the_edge_of_one_box_to_that_of_the_other(
 @settings(max_examples=examples(20, 60), deadline=None)
 @given(st.integers(2, 30), st.randoms(use_true_random=False))
 def test_links_of_a_graph_without_cycles_go_down(count: int, random: random.Random) -> None:
-    links = [Link(random.randrange(head), head) for head in range(1, count)]
+    links = [LayeredEdge(random.randrange(head), head) for head in range(1, count)]
     drawing = draw_layered([(80.0, 34.0)] * count, links)
     ys = [y for _, y in drawing.centres]
     assert all(ys[link.tail] < ys[link.head] for link in links)
 
 
 def test_a_tree_is_drawn_without_crossings() -> None:
-    links = [Link((head - 1) // 3, head) for head in range(1, 40)]
+    links = [LayeredEdge((head - 1) // 3, head) for head in range(1, 40)]
     drawing = draw_layered([(80.0, 34.0)] * 40, links)
     ends = [(drawing.centres[link.tail], drawing.centres[link.head]) for link in links]
     crossings = [
@@ -146,7 +146,7 @@ def test_a_tree_is_drawn_without_crossings() -> None:
 
 def test_a_long_line_is_straight() -> None:
     """A chain of boxes with a link that passes all of them."""
-    links = [Link(i, i + 1) for i in range(8)] + [Link(0, 8)]
+    links = [LayeredEdge(i, i + 1) for i in range(8)] + [LayeredEdge(0, 8)]
     route = draw_layered([(90.0, 34.0)] * 9, links).routes[-1]
     beside = [x for x, y in route.points[4:-4]]
     assert max(beside) - min(beside) < 0.1
@@ -171,6 +171,6 @@ def test_positions_keep_their_order_and_distance(random: random.Random) -> None:
 
 
 def test_what_would_take_too_long_is_refused() -> None:
-    chain = [Link(i, i + 1) for i in range(400)]
+    chain = [LayeredEdge(i, i + 1) for i in range(400)]
     with pytest.raises(TooLargeError):
-        draw_layered([(64.0, 34.0)] * 401, chain + [Link(0, 400)] * 200)
+        draw_layered([(64.0, 34.0)] * 401, chain + [LayeredEdge(0, 400)] * 200)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 
 from mars_asp.diagnostic import point
-from mars_asp.exchange.foreign import File, read_foreign
+from mars_asp.exchange.foreign import ForeignFile, read_foreign
 from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.facts.launched import launch_facts
@@ -106,7 +106,7 @@ def assignments(nodes: list[Started]) -> list[dict[str, str]]:
 def judged(text: str, folder: Path) -> Analysis:
     file = folder / "tree.launch.xml"
     file.write_text(text)
-    parsed = read_foreign([File(str(file), text, "ros2")])
+    parsed = read_foreign([ForeignFile(str(file), text, "ros2")])
     return analyse(launch_facts(parsed.trees), RULES, point("tree", 1, 1))
 
 

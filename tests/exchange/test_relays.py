@@ -7,12 +7,12 @@ import pytest
 from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.ros2.glue import Forward, handed_on
 from mars_asp.exchange.ros2.launch_markup import read_markup
-from mars_asp.exchange.ros2.parameters import Given, values_for
-from mars_asp.exchange.ros2.programs import Program
+from mars_asp.exchange.ros2.parameters import GivenParameter, values_for
+from mars_asp.exchange.ros2.programs import RosProgram
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.yaml_document import read_yaml
 from mars_asp.language.print import print_relationship
-from mars_asp.model.graph import Endpoint, Graph, Mux, Node, Relay
+from mars_asp.model.graph import Endpoint, Graph, GraphNode, Mux, Relay
 from mars_asp.model.rates import Rate
 from tests.exchange.test_topics import TWIST, at, mux, node
 from tests.support.processes import takes_at_most
@@ -23,10 +23,10 @@ def relay(source: str, target: str, hz: str | None = None) -> Relay:
     return Relay(name, at(80), f"/{source}", f"/{target}", None if hz is None else Fraction(hz))
 
 
-def lines(*parts: Node | Mux | Relay, observed: bool = False, lift: bool = False) -> list[str]:
+def lines(*parts: GraphNode | Mux | Relay, observed: bool = False, lift: bool = False) -> list[str]:
     graph = Graph(
         "x",
-        tuple(part for part in parts if isinstance(part, Node)),
+        tuple(part for part in parts if isinstance(part, GraphNode)),
         tuple(part for part in parts if isinstance(part, Mux)),
         observed,
         relays=tuple(part for part in parts if isinstance(part, Relay)),
@@ -106,13 +106,13 @@ CONTRACTED = [
 
 @pytest.mark.parametrize(("parts", "expected"), CONTRACTED)
 def test_relays_are_contracted_into_what_they_connect(
-    parts: tuple[Node | Mux | Relay, ...], expected: list[str]
+    parts: tuple[GraphNode | Mux | Relay, ...], expected: list[str]
 ) -> None:
     assert sorted(lines(*parts)) == sorted(expected)
 
 
 def test_a_throttle_that_is_faster_than_its_source_lowers_nothing() -> None:
-    slow = Node("/a", at(1), (Endpoint("/s", "x/msg/Y", at(1), Fraction(2)),))
+    slow = GraphNode("/a", at(1), (Endpoint("/s", "x/msg/Y", at(1), Fraction(2)),))
     assert lines(slow, B, relay("s", "t", "5")) == ["/b./t uses_data_from /a./s"]
 
 
@@ -132,8 +132,8 @@ def test_a_relay_and_a_throttle_are_outputs_of_one_splitter() -> None:
 
 
 def test_a_typed_end_behind_a_relay_makes_a_command_of_what_feeds_it() -> None:
-    unknown = Node("/a", at(1), (Endpoint("/go", None, at(1)),))
-    obeys = Node("/b", at(2), (), (Endpoint("/wheels", TWIST, at(2)),))
+    unknown = GraphNode("/a", at(1), (Endpoint("/go", None, at(1)),))
+    obeys = GraphNode("/b", at(2), (), (Endpoint("/wheels", TWIST, at(2)),))
     assert lines(unknown, obeys, relay("go", "wheels")) == ["/b is_controlled_by /a 0"]
 
 
@@ -143,7 +143,7 @@ def test_chains_of_relays_are_walked_within_seconds() -> None:
     assert found == ["/b./s5000 uses_data_from /a./s0"]
 
 
-def values(text: str) -> dict[str, Given]:
+def values(text: str) -> dict[str, GivenParameter]:
     return values_for(read_yaml(text, "x"), "/n")
 
 
@@ -186,15 +186,15 @@ CALLED = [
 def test_what_tools_hand_on_follows_from_how_they_are_called(
     executable: str, words: str, parameters: str, expected: Forward | None
 ) -> None:
-    program = Program("topic_tools", executable, False)
+    program = RosProgram("topic_tools", executable, False)
     assert handed_on(program, words.split(), values(parameters)) == expected
 
 
 def test_components_and_the_relay_of_a_joystick_are_known() -> None:
     given = values("{input_topic: a}")
-    component = Program("topic_tools", "topic_tools::RelayNode", True)
+    component = RosProgram("topic_tools", "topic_tools::RelayNode", True)
     assert handed_on(component, (), given) == Forward("a", "a_relay")
-    joystick = handed_on(Program("twist_mux", "joystick_relay.py", False), (), {})
+    joystick = handed_on(RosProgram("twist_mux", "joystick_relay.py", False), (), {})
     assert joystick is not None
     assert (joystick.source, joystick.target) == ("joy_vel_in", "joy_vel_out")
 

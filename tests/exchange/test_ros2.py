@@ -11,7 +11,7 @@ from mars_asp.cli import run_here
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.recognise import recognised
 from mars_asp.exchange.ros2 import import_ros2
-from mars_asp.exchange.ros2.actions import Argument
+from mars_asp.exchange.ros2.actions import LaunchArgument
 from mars_asp.exchange.ros2.launch_markup import substituted
 from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.source_cpp import read_cpp
@@ -582,7 +582,7 @@ def test_bridges_have_topics_that_only_their_clients_know() -> None:
 
 
 def test_substitutions_are_parts_of_a_text() -> None:
-    assert substituted("a$(env X b)c") == ("a", Argument("env X", default=("b",)), "c")
+    assert substituted("a$(env X b)c") == ("a", LaunchArgument("env X", default=("b",)), "c")
     assert substituted("$(arg a") == substituted("$(eval 1)")
 
 

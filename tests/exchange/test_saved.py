@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.foreign import File, read_foreign
+from mars_asp.exchange.foreign import ForeignFile, read_foreign
 from mars_asp.exchange.lift import has_glue, lifted, with_origins
 from mars_asp.exchange.recognise import recognised
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.format import format_text
 from mars_asp.model.declarations import ENGINES, FOREVER, Configuration
-from mars_asp.model.graph import Endpoint, Graph, Mux, MuxInput, Node
+from mars_asp.model.graph import Endpoint, Graph, GraphNode, Mux, MuxInput
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import described, load_project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
@@ -38,7 +38,7 @@ ROBOTS = [
 def imported(path: Path) -> Configuration:
     folder = path.is_dir()
     text = "" if folder else path.read_text("utf-8")
-    file = File(str(path), text, "ros2" if folder else recognised(text))
+    file = ForeignFile(str(path), text, "ros2" if folder else recognised(text))
     return read_foreign([file]).configuration
 
 
@@ -109,7 +109,7 @@ def graphs(draw: st.DrawFn) -> Graph:
     names = draw(st.lists(st.sampled_from(NAMES), min_size=1, max_size=5, unique=True))
     guard = st.none() | st.just(at(2))
     nodes = [
-        Node(name, at(3), draw(some), draw(some), draw(guard), unread=draw(st.booleans()))
+        GraphNode(name, at(3), draw(some), draw(some), draw(guard), unread=draw(st.booleans()))
         for name in names[1:]
     ]
     heard = draw(st.lists(inputs, min_size=1, max_size=3, unique_by=lambda each: each.name))

@@ -8,7 +8,7 @@ from mars_asp.diagnostic import Span
 from mars_asp.exchange.graph import is_command, joined, represented
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.language.print import print_relationship
-from mars_asp.model.graph import Endpoint, Graph, Mux, MuxInput, Node
+from mars_asp.model.graph import Endpoint, Graph, GraphNode, Mux, MuxInput
 
 TWIST, SCAN = "geometry_msgs/msg/Twist", "sensor_msgs/msg/LaserScan"
 
@@ -17,14 +17,14 @@ def at(line: int) -> Span:
     return Span("x", line, 1, line, 2)
 
 
-def node(name: str, out: str = "", taken: str = "", line: int = 1) -> Node:
+def node(name: str, out: str = "", taken: str = "", line: int = 1) -> GraphNode:
     """A node with topics in words, those that begin with `c` of commands."""
 
     def ends(topics: str) -> tuple[Endpoint, ...]:
         kinds = ((f"/{topic}", TWIST if topic[0] == "c" else SCAN) for topic in topics.split())
         return tuple(Endpoint(topic, kind, at(line)) for topic, kind in kinds)
 
-    return Node(f"/{name}", at(line), ends(out), ends(taken))
+    return GraphNode(f"/{name}", at(line), ends(out), ends(taken))
 
 
 def mux(name: str, output: str, *inputs: tuple[str, int]) -> Mux:
@@ -32,7 +32,7 @@ def mux(name: str, output: str, *inputs: tuple[str, int]) -> Mux:
     return Mux(f"/{name}", "twist_mux", at(90), f"/{output}", heard)
 
 
-def lines(*nodes: Node, muxes: tuple[Mux, ...] = ()) -> list[str]:
+def lines(*nodes: GraphNode, muxes: tuple[Mux, ...] = ()) -> list[str]:
     found = configuration_of(Graph("x", nodes, muxes)).configuration
     return [print_relationship(line) for line in found.relationships]
 
@@ -50,7 +50,7 @@ WIRED = [
 
 
 @pytest.mark.parametrize(("nodes", "expected"), WIRED)
-def test_topics_are_wires(nodes: tuple[Node, ...], expected: list[str]) -> None:
+def test_topics_are_wires(nodes: tuple[GraphNode, ...], expected: list[str]) -> None:
     assert lines(*nodes) == expected
 
 
@@ -91,9 +91,9 @@ def test_two_muxes_with_one_output_and_a_chain_of_muxes_are_seen() -> None:
 
 
 def test_relays_have_the_types_of_what_they_relay() -> None:
-    def relay(name: str, taken: str, out: str) -> Node:
+    def relay(name: str, taken: str, out: str) -> GraphNode:
         sent, heard = (Endpoint(topic, "any", at(1)) for topic in (out, taken))
-        return Node(name, at(1), (sent,), (heard,), relays=True)
+        return GraphNode(name, at(1), (sent,), (heard,), relays=True)
 
     assert lines(relay("/r", "/x", "/y"), relay("/q", "/ca", "/x"), node("a", "ca")) == [
         "/q is_controlled_by /a 0",

@@ -26,7 +26,7 @@ from mars_asp.model.declarations import (
     Transformation,
     Vertex,
 )
-from mars_asp.model.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, Range
+from mars_asp.model.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, NumberRange
 from mars_asp.model.rates import Rate, every
 from tests.support.campaigns import examples
 from tests.support.documents import ROOT
@@ -73,7 +73,7 @@ def test_every_file_reads_back(path: Path) -> None:
     assert_reads_back(parse_file(path).configuration)
 
 
-def within(wanted: Range, places: int) -> st.SearchStrategy[Decimal]:
+def within(wanted: NumberRange, places: int) -> st.SearchStrategy[Decimal]:
     """Return numbers of a range, its ends among them."""
     ends = st.sampled_from([wanted.least + Decimal(1).scaleb(-places), wanted.most])
     return ends | st.decimals(wanted.least + 1, wanted.most, places=places)

@@ -14,8 +14,8 @@ from mars_asp.lsp.actions import line_edits
 from mars_asp.lsp.completion import completion, rule_completion
 from mars_asp.lsp.desk import EditorWorkspace
 from mars_asp.lsp.hover import hover
-from mars_asp.lsp.places import Edit, Place, Position, Range, Text
-from mars_asp.lsp.questions import Checked, Survey
+from mars_asp.lsp.places import Place, Position, Range, Text, TextEdit
+from mars_asp.lsp.questions import CheckedFile, Survey
 from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename
 from mars_asp.lsp.robot import EditorFinding
@@ -35,7 +35,7 @@ def desk_of(folder: Path, texts: Mapping[str, str], robot: str = "robot.mars") -
         (folder / name).write_text(text, encoding="utf-8")
         desk.texts[str(folder / name)] = text
     found = asked("check", folder / robot)
-    assert isinstance(found, Checked)
+    assert isinstance(found, CheckedFile)
     assert found.robot is not None, found.findings
     desk.take(str(folder / robot), *found)
     return desk
@@ -49,7 +49,7 @@ def marked(text: str) -> tuple[str, Position]:
     return before + after, Position(line, len(last.encode("utf-16-le")) // 2)
 
 
-def edited(texts: Mapping[str, str], edits: tuple[Edit, ...]) -> dict[str, str]:
+def edited(texts: Mapping[str, str], edits: tuple[TextEdit, ...]) -> dict[str, str]:
     """Return texts by the names of files, as edits of them make them."""
     found = dict(texts)
     for edit in sorted(edits, key=lambda each: each.place, reverse=True):

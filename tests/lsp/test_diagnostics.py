@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.lsp.questions import Checked, Linted
+from mars_asp.lsp.questions import CheckedFile, LintedFile
 from tests.support.asked import asked, printed, told_of
 from tests.support.documents import ROOT
 
@@ -31,21 +31,21 @@ def shown(path: Path) -> str:
 @pytest.mark.parametrize("path", CONFIGURATIONS, ids=shown)
 def test_a_robot_has_the_diagnostics_of_check(path: Path) -> None:
     found = asked("check", path)
-    assert isinstance(found, Checked)
+    assert isinstance(found, CheckedFile)
     assert told_of(found.findings) == printed("check", str(path))
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=shown)
 def test_a_source_has_the_diagnostics_of_extract(path: Path) -> None:
     found = asked("source", path)
-    assert isinstance(found, Checked)
+    assert isinstance(found, CheckedFile)
     assert told_of(found.findings) == printed("extract", str(path))
 
 
 @pytest.mark.parametrize("path", RULES, ids=shown)
 def test_rules_have_the_diagnostics_of_lint(path: Path) -> None:
     found = asked("lint", path)
-    assert isinstance(found, Linted)
+    assert isinstance(found, LintedFile)
     assert told_of(found.findings) == printed("rules", "lint", str(path))
 
 

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from mars_asp.asp.cases.mutants import Mutant, Verdict, drawn, rule_mutants
+from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, drawn, rule_mutants
 from tests.mutate.mutant import known_survivors
 from tests.mutate.python_killers import TESTS, judge_python
 from tests.mutate.python_mutants import python_mutants
@@ -19,7 +19,7 @@ def main() -> int:
     """Run what the command line says; 1 where an unknown mutant survives."""
     arguments = _arguments()
     begun = time.monotonic()
-    verdicts: list[Verdict] = []
+    verdicts: list[MutantVerdict] = []
     for verdict in _judged(arguments):
         verdicts.append(verdict)
         if len(verdicts) % 50 == 0:
@@ -37,7 +37,7 @@ def main() -> int:
     return int(any(mutant.key not in known for mutant in alive))
 
 
-def _judged(arguments: argparse.Namespace) -> Iterator[Verdict]:
+def _judged(arguments: argparse.Namespace) -> Iterator[MutantVerdict]:
     everything = arguments.rules is None and arguments.python is None
     if everything or arguments.rules is not None:
         files = rule_files()
@@ -57,7 +57,9 @@ def _sample(mutants: Iterable[Mutant], arguments: argparse.Namespace) -> list[Mu
     return drawn(mutants, arguments.sample, arguments.seed)
 
 
-def _wrongly_listed(verdicts: Iterable[Verdict], known: set[tuple[str, str, str]]) -> list[Mutant]:
+def _wrongly_listed(
+    verdicts: Iterable[MutantVerdict], known: set[tuple[str, str, str]]
+) -> list[Mutant]:
     return [v.mutant for v in verdicts if v.killer is not None and v.mutant.key in known]
 
 
@@ -87,7 +89,7 @@ def _named(path: str, names: Sequence[str] | None) -> bool:
     return not names or any(path.endswith(name) for name in names)
 
 
-def _report(verdicts: Iterable[Verdict]) -> None:
+def _report(verdicts: Iterable[MutantVerdict]) -> None:
     total: Counter[str] = Counter()
     killed: Counter[str] = Counter()
     for verdict in verdicts:

@@ -18,7 +18,7 @@ from _pytest.runner import runtestprotocol
 
 from mars_asp.asp.cases.children import ask, limit
 from mars_asp.asp.cases.killers import RUNS_AWAY
-from mars_asp.asp.cases.mutants import Mutant, Verdict
+from mars_asp.asp.cases.mutants import Mutant, MutantVerdict
 from tests.mutate.exchange import Exchange, exchanges
 from tests.mutate.python_mutants import compiled_mutants, noting_module
 from tests.support.documents import ROOT
@@ -101,7 +101,7 @@ class Run:
     lines: frozenset[tuple[str, int]]
 
 
-def judge_python(mutants: Sequence[Mutant], jobs: int, seconds: float) -> Sequence[Verdict]:
+def judge_python(mutants: Sequence[Mutant], jobs: int, seconds: float) -> Sequence[MutantVerdict]:
     """Return what notices each mutant, in no order.
 
     Args:
@@ -132,7 +132,7 @@ class _Judge:
         self.mutants = mutants
         self.jobs = jobs
         self.seconds = seconds
-        self.verdicts: list[Verdict] = []
+        self.verdicts: list[MutantVerdict] = []
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Judge all mutants."""
@@ -158,7 +158,7 @@ class _Judge:
 
         for mutant, said in ask(self.mutants, answer, self.jobs):
             killer = RUNS_AWAY if said is None else said[0]
-            self.verdicts.append(Verdict(mutant, killer))
+            self.verdicts.append(MutantVerdict(mutant, killer))
             # pytest has standard output; who waits for hours wants to see what comes of it.
             print(f"{mutant}\n  {killer or 'survives'}", file=sys.stderr, flush=True)
         return True

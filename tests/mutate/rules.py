@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mars_asp.asp.cases.children import limit
 from mars_asp.asp.cases.killers import Bench, judge
-from mars_asp.asp.cases.mutants import Mutant, RuleFile, Verdict, rule_file
+from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, MutatedFile, rule_file
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.reasoning.cases import cases_of
 from mars_asp.reasoning.cases.run import DETERMINISTIC, tried
@@ -18,25 +18,25 @@ from tests.support.documents import ROOT
 CASES = ROOT / "tests" / "rules"
 
 
-def rule_files(folder: Path = ROOT / "rules") -> tuple[RuleFile, ...]:
+def rule_files(folder: Path = ROOT / "rules") -> tuple[MutatedFile, ...]:
     """Return all rule files, those of the base first."""
     paths = [*sorted(folder.glob("*.lp")), *sorted(folder.glob("*/*.lp"))]
     return tuple(_read(path, folder) for path in paths)
 
 
-def _read(path: Path, folder: Path) -> RuleFile:
+def _read(path: Path, folder: Path) -> MutatedFile:
     below = path.relative_to(folder)
     stage = "base" if len(below.parts) == 1 else below.parts[0]
     return rule_file(f"{folder.name}/{below.as_posix()}", stage, path.read_bytes())
 
 
 def judge_rules(
-    files: Sequence[RuleFile],
+    files: Sequence[MutatedFile],
     mutants: Sequence[Mutant],
     jobs: int,
     cases: Path = CASES,
     stronger: bool = True,
-) -> Iterator[Verdict]:
+) -> Iterator[MutantVerdict]:
     """Yield what notices each mutant of the files, in no order."""
     found = [tried(each.path, _built_in()) for each in cases_of([cases])]
     check = _killing_check if stronger else None

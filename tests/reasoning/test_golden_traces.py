@@ -75,7 +75,7 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
         except MarsError:  # a case may ask for what has no answer
             return None
         if stage in FOLLOWING:
-            derived.Derived(rulebook, answer).hand_to(grounding)
+            derived.SpecifiedAtoms(rulebook, answer).hand_to(grounding)
     atoms = grounding.control.symbolic_atoms
     taken = {term for terms in opened.values() for term in terms}
     true = frozenset(atom.symbol for atom in atoms if atom.is_fact or as_term(atom.symbol) in taken)

@@ -27,7 +27,7 @@ from mars_asp.reasoning.questions.account import Account
 from mars_asp.reasoning.questions.explain import Explanation, Topic, explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis import IntroducedNode
 from tests.support.random_configurations import (
     random_configuration,
     random_control,
@@ -246,7 +246,7 @@ def _answers(text: str, path: str) -> tuple[Sequence[Answer], Set[str]]:
     return result, {"consequence"} if explanation.synthesis is None else {"consequence", "node"}
 
 
-def _nodes(explanation: Explanation) -> Iterator[tuple[Node, Sequence[str]]]:
+def _nodes(explanation: Explanation) -> Iterator[tuple[IntroducedNode, Sequence[str]]]:
     """Yield the nodes of a specification, with the consequences that each resolves."""
     if explanation.synthesis is not None:
         introduced = explanation.synthesis.specification
@@ -264,7 +264,7 @@ def _arbitrates(topic: Topic) -> tuple[str, ...]:
 
 
 def _key(
-    node: Node, resolves: Sequence[str], arbitrated: Mapping[str, tuple[str, ...]]
+    node: IntroducedNode, resolves: Sequence[str], arbitrated: Mapping[str, tuple[str, ...]]
 ) -> tuple[str, ...]:
     """Return the kind of a node and, if it resolves nothing, the module it arbitrates or its term.
 

@@ -32,7 +32,7 @@ from typing import NamedTuple
 from mars_asp.cli import run_here
 from mars_asp.cli.arguments import VERBS
 from mars_asp.diagnostic import MarsError
-from mars_asp.exchange.foreign import File, read_foreign
+from mars_asp.exchange.foreign import ForeignFile, read_foreign
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import MOTION_FUNCTIONS, NODE_NAMES
@@ -176,7 +176,7 @@ def questions(name: str, each: int = 1) -> Iterator[Command]:
         text = Path(name).read_text(encoding="utf-8")
         format = _foreign(Path(name))
         ours = format == "mars"
-        parsed = parse_text(text, name) if ours else read_foreign([File(name, text, format)])
+        parsed = parse_text(text, name) if ours else read_foreign([ForeignFile(name, text, format)])
         modules = [module.text for module in parsed.configuration.modules]
     except (MarsError, UnicodeDecodeError):
         return

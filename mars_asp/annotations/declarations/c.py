@@ -17,12 +17,12 @@ from mars_asp.annotations.declarations.c_types import (
 )
 from mars_asp.annotations.declarations.declaration import (
     CALLBACK,
-    Declaration,
+    DeclaredParameter,
     NoFunction,
-    Parameter,
+    SourceDeclaration,
 )
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     angle,
     behind_angle,
     closing,
@@ -50,11 +50,11 @@ _BEHIND_TRAILING = _BEHIND_ALL | {";", "{", "=", "}"}
 _SIGNS = frozenset(("::", "*", "&", "&&", "^"))
 
 
-def read_c(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+def read_c(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
     """Read type, name and parameters behind templates, attributes, labels and macros."""
     first = min(_behind_prefix(tokens), len(tokens) - 1)
     none = NoFunction(tokens[first].offset, tokens[first].text)
-    head: list[Token] = []
+    head: list[SourceToken] = []
     at = first
     while at < len(tokens):
         text = tokens[at].text
@@ -68,7 +68,7 @@ def read_c(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
         elif text == "explicit" and text_at(tokens, at + 1) == "(":
             at = closing(tokens, at + 1)
         elif text in ("decltype", "typeof", "__typeof__", "noexcept"):
-            head.append(Token("auto", tokens[at].offset))
+            head.append(SourceToken("auto", tokens[at].offset))
             at = closing(tokens, at + 1)
         elif text == "operator":
             return _operator(tokens, head, at) or none
@@ -92,7 +92,7 @@ def read_c(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
     return none
 
 
-def _behind_prefix(tokens: Sequence[Token]) -> int:
+def _behind_prefix(tokens: Sequence[SourceToken]) -> int:
     """Return the index behind attributes, templates and access labels."""
     at = 0
     while at < len(tokens):
@@ -115,7 +115,7 @@ def _behind_prefix(tokens: Sequence[Token]) -> int:
     return at
 
 
-def _behind_requires(tokens: Sequence[Token], at: int) -> int:
+def _behind_requires(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index behind a constraint: primaries joined by `&&` and `||`."""
     while at < len(tokens):
         if text_at(tokens, at) == "!":
@@ -136,7 +136,7 @@ def _behind_requires(tokens: Sequence[Token], at: int) -> int:
     return at
 
 
-def _is_macro_call(tokens: Sequence[Token], head: Sequence[Token], end: int) -> bool:
+def _is_macro_call(tokens: Sequence[SourceToken], head: Sequence[SourceToken], end: int) -> bool:
     """Whether brackets, closed before `end`, are those of a macro before the declaration."""
     following = text_at(tokens, end)
     goes_on = (is_word(following) and following not in _BEHIND) or following == "::"
@@ -146,8 +146,8 @@ def _is_macro_call(tokens: Sequence[Token], head: Sequence[Token], end: int) -> 
 
 
 def _bracketed(
-    tokens: Sequence[Token], head: Sequence[Token], at: int, offset: int
-) -> Declaration | None:
+    tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
+) -> SourceDeclaration | None:
     """Read on from the first bracket, which holds the parameters or a part of the declarator."""
     end = closing(tokens, at)
     inside = tokens[at + 1 : end - 1]
@@ -164,10 +164,12 @@ def _bracketed(
     if function is None or kind is None or text_at(tokens, end) not in ("(", "["):
         return None
     output = CALLBACK if text_at(tokens, end) == "(" else f"{kind}[]"
-    return Declaration(function.name, output, function.parameters, offset, function.end)
+    return SourceDeclaration(function.name, output, function.parameters, offset, function.end)
 
 
-def _operator(tokens: Sequence[Token], head: Sequence[Token], at: int) -> Declaration | None:
+def _operator(
+    tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int
+) -> SourceDeclaration | None:
     """Read an operator; one that converts has its type behind the word."""
     stop = at + 1
     if text_at(tokens, stop) == "(":
@@ -189,7 +191,7 @@ def _operator(tokens: Sequence[Token], head: Sequence[Token], at: int) -> Declar
     return _with_parameters(tokens, stop, name, output, offset)
 
 
-def _opens_arguments(tokens: Sequence[Token], at: int) -> bool:
+def _opens_arguments(tokens: Sequence[SourceToken], at: int) -> bool:
     return (
         tokens[at].text == "<"
         and is_word(text_at(tokens, at - 1))
@@ -198,8 +200,8 @@ def _opens_arguments(tokens: Sequence[Token], at: int) -> bool:
 
 
 def _function(
-    tokens: Sequence[Token], head: Sequence[Token], at: int, offset: int
-) -> Declaration | None:
+    tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
+) -> SourceDeclaration | None:
     """Read from the bracket that opens the parameters; `head` stands before it."""
     parts = units(head)
     if not parts or parts[-1].kind != "name":
@@ -211,7 +213,7 @@ def _function(
     return _with_parameters(tokens, at, name, output, offset)
 
 
-def _plain_name(tokens: Sequence[Token]) -> str:
+def _plain_name(tokens: Sequence[SourceToken]) -> str:
     """Return a qualified name without the arguments of templates."""
     name, at = "", 0
     while at < len(tokens):
@@ -224,8 +226,8 @@ def _plain_name(tokens: Sequence[Token]) -> str:
 
 
 def _with_parameters(
-    tokens: Sequence[Token], at: int, name: str, output: str, offset: int
-) -> Declaration | None:
+    tokens: Sequence[SourceToken], at: int, name: str, output: str, offset: int
+) -> SourceDeclaration | None:
     end = closing(tokens, at)
     found = declarators(tokens[at + 1 : end - 1])
     if not are_parameters(found):
@@ -235,10 +237,10 @@ def _with_parameters(
         read = map(read_parameter, found)
         parameters = tuple(parameter for parameter in read if parameter is not None)
         output = _trailing(tokens, end) or output
-    return Declaration(name, output, parameters, offset, tokens[end - 1].offset)
+    return SourceDeclaration(name, output, parameters, offset, tokens[end - 1].offset)
 
 
-def _trailing(tokens: Sequence[Token], at: int) -> str | None:
+def _trailing(tokens: Sequence[SourceToken], at: int) -> str | None:
     """Return the type behind `->`, where one stands behind the parameters."""
     while at < len(tokens) and tokens[at].text not in (";", "{", "=", ":", "}", "->"):
         at = closing(tokens, at) if tokens[at].text in ("(", "[") else at + 1
@@ -262,8 +264,8 @@ def _trailing(tokens: Sequence[Token], at: int) -> str | None:
 
 
 def _old_style(
-    tokens: Sequence[Token], found: Sequence[Sequence[Token]], end: int
-) -> tuple[Parameter, ...] | None:
+    tokens: Sequence[SourceToken], found: Sequence[Sequence[SourceToken]], end: int
+) -> tuple[DeclaredParameter, ...] | None:
     """Read Kernighan and Ritchie's form, in which types follow the brackets."""
     names = [declarator[0].text for declarator in found if len(declarator) == 1]
     following = text_at(tokens, end)

@@ -9,9 +9,9 @@ from mars_asp.annotations.declarations.c_types import (
     units,
     without_attributes,
 )
-from mars_asp.annotations.declarations.declaration import CALLBACK, Parameter
+from mars_asp.annotations.declarations.declaration import CALLBACK, DeclaredParameter
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     before,
     behind_angle,
     closing,
@@ -25,12 +25,12 @@ from mars_asp.annotations.declarations.tokens import (
 _OF_EXPRESSIONS = frozenset(".+-/!?|%;~")
 
 
-def declarators(tokens: Sequence[Token]) -> list[Sequence[Token]]:
+def declarators(tokens: Sequence[SourceToken]) -> list[Sequence[SourceToken]]:
     """Split what stands between brackets; leave out attributes and defaults."""
     return [before(group, "=") for group in split(without_attributes(tokens))]
 
 
-def are_parameters(found: Sequence[Sequence[Token]]) -> bool:
+def are_parameters(found: Sequence[Sequence[SourceToken]]) -> bool:
     """Whether declarators can be parameters, and not a call's arguments."""
     for declarator in found:
         words = _top_level(declarator)
@@ -41,7 +41,7 @@ def are_parameters(found: Sequence[Sequence[Token]]) -> bool:
     return True
 
 
-def _top_level(tokens: Sequence[Token]) -> list[str]:
+def _top_level(tokens: Sequence[SourceToken]) -> list[str]:
     """Return the texts outside of all brackets."""
     found: list[str] = []
     at = 0
@@ -57,7 +57,7 @@ def _top_level(tokens: Sequence[Token]) -> list[str]:
     return found
 
 
-def read_parameter(tokens: Sequence[Token]) -> Parameter | None:
+def read_parameter(tokens: Sequence[SourceToken]) -> DeclaredParameter | None:
     """Read one declarator; `None` for `void`, `...` and C++'s explicit object."""
     words = texts(tokens)
     if words in (["void"], ["..."], []) or words[0] == "this":
@@ -70,7 +70,7 @@ def read_parameter(tokens: Sequence[Token]) -> Parameter | None:
     return _named(tokens, arrays)
 
 
-def _with_angles(tokens: Sequence[Token]) -> list[tuple[int, str]]:
+def _with_angles(tokens: Sequence[SourceToken]) -> list[tuple[int, str]]:
     """Return index and text of the tokens outside of template arguments."""
     found: list[tuple[int, str]] = []
     at = 0
@@ -81,7 +81,7 @@ def _with_angles(tokens: Sequence[Token]) -> list[tuple[int, str]]:
     return found
 
 
-def _bracketed(tokens: Sequence[Token], at: int) -> Parameter | None:
+def _bracketed(tokens: Sequence[SourceToken], at: int) -> DeclaredParameter | None:
     """Read a parameter with brackets: `T (*f)(...)`, `T (&a)[N]`, `T f(...)`, `MACRO(T x)`."""
     end = closing(tokens, at)
     inside = tokens[at + 1 : end - 1]
@@ -93,20 +93,20 @@ def _bracketed(tokens: Sequence[Token], at: int) -> Parameter | None:
         if len(inside) == len(names) == 1 and end == len(tokens):
             return _named([*tokens[:at], inside[0]], "")
         # A function as a parameter is a pointer to it.
-        return Parameter(tokens[at - 1].text if len(names) > 1 else None, CALLBACK)
+        return DeclaredParameter(tokens[at - 1].text if len(names) > 1 else None, CALLBACK)
     inner, _ = without_arrays(inside)
     name = inner[-1].text if inner and is_word(inner[-1].text) else None
     if "(" in signs or text_at(tokens, end) == "(":
-        return Parameter(name, CALLBACK)
+        return DeclaredParameter(name, CALLBACK)
     outer, arrays = without_arrays(tokens[end:])
     kind = type_text(units(tokens[:at]))
     # A pointer to an array, or a reference, is the array; a pointer alone is what it points to.
     extra = "[]" if len(inner) != len(inside) else ""
     written = None if kind is None else f"{kind}{extra}{arrays}"
-    return Parameter(name, written, "const" not in texts([*tokens[:at], *outer]))
+    return DeclaredParameter(name, written, "const" not in texts([*tokens[:at], *outer]))
 
 
-def without_arrays(tokens: Sequence[Token]) -> tuple[list[Token], str]:
+def without_arrays(tokens: Sequence[SourceToken]) -> tuple[list[SourceToken], str]:
     """Cut `[...]` off the end of a declarator; return them as `[]`."""
     for at, token in enumerate(tokens):
         if token.text == "[":
@@ -118,7 +118,7 @@ def without_arrays(tokens: Sequence[Token]) -> tuple[list[Token], str]:
     return list(tokens), ""
 
 
-def _named(tokens: Sequence[Token], arrays: str) -> Parameter:
+def _named(tokens: Sequence[SourceToken], arrays: str) -> DeclaredParameter:
     """Split a type from the name behind it."""
     parts = units(tokens)
     kinds = [part for part in parts if part.kind not in ("specifier", "sign")]
@@ -131,7 +131,7 @@ def _named(tokens: Sequence[Token], arrays: str) -> Parameter:
         name = final.text
         parts.remove(final)
     kind = type_text(parts)
-    return Parameter(name, None if kind is None else kind + arrays, _is_out(parts))
+    return DeclaredParameter(name, None if kind is None else kind + arrays, _is_out(parts))
 
 
 def _is_out(parts: Sequence[Unit]) -> bool:
@@ -141,12 +141,14 @@ def _is_out(parts: Sequence[Unit]) -> bool:
     return bool(stars) and "const" not in words[: stars[-1]]
 
 
-def read_old_style(names: Sequence[str], tokens: Sequence[Token]) -> tuple[Parameter, ...] | None:
+def read_old_style(
+    names: Sequence[str], tokens: Sequence[SourceToken]
+) -> tuple[DeclaredParameter, ...] | None:
     """Read the declarations between `)` and `{` in Kernighan and Ritchie's form.
 
     Returns `None` where they declare anything but the named parameters.
     """
-    types: dict[str, Parameter] = {}
+    types: dict[str, DeclaredParameter] = {}
     start = 0
     for at, token in enumerate(tokens):
         if token.text != ";":
@@ -163,4 +165,4 @@ def read_old_style(names: Sequence[str], tokens: Sequence[Token]) -> tuple[Param
             types[parameter.name] = parameter
     if start < len(tokens) or not types:
         return None
-    return tuple(types.get(name, Parameter(name, "int")) for name in names)
+    return tuple(types.get(name, DeclaredParameter(name, "int")) for name in names)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     behind_angle,
     closing,
     is_word,
@@ -38,11 +38,11 @@ def is_macro(text: str) -> bool:
     return _MACRO.fullmatch(text) is not None
 
 
-def without_attributes(tokens: Sequence[Token]) -> list[Token]:
+def without_attributes(tokens: Sequence[SourceToken]) -> list[SourceToken]:
     """Return tokens without `[[...]]`, `__attribute__((...))` and the like."""
     if not any(text == "[" or text in ATTRIBUTES for text, _ in tokens):
         return list(tokens)
-    kept: list[Token] = []
+    kept: list[SourceToken] = []
     at = 0
     while at < len(tokens):
         behind = behind_attribute(tokens, at)
@@ -53,7 +53,7 @@ def without_attributes(tokens: Sequence[Token]) -> list[Token]:
     return kept
 
 
-def behind_attribute(tokens: Sequence[Token], at: int) -> int:
+def behind_attribute(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index behind the attribute that begins at `at`; `at` itself where none does."""
     text = text_at(tokens, at)
     if text == "[":
@@ -70,7 +70,7 @@ class Unit(NamedTuple):
     """One part of a type: a whole qualified name with its arguments, or a sign."""
 
     kind: Kind
-    tokens: Sequence[Token]
+    tokens: Sequence[SourceToken]
 
     @property
     def text(self) -> str:
@@ -78,7 +78,7 @@ class Unit(NamedTuple):
         return self.tokens[0].text
 
 
-def units(tokens: Sequence[Token]) -> list[Unit]:
+def units(tokens: Sequence[SourceToken]) -> list[Unit]:
     """Cut tokens into names, builtin words, specifiers and signs."""
     found: list[Unit] = []
     at = 0
@@ -103,7 +103,7 @@ def units(tokens: Sequence[Token]) -> list[Unit]:
     return found
 
 
-def _behind_name(tokens: Sequence[Token], at: int) -> int:
+def _behind_name(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index behind what goes on with a name: arguments and `::name`."""
     while True:
         if text_at(tokens, at) == "<":

@@ -7,7 +7,7 @@ CALLBACK = "std::function<void()>"
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class DeclaredParameter:
     """A parameter's name and type as written; `out` where it can be written to."""
 
     name: str | None
@@ -16,7 +16,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
-class Declaration:
+class SourceDeclaration:
     """A function's declaration.
 
     `offset` is where it begins and `end` where its parameters do; `conditional` is the offset of an
@@ -25,7 +25,7 @@ class Declaration:
 
     name: str
     output: str | None
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[DeclaredParameter, ...]
     offset: int
     end: int
     conditional: int | None = None

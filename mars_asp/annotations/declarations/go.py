@@ -2,9 +2,13 @@
 
 from collections.abc import Sequence
 
-from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
+from mars_asp.annotations.declarations.declaration import (
+    DeclaredParameter,
+    NoFunction,
+    SourceDeclaration,
+)
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     closing,
     is_word,
     joined,
@@ -13,7 +17,7 @@ from mars_asp.annotations.declarations.tokens import (
 )
 
 
-def read_go(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+def read_go(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
     """Read `func (receiver) name[...](parameters) results`."""
     first = tokens[0]
     none = NoFunction(first.offset, first.text)
@@ -32,43 +36,43 @@ def read_go(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
     # An error beside a result says that there is none; it is not delivered.
     types = [written for written in types if written != "error"]
     output = "void" if not types else types[0] if len(types) == 1 else f"({', '.join(types)})"
-    return Declaration(name, output, parameters, first.offset, tokens[end - 1].offset)
+    return SourceDeclaration(name, output, parameters, first.offset, tokens[end - 1].offset)
 
 
-def _results(tokens: Sequence[Token], at: int, code: str) -> tuple[Parameter, ...]:
+def _results(tokens: Sequence[SourceToken], at: int, code: str) -> tuple[DeclaredParameter, ...]:
     """Read what stands between the parameters and the body, on the line where those end."""
     if at >= len(tokens) or "\n" in code[tokens[at - 1].offset : tokens[at].offset]:
         return ()
     if tokens[at].text == "(":
         return _parameters(tokens[at + 1 : closing(tokens, at) - 1])
     end = _behind_type(tokens, at)
-    return (Parameter(None, joined(tokens[at:end])),) if end > at else ()
+    return (DeclaredParameter(None, joined(tokens[at:end])),) if end > at else ()
 
 
-def _parameters(tokens: Sequence[Token]) -> tuple[Parameter, ...]:
+def _parameters(tokens: Sequence[SourceToken]) -> tuple[DeclaredParameter, ...]:
     """Give each parameter its type; in `a, b T` the last type holds for all before it."""
     groups = split(tokens, angles=False)
     named = any(_behind_type(group, 0) != len(group) for group in groups)
-    found: list[Parameter] = []
+    found: list[DeclaredParameter] = []
     following: str | None = None
     for group in reversed(groups):
         if not named:
-            found.append(Parameter(None, _written(group)))
+            found.append(DeclaredParameter(None, _written(group)))
         elif len(group) == 1:
-            found.append(Parameter(group[0].text, following))
+            found.append(DeclaredParameter(group[0].text, following))
         else:
             following = _written(group[1:])
-            found.append(Parameter(group[0].text, following))
+            found.append(DeclaredParameter(group[0].text, following))
     return tuple(reversed(found))
 
 
-def _written(tokens: Sequence[Token]) -> str:
+def _written(tokens: Sequence[SourceToken]) -> str:
     if tokens and tokens[0].text == "...":
         return f"[]{joined(tokens[1:])}"
     return joined(tokens)
 
 
-def _behind_type(tokens: Sequence[Token], at: int) -> int:
+def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index behind the type that begins at `at`; `at` itself where none does."""
     while True:
         text, following = text_at(tokens, at), text_at(tokens, at + 1)

@@ -2,9 +2,13 @@
 
 from collections.abc import Sequence
 
-from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
+from mars_asp.annotations.declarations.declaration import (
+    DeclaredParameter,
+    NoFunction,
+    SourceDeclaration,
+)
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     behind_angle,
     closing,
     is_word,
@@ -28,7 +32,7 @@ _STATEMENTS = frozenset(
 )
 
 
-def read_java(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+def read_java(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
     """Read `modifiers <T> type name(parameters)` behind annotations."""
     first = _behind_annotations(tokens, 0)
     token = tokens[min(first, len(tokens) - 1)]
@@ -49,10 +53,10 @@ def read_java(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
         return none
     written = _written(tokens[at:stop]) + _arrays(tokens, end)
     taken = tuple(p for p in parameters if p is not None and p.name != "this")
-    return Declaration(name, written, taken, token.offset, tokens[end - 1].offset)
+    return SourceDeclaration(name, written, taken, token.offset, tokens[end - 1].offset)
 
 
-def _behind_annotations(tokens: Sequence[Token], at: int) -> int:
+def _behind_annotations(tokens: Sequence[SourceToken], at: int) -> int:
     while text_at(tokens, at) == "@" and text_at(tokens, at + 1) != "interface":
         at += 2
         while text_at(tokens, at) == ".":
@@ -62,7 +66,7 @@ def _behind_annotations(tokens: Sequence[Token], at: int) -> int:
     return at
 
 
-def _behind_modifiers(tokens: Sequence[Token], at: int) -> int:
+def _behind_modifiers(tokens: Sequence[SourceToken], at: int) -> int:
     while True:
         at = _behind_annotations(tokens, at)
         if text_at(tokens, at) not in _MODIFIERS:
@@ -70,7 +74,7 @@ def _behind_modifiers(tokens: Sequence[Token], at: int) -> int:
         at += 1
 
 
-def _behind_type(tokens: Sequence[Token], at: int) -> int:
+def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index behind a type; `at` itself where none begins."""
     if not is_word(text_at(tokens, at)):
         return at
@@ -89,9 +93,9 @@ def _behind_type(tokens: Sequence[Token], at: int) -> int:
             return at
 
 
-def _written(tokens: Sequence[Token]) -> str:
+def _written(tokens: Sequence[SourceToken]) -> str:
     """Return a type without the annotations in it."""
-    kept: list[Token] = []
+    kept: list[SourceToken] = []
     at = 0
     while at < len(tokens):
         behind = _behind_annotations(tokens, at)
@@ -100,7 +104,7 @@ def _written(tokens: Sequence[Token]) -> str:
     return joined(kept)
 
 
-def _arrays(tokens: Sequence[Token], at: int) -> str:
+def _arrays(tokens: Sequence[SourceToken], at: int) -> str:
     """Return the brackets that stand behind a name, as C has them."""
     found = ""
     while text_at(tokens, at) == "[":
@@ -109,7 +113,7 @@ def _arrays(tokens: Sequence[Token], at: int) -> str:
     return found
 
 
-def _parameter(group: Sequence[Token]) -> Parameter | None:
+def _parameter(group: Sequence[SourceToken]) -> DeclaredParameter | None:
     at = _behind_modifiers(group, 0)
     stop = _behind_type(group, at)
     written = _written(group[at:stop])
@@ -118,7 +122,7 @@ def _parameter(group: Sequence[Token]) -> Parameter | None:
         stop += 1
     name = text_at(group, stop)
     if "this" in texts(group[stop:]):
-        return Parameter("this", written)
+        return DeclaredParameter("this", written)
     if not written or not is_word(name):
         return None
-    return Parameter(name, written + _arrays(group, stop + 1))
+    return DeclaredParameter(name, written + _arrays(group, stop + 1))

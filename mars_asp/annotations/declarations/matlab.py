@@ -2,11 +2,15 @@
 
 from collections.abc import Sequence
 
-from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
-from mars_asp.annotations.declarations.tokens import Token, closing, is_word, split, text_at
+from mars_asp.annotations.declarations.declaration import (
+    DeclaredParameter,
+    NoFunction,
+    SourceDeclaration,
+)
+from mars_asp.annotations.declarations.tokens import SourceToken, closing, is_word, split, text_at
 
 
-def read_matlab(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+def read_matlab(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
     """Read `function [results] = name(parameters)`."""
     none = NoFunction(tokens[0].offset, tokens[0].text)
     if tokens[0].text != "function":
@@ -28,13 +32,13 @@ def read_matlab(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
         at += 2
         name += f".{tokens[at].text}"
     at += 1
-    parameters: tuple[Parameter, ...] = ()
+    parameters: tuple[DeclaredParameter, ...] = ()
     # A bracket on a later line belongs to the body.
     line = code.find("\n", tokens[at - 1].offset)
     if text_at(tokens, at) == "(" and not 0 <= line < tokens[at].offset:
         end = closing(tokens, at)
         groups = split(tokens[at + 1 : end - 1], angles=False)
-        parameters = tuple(Parameter(group[0].text, None) for group in groups)
+        parameters = tuple(DeclaredParameter(group[0].text, None) for group in groups)
         at = end
     last = tokens[at - 1].offset
-    return Declaration(name, None if results else "void", parameters, tokens[0].offset, last)
+    return SourceDeclaration(name, None if results else "void", parameters, tokens[0].offset, last)

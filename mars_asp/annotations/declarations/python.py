@@ -4,14 +4,18 @@ import ast
 import re
 import warnings
 
-from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
+from mars_asp.annotations.declarations.declaration import (
+    DeclaredParameter,
+    NoFunction,
+    SourceDeclaration,
+)
 
 _DEF = re.compile(r"(?:async\s+)?def\b\s*\w+\s*")
 _ANYTHING = re.compile(r"\w+|\S")
 _SOLID = re.compile(r"\S")
 
 
-def read_python(text: str, code: str, begin: int, end: int) -> Declaration | NoFunction:
+def read_python(text: str, code: str, begin: int, end: int) -> SourceDeclaration | NoFunction:
     """Read the function behind any decorators."""
     at = begin
     while at < end and code[at] == "@":
@@ -38,24 +42,24 @@ def read_python(text: str, code: str, begin: int, end: int) -> Declaration | NoF
         if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             return none
         output = None if function.returns is None else _type(function.returns)
-        return Declaration(function.name, output, _parameters(function.args), at, stop)
+        return SourceDeclaration(function.name, output, _parameters(function.args), at, stop)
     except (SyntaxError, ValueError, RecursionError, MemoryError, IndexError):
         return none
 
 
-def _parameters(arguments: ast.arguments) -> tuple[Parameter, ...]:
+def _parameters(arguments: ast.arguments) -> tuple[DeclaredParameter, ...]:
     """List what a function takes; `*args` and `**kwargs` only where their types are stated."""
     listed = [*arguments.posonlyargs, *arguments.args]
     if listed and listed[0].arg in ("self", "cls"):
         listed = listed[1:]
-    parameters = [Parameter(a.arg, _hint(a)) for a in listed]
+    parameters = [DeclaredParameter(a.arg, _hint(a)) for a in listed]
     rest = arguments.vararg
     if rest is not None and rest.annotation is not None:
-        parameters.append(Parameter(rest.arg, f"list[{_type(rest.annotation)}]"))
-    parameters += [Parameter(a.arg, _hint(a)) for a in arguments.kwonlyargs]
+        parameters.append(DeclaredParameter(rest.arg, f"list[{_type(rest.annotation)}]"))
+    parameters += [DeclaredParameter(a.arg, _hint(a)) for a in arguments.kwonlyargs]
     named = arguments.kwarg
     if named is not None and named.annotation is not None:
-        parameters.append(Parameter(named.arg, f"dict[str, {_type(named.annotation)}]"))
+        parameters.append(DeclaredParameter(named.arg, f"dict[str, {_type(named.annotation)}]"))
     return tuple(parameters)
 
 

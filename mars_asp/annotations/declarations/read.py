@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 from mars_asp.annotations.declarations.c import read_c
-from mars_asp.annotations.declarations.declaration import Declaration, NoFunction
+from mars_asp.annotations.declarations.declaration import NoFunction, SourceDeclaration
 from mars_asp.annotations.declarations.go import read_go
 from mars_asp.annotations.declarations.java import read_java
 from mars_asp.annotations.declarations.matlab import read_matlab
@@ -27,7 +27,7 @@ _CONDITION = re.compile(r"(?m)^[ \t]*(#)[ \t]*(?:if|elif|else)")
 
 # Configurations of many equal robots declare the same over and over.
 @lru_cache(maxsize=4096)
-def read_declaration(language: str, text: str, code: str) -> Declaration | NoFunction | None:
+def read_declaration(language: str, text: str, code: str) -> SourceDeclaration | NoFunction | None:
     """Read the declaration that begins in a stretch of a source; `None` where nothing stands there.
 
     Args:
@@ -47,7 +47,7 @@ def read_declaration(language: str, text: str, code: str) -> Declaration | NoFun
     if not tokens:
         return None
     found = _READERS[language](tokens, code)
-    if language == "c" and isinstance(found, Declaration):
+    if language == "c" and isinstance(found, SourceDeclaration):
         match = _CONDITION.search(code, found.offset, found.end)
         return replace(found, conditional=match.start(1)) if match else found
     return found

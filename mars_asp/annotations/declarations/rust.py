@@ -2,9 +2,13 @@
 
 from collections.abc import Sequence
 
-from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
+from mars_asp.annotations.declarations.declaration import (
+    DeclaredParameter,
+    NoFunction,
+    SourceDeclaration,
+)
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     behind_angle,
     closing,
     is_word,
@@ -17,7 +21,7 @@ from mars_asp.annotations.declarations.tokens import (
 _BEFORE = frozenset(("pub", "crate", "async", "unsafe", "const", "extern", "default", "safe"))
 
 
-def read_rust(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+def read_rust(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
     """Read `fn name<...>(parameters) -> type` behind attributes and qualifiers."""
     first = at = _behind_attributes(tokens, 0)
     token = tokens[min(first, len(tokens) - 1)]
@@ -51,10 +55,10 @@ def read_rust(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
             else:
                 stop = behind_angle(tokens, stop) if tokens[stop].text == "<" else stop + 1
         output = joined(tokens[end + 1 : stop])
-    return Declaration(name, output, parameters, token.offset, tokens[end - 1].offset)
+    return SourceDeclaration(name, output, parameters, token.offset, tokens[end - 1].offset)
 
 
-def _behind_attributes(tokens: Sequence[Token], at: int) -> int:
+def _behind_attributes(tokens: Sequence[SourceToken], at: int) -> int:
     while text_at(tokens, at) == "#":
         opening = at + 2 if text_at(tokens, at + 1) == "!" else at + 1
         if text_at(tokens, opening) != "[":
@@ -63,7 +67,7 @@ def _behind_attributes(tokens: Sequence[Token], at: int) -> int:
     return at
 
 
-def _parameter(group: Sequence[Token]) -> Parameter | None:
+def _parameter(group: Sequence[SourceToken]) -> DeclaredParameter | None:
     """Read `pattern: type`; the receiver is no parameter."""
     group = group[_behind_attributes(group, 0) :]
     pattern, written = _at_colon(group)
@@ -74,10 +78,10 @@ def _parameter(group: Sequence[Token]) -> Parameter | None:
         words = words[-1:] if len(words) == 2 else words
     name = words[0] if len(words) == 1 and is_word(words[0]) and words[0] != "_" else None
     kind = texts(written)
-    return Parameter(name, joined(written), kind[:1] == ["&"] and "mut" in kind[:4])
+    return DeclaredParameter(name, joined(written), kind[:1] == ["&"] and "mut" in kind[:4])
 
 
-def _at_colon(group: Sequence[Token]) -> tuple[Sequence[Token], Sequence[Token]]:
+def _at_colon(group: Sequence[SourceToken]) -> tuple[Sequence[SourceToken], Sequence[SourceToken]]:
     """Split a parameter at the `:` outside of all brackets."""
     index = 0
     while index < len(group):

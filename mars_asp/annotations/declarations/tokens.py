@@ -18,18 +18,18 @@ _DEEPEST = 32
 _OF_TYPES = frozenset(("::", ",", "*", "&", "&&", "...", "<", ">", "->", "?", "'", "+"))
 
 
-class Token(NamedTuple):
+class SourceToken(NamedTuple):
     """One token and where it stands in the stretch."""
 
     text: str
     offset: int
 
 
-def tokenise(code: str) -> list[Token]:
+def tokenise(code: str) -> list[SourceToken]:
     """Return the tokens of a stretch of code."""
     # The constructor of a named tuple is a function in Python, and there are many tokens.
     new = tuple.__new__
-    return [new(Token, (match[0], match.start())) for match in _TOKEN.finditer(code)]
+    return [new(SourceToken, (match[0], match.start())) for match in _TOKEN.finditer(code)]
 
 
 def is_word(text: str) -> bool:
@@ -37,17 +37,17 @@ def is_word(text: str) -> bool:
     return text[:1].isidentifier() or text[:1] == "$"
 
 
-def text_at(tokens: Sequence[Token], at: int) -> str:
+def text_at(tokens: Sequence[SourceToken], at: int) -> str:
     """Return the text of a token, nothing behind the last one."""
     return tokens[at].text if 0 <= at < len(tokens) else ""
 
 
-def texts(tokens: Sequence[Token]) -> list[str]:
+def texts(tokens: Sequence[SourceToken]) -> list[str]:
     """Return the texts of tokens."""
     return [token.text for token in tokens]
 
 
-def joined(tokens: Sequence[Token]) -> str:
+def joined(tokens: Sequence[SourceToken]) -> str:
     """Return tokens as one text, with blanks only where two words would run together."""
     pieces: list[str] = []
     behind_word = False
@@ -64,7 +64,7 @@ def _is_wordlike(text: str) -> bool:
     return text[0].isalnum() or text[0] in "_$"
 
 
-def closing(tokens: Sequence[Token], at: int) -> int:
+def closing(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index behind the bracket that closes the one at `at`."""
     depth = 0
     for index in range(at, len(tokens)):
@@ -75,7 +75,7 @@ def closing(tokens: Sequence[Token], at: int) -> int:
     return len(tokens)
 
 
-def angle(tokens: Sequence[Token], at: int, expression: bool = False) -> int | None:
+def angle(tokens: Sequence[SourceToken], at: int, expression: bool = False) -> int | None:
     """Return the index behind the `>` that closes the `<` at `at`; `None` where none does.
 
     In an expression `<` may also compare; there, what stands between must look like types.
@@ -98,15 +98,15 @@ def angle(tokens: Sequence[Token], at: int, expression: bool = False) -> int | N
     return None
 
 
-def behind_angle(tokens: Sequence[Token], at: int) -> int:
+def behind_angle(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index behind the arguments that open at `at`, or behind `at` where none do."""
     end = angle(tokens, at)
     return at + 1 if end is None else end
 
 
-def split(tokens: Sequence[Token], angles: bool = True) -> list[list[Token]]:
+def split(tokens: Sequence[SourceToken], angles: bool = True) -> list[list[SourceToken]]:
     """Split at the commas outside of all brackets; `angles` says whether `<` opens one."""
-    groups: list[list[Token]] = [[]]
+    groups: list[list[SourceToken]] = [[]]
     index, value, compares = 0, False, False
     while index < len(tokens):
         text = tokens[index].text
@@ -128,7 +128,7 @@ def split(tokens: Sequence[Token], angles: bool = True) -> list[list[Token]]:
     return [group for group in groups if group]
 
 
-def before(tokens: Sequence[Token], sign: str) -> Sequence[Token]:
+def before(tokens: Sequence[SourceToken], sign: str) -> Sequence[SourceToken]:
     """Return what stands before a sign that is outside of all brackets."""
     index = 0
     while index < len(tokens):

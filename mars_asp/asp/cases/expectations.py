@@ -25,7 +25,7 @@ ANY = clingo.Function("_any")
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
+class StatedAtom:
     """An atom of an expectation, as it is written and where."""
 
     text: str
@@ -46,7 +46,7 @@ class Expectation:
     """One expectation: `kind` is its sign or word, `last` the last line that it takes."""
 
     kind: str
-    stated: tuple[Stated, ...]
+    stated: tuple[StatedAtom, ...]
     span: Span
     last: int
 
@@ -125,7 +125,7 @@ def _read(lines: Sequence[str], shown: str, problems: list[Diagnostic]) -> Itera
                 problems.append(Diagnostic(_CODE, "error", message, span, help=advice))
             continue
         if kind in (">", "~", "case"):
-            yield Expectation(kind, (Stated(match["rest"], span),), span, first)
+            yield Expectation(kind, (StatedAtom(match["rest"], span),), span, first)
             continue
         stated = list(_atoms(match["rest"], shown, first, match.start("rest")))
         while number < len(lines) and (more := _CONTINUED.match(lines[number])) is not None:
@@ -136,7 +136,7 @@ def _read(lines: Sequence[str], shown: str, problems: list[Diagnostic]) -> Itera
         yield Expectation(kind, tuple(stated), span, number)
 
 
-def _unread(kind: str, stated: Sequence[Stated], span: Span) -> Iterator[Diagnostic]:
+def _unread(kind: str, stated: Sequence[StatedAtom], span: Span) -> Iterator[Diagnostic]:
     if not stated:
         advice = f'write them, as in `%{kind}: seen(_,3) blind("A")`'
         yield Diagnostic(_CODE, "error", f"`%{kind}:` names no atoms", span, help=advice)
@@ -150,7 +150,7 @@ def _unread(kind: str, stated: Sequence[Stated], span: Span) -> Iterator[Diagnos
             yield Diagnostic(_CODE, "error", message, each.span, help=advice)
 
 
-def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[Stated]:
+def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[StatedAtom]:
     """Yield the atoms of a line, which blanks part outside of brackets and strings."""
     depth, begin, at = 0, 0, 0
     while at <= len(text):
@@ -163,6 +163,6 @@ def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[Stated]:
         if not character or (character in " \t" and not depth):
             if begin < at:
                 place = Span(shown, line, before + begin + 1, line, before + at + 1)
-                yield Stated(text[begin:at], place)
+                yield StatedAtom(text[begin:at], place)
             begin = at + 1
         at += 1

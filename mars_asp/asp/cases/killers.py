@@ -18,7 +18,7 @@ from clingo import ast
 
 from mars_asp.asp.cases.children import ask, limit
 from mars_asp.asp.cases.coverage import Case
-from mars_asp.asp.cases.mutants import Mutant, RuleFile, Statement, Verdict, written
+from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, MutatedFile, MutatedStatement, written
 from mars_asp.asp.cases.probes import children, is_safe
 from mars_asp.asp.rules.expansions import Expansions, expanded
 from mars_asp.asp.rules.rule import Rule
@@ -54,8 +54,8 @@ class Bench:
 
 
 def judge(
-    files: Sequence[RuleFile], mutants: Sequence[Mutant], bench: Bench, jobs: int
-) -> Iterator[Verdict]:
+    files: Sequence[MutatedFile], mutants: Sequence[Mutant], bench: Bench, jobs: int
+) -> Iterator[MutantVerdict]:
     """Yield what notices each mutant of the files, in no order."""
     by_path = {file.path: file for file in files}
     holes = {
@@ -88,7 +88,7 @@ def judge(
     for (mutant, _), found in ask(questions(), answer, jobs):
         killer, by_case = (RUNS_AWAY, False) if found is None else found
         kills[mutant.before, killer] += by_case
-        yield Verdict(mutant, killer or None)
+        yield MutantVerdict(mutant, killer or None)
 
 
 def _name(case: Case) -> str:
@@ -112,7 +112,7 @@ def _killing_case(cases: Iterable[Case], rulebook: Rulebook) -> str | None:
     return None
 
 
-def _exchanged(bench: Bench, file: RuleFile, mutant: Mutant) -> Rulebook:
+def _exchanged(bench: Bench, file: MutatedFile, mutant: Mutant) -> Rulebook:
     """Return the rulebook with a mutant in the place of its statement."""
     rulebook = bench.rulebook
     old = file.content.decode()
@@ -146,7 +146,7 @@ def _listed(rule: Rule, expansions: Expansions) -> Iterator[Rule]:
 
 
 def _useful(
-    files: Sequence[RuleFile],
+    files: Sequence[MutatedFile],
     mutants: Sequence[Mutant],
     bench: Bench,
     holes: _Holes,
@@ -240,7 +240,7 @@ def _different(
 
 
 @cache
-def _circular(files: tuple[RuleFile, ...]) -> set[tuple[str, str]]:
+def _circular(files: tuple[MutatedFile, ...]) -> set[tuple[str, str]]:
     """Return the rules, as path and text, whose heads and bodies depend on each other."""
     uses: nx.DiGraph[tuple[str, int]] = nx.DiGraph()
     rules = [
@@ -263,7 +263,7 @@ def _circular(files: tuple[RuleFile, ...]) -> set[tuple[str, str]]:
     }
 
 
-def _signatures(statement: Statement) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
+def _signatures(statement: MutatedStatement) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
     heads = set(_predicates(statement.tree.head))
     return heads, {each for node in statement.tree.body for each in _predicates(node)}
 

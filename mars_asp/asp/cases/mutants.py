@@ -63,7 +63,7 @@ class Mutant:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class MutantVerdict:
     """What noticed a mutant; `None` where nothing did."""
 
     mutant: Mutant
@@ -76,7 +76,7 @@ def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
 
 
 @dataclass(frozen=True)
-class Statement:
+class MutatedStatement:
     """One statement of a rule file: its tree and the bytes of the file that it takes."""
 
     tree: ast.AST
@@ -91,13 +91,13 @@ class Statement:
 
 
 @dataclass(frozen=True)
-class RuleFile:
+class MutatedFile:
     """A rule file as bytes, with the statements that can be mutated."""
 
     path: str
     stage: str
     content: bytes
-    statements: tuple[Statement, ...]
+    statements: tuple[MutatedStatement, ...]
 
     def mutated(self, mutant: Mutant) -> str:
         """Return the text of the file with one statement exchanged, its lines where they were."""
@@ -111,7 +111,7 @@ class RuleFile:
         return (self.content[: old.begin] + changed + self.content[old.end :]).decode()
 
 
-def rule_file(path: str, stage: str, content: bytes) -> RuleFile:
+def rule_file(path: str, stage: str, content: bytes) -> MutatedFile:
     """Return a file of rules with the statements that can be mutated."""
     starts = [0]
     for line in content.split(b"\n"):
@@ -120,7 +120,7 @@ def rule_file(path: str, stage: str, content: bytes) -> RuleFile:
     # Columns count bytes in clingo.
     ast.parse_string(content.decode("latin-1").encode("ascii", "replace").decode(), trees.append)
     statements = tuple(
-        Statement(
+        MutatedStatement(
             tree,
             tree.location.begin.line,
             starts[tree.location.begin.line - 1] + tree.location.begin.column - 1,
@@ -129,7 +129,7 @@ def rule_file(path: str, stage: str, content: bytes) -> RuleFile:
         for tree in trees
         if tree.ast_type in (_TYPE.Rule, _TYPE.Minimize)
     )
-    return RuleFile(path, stage, content, statements)
+    return MutatedFile(path, stage, content, statements)
 
 
 def written(tree: ast.AST) -> str:
@@ -140,7 +140,7 @@ def written(tree: ast.AST) -> str:
     return f"{_MINIMIZE}{terms}: {', '.join(map(str, tree.body))}{_MINIMIZED}"
 
 
-def rule_mutants(file: RuleFile) -> Iterator[Mutant]:
+def rule_mutants(file: MutatedFile) -> Iterator[Mutant]:
     """Yield the mutants of a file; what does not parse, or is unsafe, is none."""
     levels = sorted({_level(s.tree) for s in file.statements if s.tree.ast_type == _TYPE.Minimize})
     for place, statement in enumerate(file.statements):

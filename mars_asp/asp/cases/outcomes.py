@@ -7,7 +7,7 @@ from pathlib import Path
 
 import clingo
 
-from mars_asp.asp.cases.expectations import ANY, ANYTHING, Block, Expectation, Stated
+from mars_asp.asp.cases.expectations import ANY, ANYTHING, Block, Expectation, StatedAtom
 from mars_asp.asp.signature import plain
 from mars_asp.diagnostic import Span
 from mars_asp.spelling import nearest
@@ -71,7 +71,7 @@ class Outcome:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class FoundAnswer:
     """An answer set: what `%=` compares, all its atoms, what rules say, and what it costs."""
 
     compared: tuple[str, ...]
@@ -88,7 +88,7 @@ def difference(check: Check) -> Iterator[str]:
         yield from failure.lines
 
 
-def judged(block: Block, answers: Sequence[Answer]) -> tuple[Failure, ...]:
+def judged(block: Block, answers: Sequence[FoundAnswer]) -> tuple[Failure, ...]:
     """Return the expectations of a case that its answer sets do not meet."""
     exact, others = block.of("="), block.of("only", "has", "not")
     failures: list[Failure] = []
@@ -108,7 +108,7 @@ def judged(block: Block, answers: Sequence[Answer]) -> tuple[Failure, ...]:
 
 
 def _exactly(
-    block: Block, exact: Sequence[Expectation], answers: Sequence[Answer]
+    block: Block, exact: Sequence[Expectation], answers: Sequence[FoundAnswer]
 ) -> Iterator[Failure]:
     rest = [f"%{each.kind} {each.text}" for each in block.of(">", "~")]
     expected = {tuple(sorted([*map(_even, each.stated), *rest])): each for each in exact}
@@ -132,7 +132,7 @@ def _exactly(
     yield Failure(span, what, tuple(" ".join(answer) for answer in extra), None, tuple(lines))
 
 
-def _even(stated: Stated) -> str:
+def _even(stated: StatedAtom) -> str:
     """Return an atom as clingo writes it."""
     if " " not in stated.text:
         return stated.text
@@ -146,7 +146,7 @@ def _asked(expectation: Expectation) -> str:
     return f"{_WORDS[expectation.kind]} `{expectation.text}`"
 
 
-def _unmet(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
+def _unmet(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
     """Yield what an answer set does not meet of an expectation."""
     match expectation.kind:
         case ">":
@@ -168,7 +168,7 @@ def _unmet(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
             yield from _beyond(expectation, answer)
 
 
-def _unsaid(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
+def _unsaid(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
     wanted = f"%> {expectation.text}"
     if wanted not in answer.said:
         name = expectation.text.partition(":")[0]
@@ -178,7 +178,7 @@ def _unsaid(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
         yield _failure(expectation.span, _asked(expectation), (), shown)
 
 
-def _beyond(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
+def _beyond(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
     """Yield what is missing, and what there is too much of the sorts that an `only` names."""
     patterns = [each.pattern for each in expectation.stated]
     for each, pattern in zip(expectation.stated, patterns, strict=True):
@@ -194,7 +194,7 @@ def _beyond(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
         yield _failure(expectation.span, f"nothing but `{expectation.text}`", _shown(extra))
 
 
-def _missing(stated: Stated, atoms: Sequence[clingo.Symbol]) -> Failure:
+def _missing(stated: StatedAtom, atoms: Sequence[clingo.Symbol]) -> Failure:
     near = _nearest(stated.pattern, atoms)
     return _failure(stated.span, f"`{stated.text}`", (), near)
 
@@ -256,7 +256,7 @@ def _agreement(pattern: clingo.Symbol, found: clingo.Symbol) -> int:
 def rewritten(
     text: str,
     blocks: Sequence[Block],
-    answers: Mapping[Block, Sequence[Answer]],
+    answers: Mapping[Block, Sequence[FoundAnswer]],
     own: Sequence[str] | None,
 ) -> str:
     """Return a text of cases in which what was found is what is expected.
@@ -282,7 +282,7 @@ def rewritten(
 
 
 def _edits(
-    block: Block, answers: Sequence[Answer], count: int
+    block: Block, answers: Sequence[FoundAnswer], count: int
 ) -> Iterator[tuple[int, int, list[str]]]:
     """Yield lines, from and up to which others take their place."""
     exact = block.of("=")
@@ -312,7 +312,7 @@ def _edits(
     yield place, exact[0].last if exact else place, new
 
 
-def _closed(answer: Answer, own: Sequence[str], shows: bool) -> Iterator[str]:
+def _closed(answer: FoundAnswer, own: Sequence[str], shows: bool) -> Iterator[str]:
     """Yield lines for the compared patterns of a pack: all their atoms, or that there are none.
 
     Whether there is none is known of findings, unless the case shows predicates itself.

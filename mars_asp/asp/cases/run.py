@@ -7,7 +7,7 @@ from pathlib import Path
 import clingo
 
 from mars_asp.asp.cases.expectations import Block, blocks_of
-from mars_asp.asp.cases.outcomes import Answer, Check, Outcome, judged, rewritten
+from mars_asp.asp.cases.outcomes import Check, FoundAnswer, Outcome, judged, rewritten
 from mars_asp.asp.fragments import Fragment, able_to_fire, joined, refusals
 from mars_asp.asp.messages import heard, predicate_of, saying
 from mars_asp.asp.rules.arithmetic import telling, wrapped
@@ -141,7 +141,7 @@ def _answers(
     rulebook: Rulebook,
     stages: Collection[str],
     finding: Signature,
-) -> tuple[Answer, ...]:
+) -> tuple[FoundAnswer, ...]:
     """Return the answer sets of a case, least where something is minimised.
 
     Raises:
@@ -204,8 +204,8 @@ def _solved(
     speakers: Sequence[Rule],
     with_costs: bool,
     with_atoms: bool,
-) -> tuple[Answer, ...]:
-    found: dict[tuple[str, ...], Answer] = {}
+) -> tuple[FoundAnswer, ...]:
+    found: dict[tuple[str, ...], FoundAnswer] = {}
 
     def keep(model: clingo.Model) -> None:
         if model.cost and not model.optimality_proven:
@@ -218,7 +218,7 @@ def _solved(
         key = tuple(sorted(compared))
         kept = tuple(_asked(atoms)) if with_atoms else ()
         # Where atoms are looked for, answer sets that agree in what is compared differ in others.
-        found[(*key, *sorted(map(str, kept)))] = Answer(key, kept, frozenset(said), cost)
+        found[(*key, *sorted(map(str, kept)))] = FoundAnswer(key, kept, frozenset(said), cost)
 
     control.solve(on_model=keep)
     return tuple(found[key] for key in sorted(found))

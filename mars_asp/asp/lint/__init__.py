@@ -11,14 +11,14 @@ from mars_asp.asp.lint.aggregates import wrong_aggregates
 from mars_asp.asp.lint.allow import allowed
 from mars_asp.asp.lint.arithmetic import risks
 from mars_asp.asp.lint.bodies import wrong_bodies
-from mars_asp.asp.lint.clauses import Atom, Clause, clauses_of, name_of
+from mars_asp.asp.lint.clauses import Clause, ClauseAtom, clauses_of, name_of
 from mars_asp.asp.lint.copies import superfluous
-from mars_asp.asp.lint.found import Found
-from mars_asp.asp.lint.graph import Dependencies
+from mars_asp.asp.lint.found import LintFinding
+from mars_asp.asp.lint.graph import PredicateGraph
 from mars_asp.asp.lint.joins import paired
 from mars_asp.asp.lint.keys import apart_by_keys
 from mars_asp.asp.lint.messages import (
-    Functions,
+    MessageFunctions,
     missing_examples,
     open_messages,
     rival_messages,
@@ -29,7 +29,7 @@ from mars_asp.asp.lint.predicates import documented_in_vain, undefined, unfounde
 from mars_asp.asp.lint.recursion import wrong_recursion
 from mars_asp.asp.lint.roles import described_anew, out_of_place, unplaced
 from mars_asp.asp.lint.sorts import mixed_units, wrong_values
-from mars_asp.asp.lint.values import Form, Known
+from mars_asp.asp.lint.values import Form, KnownValue
 from mars_asp.asp.lint.variables import single_variables
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -64,7 +64,7 @@ class Host:
     placing: Mapping[Signature, frozenset[Signature]] = field(default_factory=dict)
 
 
-def lint(rulebook: Rulebook, host: Host) -> tuple[Found, ...]:
+def lint(rulebook: Rulebook, host: Host) -> tuple[LintFinding, ...]:
     """Return what is noteworthy about the rules of packs, or of all rules where there are none.
 
     Findings that a rule allows are left out; in the order of their places.
@@ -83,16 +83,16 @@ def lint(rulebook: Rulebook, host: Host) -> tuple[Found, ...]:
     return tuple(sorted(told, key=lambda each: (each.diagnostic.span, each.diagnostic.code)))
 
 
-def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Iterator[Found]:
+def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Iterator[LintFinding]:
     """Yield what is noteworthy about the rules from the number `begin` on."""
     read = clauses_of(rules)
     clauses = [clause for number in range(len(rules)) for clause in read[number]]
     after = sum(len(read[number]) for number in range(begin))
     judged = frozenset(range(after, len(clauses)))
     declared, replaced = rulebook.declarations, rulebook.replaced
-    known = Known(clauses, declared, host.forms, replaced, host.kinds)
-    circle = Dependencies(clauses).circle
-    functions = Functions(clauses, declared)
+    known = KnownValue(clauses, declared, host.forms, replaced, host.kinds)
+    circle = PredicateGraph(clauses).circle
+    functions = MessageFunctions(clauses, declared)
     reported = frozenset({host.finding} if host.finding else ())
     is_large = partial(_is_large, known=known, things=host.things)
     said: set[tuple[str, str]] = set()
@@ -167,7 +167,7 @@ def _public(rulebook: Rulebook) -> set[Signature]:
     return found
 
 
-def _is_large(atom: Atom, known: Known, things: frozenset[str]) -> bool:
+def _is_large(atom: ClauseAtom, known: KnownValue, things: frozenset[str]) -> bool:
     """Whether an atom may hold of very many values: a variable in it is one of many things."""
     return any(
         values is not None and name_of(term) and any(each.sort in things for each in values)

@@ -3,14 +3,14 @@
 from collections.abc import Iterator
 
 from mars_asp.asp.lint.clauses import Aggregate, Clause, Element, name_of
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.trees import Kind, below, names_in
 
 AGGREGATE = "rule-aggregate"
 _SUMS = ("sum", "sum+")
 
 
-def wrong_aggregates(clause: Clause) -> Iterator[Found]:
+def wrong_aggregates(clause: Clause) -> Iterator[LintFinding]:
     """Yield the elements of aggregates in which equal tuples count once, by accident."""
     yield from _fixed_choice(clause)
     for number, aggregate in enumerate(clause.aggregates):
@@ -32,7 +32,7 @@ def wrong_aggregates(clause: Clause) -> Iterator[Found]:
                 yield found(AGGREGATE, message, clause.place(guard), clause.rule, advice)
 
 
-def _fixed_choice(clause: Clause) -> Iterator[Found]:
+def _fixed_choice(clause: Clause) -> Iterator[LintFinding]:
     """Yield a choice between the instances of one atom, all variables of which the body binds."""
     if clause.sort != "choice" or len(clause.heads) != 1:
         return
@@ -64,7 +64,7 @@ def _is_bound_elsewhere(clause: Clause, name: str, others: tuple[Aggregate, ...]
 
 def _element(
     clause: Clause, aggregate: Aggregate, element: Element, bound: frozenset[str]
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     first, *rest = element.terms
     counted = [first, *rest] if aggregate.function not in _SUMS else rest
     place = clause.place(first)

@@ -3,14 +3,14 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from mars_asp.asp.lint.catalogue import CODES
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.spelling import nearest
 
 ALLOW = "rule-allow"
 
 
-def allowed(rules: Iterable[Rule], told: Sequence[Found]) -> Iterator[Found]:
+def allowed(rules: Iterable[Rule], told: Sequence[LintFinding]) -> Iterator[LintFinding]:
     """Yield what is found but for what rules allow, and what is wrong with lines that allow."""
     owners = {rule.span: rule for rule in rules if rule.listed is None}
     used: set[tuple[object, str]] = set()

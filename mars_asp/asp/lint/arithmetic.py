@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Set
 
 from mars_asp.asp.lint.clauses import Clause, clauses_of, name_of, number_of, placed
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
     Number,
@@ -24,7 +24,9 @@ _BOUNDING = {"<": -1, "<=": 0, "=": 0}
 _TURNED = {">": "<", ">=": "<=", "=": "="}
 
 
-def risks(rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]) -> Iterator[Found]:
+def risks(
+    rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]
+) -> Iterator[LintFinding]:
     """Yield what rules compute that may not fit: products, and sums of numbers a user states.
 
     `unbounded` are the positions from 0 of such numbers in the predicates that hold them, given.

@@ -5,15 +5,15 @@ from collections.abc import Iterator, Sequence, Set
 
 from mars_asp.asp.lint.clauses import (
     Aggregate,
-    Atom,
     Clause,
+    ClauseAtom,
+    ClauseScope,
     Comparison,
-    Scope,
     kind_of,
 )
-from mars_asp.asp.lint.found import Fix, Found, found
+from mars_asp.asp.lint.found import Fix, LintFinding, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, guarded, never
-from mars_asp.asp.rules.trees import Kind, Node, below
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, below
 from mars_asp.diagnostic import Span
 
 CONTRADICTION, REDUNDANT = "rule-contradiction", "rule-redundant"
@@ -21,10 +21,10 @@ _NEVER = "so the rule never fires: leave out one of the two"
 _INNER = "so nothing is in it: leave out one of the two"
 
 
-def wrong_bodies(clause: Clause, replaced: Set[str]) -> Iterator[Found]:
+def wrong_bodies(clause: Clause, replaced: Set[str]) -> Iterator[LintFinding]:
     """Yield what makes a body never hold, and what says nothing in it."""
     bounds = [each for at, one in enumerate(clause.aggregates) for each in _bounds(at, one)]
-    contradiction = _contradiction(clause, Scope(), clause.body, bounds, replaced)
+    contradiction = _contradiction(clause, ClauseScope(), clause.body, bounds, replaced)
     if contradiction is not None:
         yield contradiction
     else:
@@ -39,14 +39,14 @@ def wrong_bodies(clause: Clause, replaced: Set[str]) -> Iterator[Found]:
 
 def _contradiction(
     clause: Clause,
-    outer: Scope,
-    inner: Scope,
+    outer: ClauseScope,
+    inner: ClauseScope,
     bounds: Sequence[Compared],
     replaced: Set[str],
-) -> Found | None:
-    advice = _NEVER if outer == Scope() else _INNER
+) -> LintFinding | None:
+    advice = _NEVER if outer == ClauseScope() else _INNER
     atoms = (*outer.atoms, *inner.atoms)
-    alike: dict[str, list[Atom]] = {}
+    alike: dict[str, list[ClauseAtom]] = {}
     for atom in atoms:
         alike.setdefault(atom.signature.name, []).append(atom)
     for one in inner.atoms if len(alike) < len(atoms) else ():
@@ -84,7 +84,7 @@ def _contradiction(
     return found(CONTRADICTION, message, clause.place(places[-1]), clause.rule, advice)
 
 
-def _exclude(one: Atom, other: Atom) -> bool:
+def _exclude(one: ClauseAtom, other: ClauseAtom) -> bool:
     """Whether the first, which is not negated, and another are never true together."""
     if one.signature[:2] != other.signature[:2] or one is other:
         return False
@@ -99,7 +99,7 @@ def _exclude(one: Atom, other: Atom) -> bool:
     )
 
 
-def _bare(term: Node) -> set[str]:
+def _bare(term: SyntaxNode) -> set[str]:
     """Return the variables of a term, with `_` among them where it has such."""
     return {each.name for each in below(term) if each.ast_type is Kind.Variable}
 
@@ -114,7 +114,9 @@ def _bounds(number: int, aggregate: Aggregate) -> Iterator[Compared]:
         yield Compared("", "<=", name, 0)
 
 
-def _needless(clause: Clause, bounds: Sequence[Compared], replaced: Set[str]) -> Iterator[Found]:
+def _needless(
+    clause: Clause, bounds: Sequence[Compared], replaced: Set[str]
+) -> Iterator[LintFinding]:
     """Yield the comparisons that hold anyway."""
     own = clause.body.comparisons
     constants = constants_in(own, replaced)
@@ -167,13 +169,13 @@ def _turned(each: Compared) -> Compared:
     return each._replace(sign=_DENIED[each.sign])
 
 
-def _repeated(clause: Clause) -> Iterator[Found]:
+def _repeated(clause: Clause) -> Iterator[LintFinding]:
     """Yield the literals that stand twice in a body, an element or a condition."""
     for literals in (
         clause.node.body,
         *(element.node.condition for each in clause.aggregates for element in each.elements),
     ):
-        seen: dict[str, Node] = {}
+        seen: dict[str, SyntaxNode] = {}
         kinds = Counter(map(kind_of, literals))
         for literal in literals if len(kinds) < len(literals) else ():
             if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.Comparison:
@@ -188,7 +190,7 @@ def _repeated(clause: Clause) -> Iterator[Found]:
                 yield found(REDUNDANT, message, place, clause.rule, "leave it out", fixes)
 
 
-def _without(clause: Clause, literal: Node) -> tuple[Fix, ...]:
+def _without(clause: Clause, literal: SyntaxNode) -> tuple[Fix, ...]:
     """Return how a literal is taken out of a body, with what separates it from the one before."""
     body = list(clause.node.body)
     if literal not in body or body.index(literal) == 0:
@@ -200,7 +202,7 @@ def _without(clause: Clause, literal: Node) -> tuple[Fix, ...]:
     return (Fix(span, ""),)
 
 
-def _circular(clause: Clause) -> Iterator[Found]:
+def _circular(clause: Clause) -> Iterator[LintFinding]:
     """Yield a rule whose head is one of its own premises."""
     if clause.sort != "rule":
         return

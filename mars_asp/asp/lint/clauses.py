@@ -9,7 +9,7 @@ from clingo import SymbolType
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import places, sign_and_function, variants
-from mars_asp.asp.rules.trees import Kind, Node, names_in
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, names_in
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span, point
 
@@ -26,16 +26,16 @@ _OPERATIONS = ("^", "?", "&", "+", "-", "*", "/", "\\", "**")
 Sort: TypeAlias = Literal["rule", "choice", "disjunction", "constraint", "other"]
 
 
-class Atom(NamedTuple):
+class ClauseAtom(NamedTuple):
     """A literal of a predicate; `sign` is how often it is negated by `not`, 0 to 2.
 
     `named` are those of its arguments that are variables: positions from 0, and names.
     """
 
     signature: Signature
-    terms: tuple[Node, ...]
+    terms: tuple[SyntaxNode, ...]
     sign: int
-    node: Node
+    node: SyntaxNode
     named: tuple[tuple[int, str], ...]
 
     @property
@@ -49,10 +49,10 @@ class Atom(NamedTuple):
 class Comparison(NamedTuple):
     """Two terms compared; `not X < Y` is `X >= Y`."""
 
-    left: Node
+    left: SyntaxNode
     sign: str
-    right: Node
-    node: Node
+    right: SyntaxNode
+    node: SyntaxNode
 
     @property
     def text(self) -> str:
@@ -60,39 +60,39 @@ class Comparison(NamedTuple):
         return f"{self.left!s} {self.sign} {self.right!s}"
 
 
-class Scope(NamedTuple):
+class ClauseScope(NamedTuple):
     """Literals that hold together; of the atoms, those `positive` are not negated."""
 
-    atoms: tuple[Atom, ...] = ()
+    atoms: tuple[ClauseAtom, ...] = ()
     comparisons: tuple[Comparison, ...] = ()
     #: Whatever else there is, such as `#false`.
-    others: tuple[Node, ...] = ()
-    positive: tuple[Atom, ...] = ()
+    others: tuple[SyntaxNode, ...] = ()
+    positive: tuple[ClauseAtom, ...] = ()
 
 
 class Element(NamedTuple):
     """An element of an aggregate: what is counted, and where it counts."""
 
-    terms: tuple[Node, ...]
-    scope: Scope
-    node: Node
+    terms: tuple[SyntaxNode, ...]
+    scope: ClauseScope
+    node: SyntaxNode
 
 
 class Aggregate(NamedTuple):
     """An aggregate in a body: `function` is `set` for `{ ... }`; guards stand to its left."""
 
     function: str
-    guards: tuple[tuple[str, Node], ...]
+    guards: tuple[tuple[str, SyntaxNode], ...]
     elements: tuple[Element, ...]
     sign: int
-    node: Node
+    node: SyntaxNode
 
 
 class Conditional(NamedTuple):
     """A literal that has to hold wherever its condition does."""
 
-    literal: Scope
-    condition: Scope
+    literal: ClauseScope
+    condition: ClauseScope
 
 
 @dataclass(frozen=True)
@@ -100,10 +100,10 @@ class Clause:
     """A rule, without its pools: one for each way to read them."""
 
     rule: Rule
-    node: Node
+    node: SyntaxNode
     sort: Sort
-    heads: tuple[tuple[Atom, Scope], ...]
-    body: Scope
+    heads: tuple[tuple[ClauseAtom, ClauseScope], ...]
+    body: ClauseScope
     aggregates: tuple[Aggregate, ...]
     conditionals: tuple[Conditional, ...]
 
@@ -132,14 +132,14 @@ class Clause:
         return frozenset(map(kind_of, self.node.body))
 
     @property
-    def scopes(self) -> Iterator[Scope]:
+    def scopes(self) -> Iterator[ClauseScope]:
         """Yield the literals of the body, and with them those of each element and condition."""
         yield self.body
         for inner in self.inner:
             yield joined(self.body, inner)
 
     @cached_property
-    def inner(self) -> tuple[Scope, ...]:
+    def inner(self) -> tuple[ClauseScope, ...]:
         """Return the literals of elements and conditions."""
         return (
             *(element.scope for each in self.aggregates for element in each.elements),
@@ -148,18 +148,18 @@ class Clause:
         )
 
     @cached_property
-    def read(self) -> tuple[Atom, ...]:
+    def read(self) -> tuple[ClauseAtom, ...]:
         """Return all atoms but heads."""
         inner = (*self.inner, *(each.literal for each in self.conditionals))
         return (*self.body.atoms, *(atom for scope in inner for atom in scope.atoms))
 
-    def place(self, node: Node) -> Span:
+    def place(self, node: SyntaxNode) -> Span:
         """Return where a node begins in its file; a rule that metadata stands for is there."""
         if self.rule.listed is not None:
             return self.rule.listed
         return placed(self.rule, places(self.rule.text)(node))
 
-    def span(self, node: Node) -> Span | None:
+    def span(self, node: SyntaxNode) -> Span | None:
         """Return where a node is in its file, so that it can be replaced."""
         if self.rule.listed is not None:
             return None
@@ -175,9 +175,9 @@ def placed(rule: Rule, place: tuple[int, int]) -> Span:
     return point(begin.path, begin.line + line - 1, column + (begin.column - 1) * (line == 1))
 
 
-def joined(one: Scope, other: Scope) -> Scope:
+def joined(one: ClauseScope, other: ClauseScope) -> ClauseScope:
     """Return the literals of two scopes."""
-    return Scope(
+    return ClauseScope(
         one.atoms + other.atoms,
         one.comparisons + other.comparisons,
         one.others + other.others,
@@ -196,7 +196,7 @@ def clauses_of(rules: Iterable[Rule]) -> dict[int, tuple[Clause, ...]]:
 # ---- Terms ---------------------------------------------------------------------------------------
 
 
-def name_of(term: Node) -> str | None:
+def name_of(term: SyntaxNode) -> str | None:
     """Return the name of a variable, but for `_`; `None` for other terms."""
     if term.ast_type is Kind.Variable and term.name != "_":
         name: str = term.name
@@ -204,7 +204,7 @@ def name_of(term: Node) -> str | None:
     return None
 
 
-def is_constant(term: Node) -> bool:
+def is_constant(term: SyntaxNode) -> bool:
     """Whether a term is one value."""
     kind = term.ast_type
     return kind is Kind.SymbolicTerm or (
@@ -212,7 +212,7 @@ def is_constant(term: Node) -> bool:
     )
 
 
-def number_of(term: Node) -> int | None:
+def number_of(term: SyntaxNode) -> int | None:
     """Return the number that a term is, if it is one."""
     if term.ast_type is Kind.SymbolicTerm and term.symbol.type == SymbolType.Number:
         number: int = term.symbol.number
@@ -226,13 +226,13 @@ def number_of(term: Node) -> int | None:
     return None
 
 
-def operation_of(term: Node) -> str | None:
+def operation_of(term: SyntaxNode) -> str | None:
     """Return the sign of the operation that a term is, if it is one."""
     kind = term.ast_type
     return _OPERATIONS[term.operator_type] if kind is Kind.BinaryOperation else None
 
 
-def kind_of(literal: Node) -> tuple[object, ...]:
+def kind_of(literal: SyntaxNode) -> tuple[object, ...]:
     """Return what two literals must have in common to match."""
     if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.SymbolicAtom:
         symbol = literal.atom.symbol
@@ -244,7 +244,7 @@ def kind_of(literal: Node) -> tuple[object, ...]:
 # ---- Reading -------------------------------------------------------------------------------------
 
 
-def _clause(rule: Rule, node: Node) -> Clause:
+def _clause(rule: Rule, node: SyntaxNode) -> Clause:
     sort, heads = _heads(node.head)
     plain, aggregates, conditionals = [], [], []
     for literal in node.body:
@@ -261,11 +261,11 @@ def _clause(rule: Rule, node: Node) -> Clause:
     )
 
 
-def _heads(head: Node) -> tuple[Sort, list[tuple[Atom, Scope]]]:
+def _heads(head: SyntaxNode) -> tuple[Sort, list[tuple[ClauseAtom, ClauseScope]]]:
     kind = head.ast_type
     if kind is Kind.Literal:
         if head.atom.ast_type is Kind.SymbolicAtom:
-            return ("rule" if head.sign == 0 else "other"), [(_atom(head), Scope())]
+            return ("rule" if head.sign == 0 else "other"), [(_atom(head), ClauseScope())]
         return ("constraint" if str(head) == "#false" else "other"), []
     if kind not in (Kind.Aggregate, Kind.HeadAggregate, Kind.Disjunction):
         return "other", []
@@ -280,7 +280,7 @@ def _heads(head: Node) -> tuple[Sort, list[tuple[Atom, Scope]]]:
     return ("disjunction" if kind is Kind.Disjunction else "choice"), found
 
 
-def _aggregate(literal: Node) -> Aggregate:
+def _aggregate(literal: SyntaxNode) -> Aggregate:
     atom = literal.atom
     guards = []
     if atom.left_guard is not None:
@@ -301,10 +301,10 @@ def _aggregate(literal: Node) -> Aggregate:
     return Aggregate(function, tuple(guards), elements, literal.sign, literal)
 
 
-def _scope(literals: Iterable[Node]) -> Scope:
-    atoms: list[Atom] = []
+def _scope(literals: Iterable[SyntaxNode]) -> ClauseScope:
+    atoms: list[ClauseAtom] = []
     comparisons: list[Comparison] = []
-    others: list[Node] = []
+    others: list[SyntaxNode] = []
     for literal in literals:
         kind = literal.atom.ast_type if literal.ast_type is Kind.Literal else None
         if kind is Kind.SymbolicAtom:
@@ -314,18 +314,18 @@ def _scope(literals: Iterable[Node]) -> Scope:
         else:
             others.append(literal)
     positive = tuple([atom for atom in atoms if atom.sign == 0])
-    return Scope(tuple(atoms), tuple(comparisons), tuple(others), positive)
+    return ClauseScope(tuple(atoms), tuple(comparisons), tuple(others), positive)
 
 
-def _atom(literal: Node) -> Atom:
+def _atom(literal: SyntaxNode) -> ClauseAtom:
     minus, symbol = sign_and_function(literal.atom.symbol)
     terms = symbol.arguments
     named = [(at, name) for at, term in enumerate(terms) if (name := name_of(term)) is not None]
     signature = Signature(symbol.name, len(terms), not minus)
-    return Atom(signature, terms, literal.sign, literal, tuple(named))
+    return ClauseAtom(signature, terms, literal.sign, literal, tuple(named))
 
 
-def _comparisons(literal: Node) -> Iterator[Comparison]:
+def _comparisons(literal: SyntaxNode) -> Iterator[Comparison]:
     left = literal.atom.term
     guards = literal.atom.guards
     if literal.sign == 1 and len(guards) > 1:

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from mars_asp.asp.lint.clauses import Clause, kind_of
-from mars_asp.asp.lint.found import Found, found
-from mars_asp.asp.rules.trees import Kind, Node, below
+from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, below
 
 DUPLICATE, SUBSUMED = "rule-duplicate", "rule-subsumed"
 _Binding = dict[str, str]
@@ -23,7 +23,7 @@ _About: TypeAlias = tuple[object, ...]
 _MOST = 2000
 
 
-def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[Found]:
+def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[LintFinding]:
     """Yield the rules of which all follows from another one; `judged` are those looked at."""
     plain = [
         (number, clause)
@@ -96,7 +96,7 @@ def _about(clause: Clause) -> _About:
     return clause.sort, head.signature, name
 
 
-def _compared(clauses: Sequence[Clause], number: int, other: int) -> Found | None:
+def _compared(clauses: Sequence[Clause], number: int, other: int) -> LintFinding | None:
     own, rival = clauses[number], clauses[other]
     if own.rule is rival.rule or own.rule.stage != rival.rule.stage:
         return None
@@ -129,7 +129,7 @@ def _covers(general: Clause, special: Clause) -> bool:
 
 
 def _all_match(
-    wanted: Sequence[Node], given: Sequence[Node], binding: _Binding, tries: list[int]
+    wanted: Sequence[SyntaxNode], given: Sequence[SyntaxNode], binding: _Binding, tries: list[int]
 ) -> bool:
     if not wanted:
         return True
@@ -144,7 +144,7 @@ def _all_match(
     return False
 
 
-def _match(general: Node, special: Node, binding: _Binding) -> _Binding | None:
+def _match(general: SyntaxNode, special: SyntaxNode, binding: _Binding) -> _Binding | None:
     """Return what the variables of one tree have to be for it to be another."""
     if general.ast_type is Kind.Variable:
         text = str(special)
@@ -168,6 +168,6 @@ def _match(general: Node, special: Node, binding: _Binding) -> _Binding | None:
     return binding
 
 
-def _own(node: Node) -> list[object]:
+def _own(node: SyntaxNode) -> list[object]:
     """Return what a node says by itself."""
     return [v for name, v in vars(node).items() if name[0] != "_" and isinstance(v, str | int)]

@@ -21,7 +21,7 @@ def titled(fixes: Iterable[Fix]) -> str:
     return f"write {written}" if written else "leave it out"
 
 
-class Found(NamedTuple):
+class LintFinding(NamedTuple):
     """A diagnostic about a rule, or about a file where there is none."""
 
     diagnostic: Diagnostic
@@ -38,12 +38,12 @@ def found(
     fixes: tuple[Fix, ...] = (),
     labels: tuple[tuple[Span, str], ...] = (),
     severity: Severity = "warning",
-) -> Found:
+) -> LintFinding:
     """Return what is said of a rule."""
-    return Found(Diagnostic(code, severity, message, place, labels, advice), rule, fixes)
+    return LintFinding(Diagnostic(code, severity, message, place, labels, advice), rule, fixes)
 
 
-def fixed(text: str, path: str, lints: Iterable[Found]) -> tuple[str, int]:
+def fixed(text: str, path: str, lints: Iterable[LintFinding]) -> tuple[str, int]:
     """Return the text of a file with the fixes of what was found, and of how many findings.
 
     Where two fixes are about one stretch, the first counts.

@@ -7,7 +7,7 @@ from mars_asp.asp.lint.clauses import Clause
 from mars_asp.asp.signature import Signature
 
 
-class Dependencies:
+class PredicateGraph:
     """The predicates that heads rest on; signs of classical negation tell two apart."""
 
     def __init__(self, clauses: Iterable[Clause]) -> None:

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from mars_asp.asp.lint.clauses import Aggregate, Atom, Clause, Comparison, name_of
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.clauses import Aggregate, Clause, ClauseAtom, Comparison, name_of
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.trees import names_in
 
 JOIN = "rule-join"
 
 
-def paired(clause: Clause, is_large: Callable[[Atom], bool]) -> Iterator[Found]:
+def paired(clause: Clause, is_large: Callable[[ClauseAtom], bool]) -> Iterator[LintFinding]:
     """Yield the premises of a body, or of an element or condition, that nothing joins."""
     yield from _apart(
         clause, clause.body.positive, clause.body.comparisons, clause.aggregates, is_large
@@ -22,11 +22,11 @@ def paired(clause: Clause, is_large: Callable[[Atom], bool]) -> Iterator[Found]:
 
 def _apart(
     clause: Clause,
-    atoms: Sequence[Atom],
+    atoms: Sequence[ClauseAtom],
     comparisons: Sequence[Comparison],
     aggregates: Sequence[Aggregate],
-    is_large: Callable[[Atom], bool],
-) -> Iterator[Found]:
+    is_large: Callable[[ClauseAtom], bool],
+) -> Iterator[LintFinding]:
     if len(atoms) < 2:
         return
     group: dict[str, str] = {}
@@ -57,7 +57,7 @@ def _apart(
             if sign == "=":
                 inside = frozenset().union(*(names_in(one.node) for one in aggregate.elements))
                 join(names_in(guard) | (inside & clause.bound))
-    first: dict[str, Atom] = {}
+    first: dict[str, ClauseAtom] = {}
     for atom in atoms:
         names = names_in(atom.node)
         if names and is_large(atom):

@@ -4,19 +4,26 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from itertools import combinations
 
 from mars_asp.asp.lint.bodies import CONTRADICTION
-from mars_asp.asp.lint.clauses import Atom, Clause, Comparison, Scope, is_constant, joined
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.clauses import (
+    Clause,
+    ClauseAtom,
+    ClauseScope,
+    Comparison,
+    is_constant,
+    joined,
+)
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, never, parted
 from mars_asp.asp.rules.declarations import Declaration
-from mars_asp.asp.rules.trees import Node
+from mars_asp.asp.rules.trees import SyntaxNode
 from mars_asp.asp.signature import Signature
 
 
 def apart_by_keys(
     clause: Clause, declared: Mapping[Signature, Declaration], replaced: Set[str]
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield what never holds as a predicate holds once for each value of its key."""
-    first = _apart(clause, Scope(), clause.body, declared, replaced)
+    first = _apart(clause, ClauseScope(), clause.body, declared, replaced)
     if first is not None:
         yield first
         return
@@ -28,11 +35,11 @@ def apart_by_keys(
 
 def _apart(
     clause: Clause,
-    outer: Scope,
-    inner: Scope,
+    outer: ClauseScope,
+    inner: ClauseScope,
     declared: Mapping[Signature, Declaration],
     replaced: Set[str],
-) -> Found | None:
+) -> LintFinding | None:
     scope = joined(outer, inner)
     for one, other in combinations(scope.positive, 2):
         declaration = declared.get(one.signature)
@@ -59,12 +66,14 @@ def _apart(
     return None
 
 
-def _is_one(one: Atom, other: Atom, key: Sequence[int]) -> bool:
+def _is_one(one: ClauseAtom, other: ClauseAtom, key: Sequence[int]) -> bool:
     keys = [(str(one.terms[at]), str(other.terms[at])) for at in key]
     return all(left == right and left != "_" for left, right in keys)
 
 
-def _unlike(one: Atom, other: Atom, comparisons: Sequence[Comparison], replaced: Set[str]) -> str:
+def _unlike(
+    one: ClauseAtom, other: ClauseAtom, comparisons: Sequence[Comparison], replaced: Set[str]
+) -> str:
     """Return the comparisons that two atoms of one fact contradict, `-` where they do it alone."""
     pairs = [
         (left, right)
@@ -88,6 +97,6 @@ def _unlike(one: Atom, other: Atom, comparisons: Sequence[Comparison], replaced:
     return " and ".join(f"`{each.text}`" for each in least)
 
 
-def _are_two(left: Node, right: Node, replaced: Set[str]) -> bool:
+def _are_two(left: SyntaxNode, right: SyntaxNode, replaced: Set[str]) -> bool:
     both = {str(left), str(right)}
     return is_constant(left) and is_constant(right) and both.isdisjoint(replaced)

@@ -4,9 +4,9 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from functools import partial
 
-from mars_asp.asp.lint.clauses import Atom, Clause, is_constant
-from mars_asp.asp.lint.found import Found, found
-from mars_asp.asp.lint.values import Known, Value
+from mars_asp.asp.lint.clauses import Clause, ClauseAtom, is_constant
+from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.lint.values import KnownValue, Value
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.rule import HOLE, Rule
 from mars_asp.asp.rules.trees import names_in
@@ -18,8 +18,8 @@ _VARIABLE = re.compile(r'"(?:\\.|[^"\\])*"|(?<!\w)_*[A-Z]\w*\'*')
 
 
 def open_messages(
-    clause: Clause, reported: frozenset[Signature], functions: "Functions"
-) -> Iterator[Found]:
+    clause: Clause, reported: frozenset[Signature], functions: "MessageFunctions"
+) -> Iterator[LintFinding]:
     """Yield the holes in the message of a finding that two derivations of it may fill unlike."""
     rule = clause.rule
     if rule.because is None or clause.sort != "rule":
@@ -37,7 +37,7 @@ def open_messages(
 
 def rival_messages(
     clauses: Sequence[Clause], judged: Set[int], reported: frozenset[Signature]
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield the rules that give a finding another message than an earlier rule gives to it.
 
     Whether two bodies hold together is not known: such as ask for different constants, negate what
@@ -85,18 +85,18 @@ def _are_apart(one: Clause, other: Clause) -> bool:
     )
 
 
-def _constants(atom: Atom) -> list[str]:
+def _constants(atom: ClauseAtom) -> list[str]:
     return [str(term) if is_constant(term) else "" for term in atom.terms]
 
 
-class Functions:
+class MessageFunctions:
     """Which arguments of predicates settle which others."""
 
     def __init__(
         self, clauses: Sequence[Clause], declared: Mapping[Signature, Declaration]
     ) -> None:
         self._keys = {s: d.keys for s, d in declared.items() if d.keys}
-        self._rules: dict[Signature, list[tuple[Clause, Atom]]] = {}
+        self._rules: dict[Signature, list[tuple[Clause, ClauseAtom]]] = {}
         for clause in clauses:
             for head, condition in clause.heads:
                 whole = clause.sort == "rule" and not condition.atoms
@@ -124,7 +124,7 @@ class Functions:
                 return known
             known = more
 
-    def _by_atom(self, atom: Atom, known: frozenset[str]) -> frozenset[str]:
+    def _by_atom(self, atom: ClauseAtom, known: frozenset[str]) -> frozenset[str]:
         given = frozenset(at for at, term in enumerate(atom.terms) if self._is_known(term, known))
         if len(given) == len(atom.terms):
             return frozenset()
@@ -156,14 +156,14 @@ class Functions:
                 self._settled[asked] = every
         return self._settled[asked]
 
-    def _is_table(self, rules: Sequence[tuple[Clause, Atom]], given: frozenset[int]) -> bool:
+    def _is_table(self, rules: Sequence[tuple[Clause, ClauseAtom]], given: frozenset[int]) -> bool:
         """Whether facts list what belongs together, each of what is given once."""
         rows = [tuple(str(head.terms[at]) for at in sorted(given)) for _, head in rules]
         plain = all(not clause.node.body and not names_in(head.node) for clause, head in rules)
         return plain and bool(given) and len(set(rows)) == len(rows)
 
 
-def wrong_holes(clause: Clause, known: Known, things: Set[str]) -> Iterator[Found]:
+def wrong_holes(clause: Clause, known: KnownValue, things: Set[str]) -> Iterator[LintFinding]:
     """Yield the holes that are to be written in the unit of another sort than they have.
 
     And those of which the value is a number that stands for one of the `things`, and braces that do
@@ -191,7 +191,7 @@ def wrong_holes(clause: Clause, known: Known, things: Set[str]) -> Iterator[Foun
             yield found(HOLES, message, rule.place_of(key), rule, "write `{Variable}`")
 
 
-def missing_examples(rule: Rule, exists: Callable[[Rule], bool]) -> Iterator[Found]:
+def missing_examples(rule: Rule, exists: Callable[[Rule], bool]) -> Iterator[LintFinding]:
     """Yield an example of a rule that is the path of no file."""
     if rule.example is not None and not exists(rule):
         message = f"the example `{rule.example}` is not a file"

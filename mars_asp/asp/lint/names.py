@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from mars_asp.asp.lint.clauses import placed
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import defined_at
@@ -14,7 +14,7 @@ from mars_asp.diagnostic import Span, point
 NAME = "rule-name"
 
 
-def shared_names(rulebook: Rulebook) -> Iterator[Found]:
+def shared_names(rulebook: Rulebook) -> Iterator[LintFinding]:
     """Yield the predicates that share their name with an earlier one of other arity.
 
     Who reads one of them takes it for the other, and a forgotten argument shows nowhere. Of the

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Set
 from typing import NamedTuple
 
 from mars_asp.asp.lint.clauses import Comparison, is_constant, number_of, operation_of
-from mars_asp.asp.rules.trees import Node
+from mars_asp.asp.rules.trees import SyntaxNode
 
 #: The base of plain numbers.
 _ZERO = ""
@@ -30,7 +30,7 @@ def compared(comparison: Comparison) -> Compared:
     return Compared(left, comparison.sign, right, one - other)
 
 
-def guarded(name: str, sign: str, term: Node) -> Compared:
+def guarded(name: str, sign: str, term: SyntaxNode) -> Compared:
     """Return the comparison of a term, which is to the left, with what has a name."""
     base, plus = parted(term)
     return Compared(base, sign, name, plus)
@@ -61,7 +61,7 @@ def constants_in(comparisons: Iterable[Comparison], replaced: Set[str]) -> froze
     )
 
 
-def parted(term: Node) -> tuple[str, int]:
+def parted(term: SyntaxNode) -> tuple[str, int]:
     """Return the base of a term, and the number that is added to it."""
     number = number_of(term)
     if number is not None:

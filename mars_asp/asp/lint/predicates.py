@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import Clause
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
@@ -16,7 +16,7 @@ def unused(
     judged: Set[int],
     public: Set[Signature],
     circle: Mapping[Signature, int],
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield the predicates that some rules derive and nothing reads, each once.
 
     `judged` are the numbers of the clauses that are looked at; all read. `public` are predicates
@@ -49,7 +49,7 @@ def unused(
 
 def unfounded(
     clauses: Sequence[Clause], judged: Set[int], circle: Mapping[Signature, int]
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield the predicates that are derived from each other alone, so that none ever holds."""
     rules: dict[Signature, list[int]] = {}
     for number, clause in enumerate(clauses):
@@ -95,7 +95,7 @@ def _begins(
 
 def documented_in_vain(
     clauses: Sequence[Clause], own: Sequence[Declaration], given: Set[Signature]
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield what is documented though nothing gives, declares or derives it."""
     known = {head.signature.unsigned for clause in clauses for head, _ in clause.heads} | given
     for each in own:
@@ -114,7 +114,7 @@ def undefined(
     declared: Mapping[Signature, Span],
     documented: Set[Signature],
     attributes: Set[Signature],
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield what is declared by `#defined` though nothing reads it, or constraints alone do.
 
     `declared` says where that is, `documented` are predicates that somebody gives, `attributes`

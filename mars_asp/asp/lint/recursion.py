@@ -3,22 +3,22 @@
 from collections.abc import Iterator, Mapping
 
 from mars_asp.asp.lint.clauses import (
-    Atom,
     Clause,
+    ClauseAtom,
     is_constant,
     name_of,
     number_of,
     operation_of,
 )
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.lint.orders import parted
-from mars_asp.asp.rules.trees import Kind, Node, names_in
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, names_in
 from mars_asp.asp.signature import Signature
 
 RECURSION, NEGATION = "rule-recursion", "rule-negation"
 
 
-def wrong_recursion(clause: Clause, circle: Mapping[Signature, int]) -> Iterator[Found]:
+def wrong_recursion(clause: Clause, circle: Mapping[Signature, int]) -> Iterator[LintFinding]:
     """Yield the heads of a rule that grow with each turn, and what negates itself."""
     for head, condition in clause.heads:
         number = circle.get(head.signature)
@@ -34,7 +34,7 @@ def wrong_recursion(clause: Clause, circle: Mapping[Signature, int]) -> Iterator
             yield from _growing(clause, head, again, atoms)
 
 
-def _negated(clause: Clause, head: Atom, atom: Atom) -> Found:
+def _negated(clause: Clause, head: ClauseAtom, atom: ClauseAtom) -> LintFinding:
     one, other = head.signature, atom.signature
     itself = "its own negation" if one == other else f"the negation of `{other}`, which rests on it"
     message = f"`{one}` rests on {itself}"
@@ -43,8 +43,8 @@ def _negated(clause: Clause, head: Atom, atom: Atom) -> Found:
 
 
 def _growing(
-    clause: Clause, head: Atom, again: list[Atom], atoms: tuple[Atom, ...]
-) -> Iterator[Found]:
+    clause: Clause, head: ClauseAtom, again: list[ClauseAtom], atoms: tuple[ClauseAtom, ...]
+) -> Iterator[LintFinding]:
     others = [a for a in atoms if a.sign == 0 and a not in again]
     bounded = frozenset[str]().union(*(names_in(a.node) for a in others))
     carried = frozenset[str]().union(*(names_in(a.node) for a in again))
@@ -73,7 +73,7 @@ def _growing(
         yield found(RECURSION, message, clause.place(term), clause.rule, advice)
 
 
-def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, Node]:
+def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, SyntaxNode]:
     """Return the terms that further variables stand for: `Y = X + 1`."""
     return {
         name: term
@@ -87,7 +87,9 @@ def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, Node]:
     }
 
 
-def _is_led(clause: Clause, head: Atom, again: list[Atom], bounded: frozenset[str]) -> bool:
+def _is_led(
+    clause: Clause, head: ClauseAtom, again: list[ClauseAtom], bounded: frozenset[str]
+) -> bool:
     """Whether some argument goes through known values in one direction."""
     ordered = {
         frozenset((str(each.left), str(each.right)))
@@ -107,7 +109,7 @@ def _is_led(clause: Clause, head: Atom, again: list[Atom], bounded: frozenset[st
     return False
 
 
-def _is_counted(clause: Clause, head: Atom, again: list[Atom]) -> bool:
+def _is_counted(clause: Clause, head: ClauseAtom, again: list[ClauseAtom]) -> bool:
     """Whether an argument counts the turns, and a comparison says how many there are."""
     if any(atom.signature != head.signature for atom in again):
         return False
@@ -122,7 +124,7 @@ def _is_counted(clause: Clause, head: Atom, again: list[Atom]) -> bool:
     return False
 
 
-def _shrinks(clause: Clause, head: Atom, carried: frozenset[str]) -> bool:
+def _shrinks(clause: Clause, head: ClauseAtom, carried: frozenset[str]) -> bool:
     """Whether an argument gets less with each turn, and a comparison says how far."""
     compared = frozenset[str]().union(*(names_in(each.node) for each in clause.body.comparisons))
     return any(
@@ -151,7 +153,7 @@ def _limited(clause: Clause, direction: str) -> frozenset[str]:
     return found
 
 
-def _met(again: list[Atom]) -> frozenset[str]:
+def _met(again: list[ClauseAtom]) -> frozenset[str]:
     """Return the variables on which two predicates of the circle have to agree."""
     first: dict[str, Signature] = {}
     found = set()
@@ -162,7 +164,7 @@ def _met(again: list[Atom]) -> frozenset[str]:
     return frozenset(found)
 
 
-def _direction(term: Node, carried: frozenset[str]) -> str | None:
+def _direction(term: SyntaxNode, carried: frozenset[str]) -> str | None:
     """Return where a term leads that is made of what is carried: `+`, `-` or `()`, if anywhere."""
     kind = term.ast_type
     if not names_in(term) & carried:

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import Clause, name_of
-from mars_asp.asp.lint.found import Found, found
-from mars_asp.asp.lint.values import Known, Values
+from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.lint.values import KnownValue, Values
 from mars_asp.asp.rules.declarations import Declaration
-from mars_asp.asp.rules.trees import Kind, Node
+from mars_asp.asp.rules.trees import Kind, SyntaxNode
 from mars_asp.asp.signature import Signature
 
 NONE, SILENT, DEMAND = "rule-none", "rule-silent", "rule-demand"
@@ -17,11 +17,11 @@ _WORDS = frozenset({"none"})
 
 def out_of_place(
     clause: Clause,
-    known: Known,
+    known: KnownValue,
     reported: Set[Signature],
     demanding: Set[str],
     decided: Mapping[str, Set[Signature]],
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield the faults of a rule by itself; no constraint is one without `demanding` stages."""
     yield from words_as_numbers(clause, known)
     yield from silent(clause, reported)
@@ -29,7 +29,7 @@ def out_of_place(
         yield from demands(clause, demanding, decided)
 
 
-def words_as_numbers(clause: Clause, known: Known) -> Iterator[Found]:
+def words_as_numbers(clause: Clause, known: KnownValue) -> Iterator[LintFinding]:
     """Yield the comparisons with a number of a variable that may be `none`."""
     outer = known.environment(clause, clause.body)
     for scope in clause.scopes:
@@ -64,7 +64,7 @@ def _is_number(values: Values) -> bool:
     return bool(values) and all(each.form == "number" for each in values or ())
 
 
-def silent(clause: Clause, reported: Set[Signature]) -> Iterator[Found]:
+def silent(clause: Clause, reported: Set[Signature]) -> Iterator[LintFinding]:
     """Yield the findings that have no message."""
     head = clause.heads[0][0] if clause.heads else None
     if clause.sort == "rule" and head is not None and clause.rule.because is None:
@@ -76,7 +76,7 @@ def silent(clause: Clause, reported: Set[Signature]) -> Iterator[Found]:
 
 def demands(
     clause: Clause, allowed: Set[str], decided: Mapping[str, Set[Signature]]
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield the constraints of stages that only derive, or over nothing that is decided.
 
     `allowed` are stages in which constraints belong, `decided` predicates by stages that choose.
@@ -93,7 +93,7 @@ def demands(
 
 def described_anew(
     own: Iterable[Declaration], given: Mapping[Signature, Declaration]
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield the descriptions of predicates that have one already."""
     for each in own:
         earlier = given.get(each.signature.unsigned)
@@ -106,7 +106,7 @@ def described_anew(
 
 def unplaced(
     clauses: Sequence[Clause], judged: Set[int], placing: Mapping[Signature, Set[Signature]]
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     """Yield the things that are introduced, but that no rule gives a place.
 
     `placing` are, by the predicate that introduces a thing, those that give it a place. The thing
@@ -129,7 +129,7 @@ def unplaced(
                 yield found(UNPLACED, message, clause.place(head.node), clause.rule, advice)
 
 
-def _node_form(term: Node) -> tuple[str, int] | None:
+def _node_form(term: SyntaxNode) -> tuple[str, int] | None:
     """Return the function or constant that a term is; None if it may be any."""
     if term.ast_type is Kind.Function:
         return term.name, len(term.arguments)

@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import (
-    Atom,
     Clause,
+    ClauseAtom,
     Comparison,
     is_constant,
     joined,
@@ -13,10 +13,10 @@ from mars_asp.asp.lint.clauses import (
     number_of,
     operation_of,
 )
-from mars_asp.asp.lint.found import Fix, Found, found
-from mars_asp.asp.lint.values import Environment, Known, Use, Value, Values, differ_in_unit
+from mars_asp.asp.lint.found import Fix, LintFinding, found
+from mars_asp.asp.lint.values import Environment, KnownValue, Use, Value, Values, differ_in_unit
 from mars_asp.asp.rules.declarations import Declaration
-from mars_asp.asp.rules.trees import Kind, Node, below
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, below
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import UNITS, measured
 from mars_asp.spelling import nearest
@@ -30,8 +30,8 @@ _FINE = ("millihertz", "micrometres", "millionths")
 
 
 def wrong_values(
-    clause: Clause, known: Known, names: Mapping[Signature, Declaration]
-) -> Iterator[Found]:
+    clause: Clause, known: KnownValue, names: Mapping[Signature, Declaration]
+) -> Iterator[LintFinding]:
     """Yield the variables of a rule that stand for two things, and values that never are."""
     for head, _ in clause.heads:
         yield from _wrong_constants(clause, head, True, known, names)
@@ -59,8 +59,8 @@ def wrong_values(
 
 
 def _contradictions(
-    clause: Clause, atoms: Sequence[Atom], environment: Environment, known: Known
-) -> Iterator[Found]:
+    clause: Clause, atoms: Sequence[ClauseAtom], environment: Environment, known: KnownValue
+) -> Iterator[LintFinding]:
     for name, values in sorted(environment.items()):
         if values is None or values:
             continue
@@ -75,7 +75,7 @@ def _contradictions(
             first = use if first is None else Use(first.atom, both or first.values)
 
 
-def _two_things(clause: Clause, name: str, first: Use, use: Use) -> Found:
+def _two_things(clause: Clause, name: str, first: Use, use: Use) -> LintFinding:
     one, other = _in_words(first.values), _in_words(use.values)
     code, advice = SORT, "these are two things: use two variables, and state how they are related"
     if _units(first.values) and _units(use.values):
@@ -86,8 +86,8 @@ def _two_things(clause: Clause, name: str, first: Use, use: Use) -> Found:
 
 
 def _never_given(
-    clause: Clause, atoms: Iterable[Atom], environment: Environment, known: Known
-) -> Iterator[Found]:
+    clause: Clause, atoms: Iterable[ClauseAtom], environment: Environment, known: KnownValue
+) -> Iterator[LintFinding]:
     """Yield the atoms that bind no variable, where one is of another sort than their argument."""
     for atom in atoms:
         every = known.arguments(atom.signature)
@@ -101,7 +101,9 @@ def _never_given(
                 yield found(code, message, clause.place(atom.node), clause.rule, advice)
 
 
-def _aggregated(clause: Clause, environment: Environment, known: Known) -> Iterator[Found]:
+def _aggregated(
+    clause: Clause, environment: Environment, known: KnownValue
+) -> Iterator[LintFinding]:
     """Yield the aggregates that are compared with numbers of another unit, or with small ones."""
     for aggregate in clause.aggregates:
         own = known.aggregated(aggregate, environment)
@@ -129,8 +131,8 @@ def _numbers(values: Values) -> Values:
 
 
 def _compared(
-    clause: Clause, comparison: Comparison, environment: Environment, known: Known
-) -> Iterator[Found]:
+    clause: Clause, comparison: Comparison, environment: Environment, known: KnownValue
+) -> Iterator[LintFinding]:
     left, right = (known.of(each, environment) for each in (comparison.left, comparison.right))
     if not left or not right or (is_constant(comparison.left) and is_constant(comparison.right)):
         return
@@ -159,17 +161,17 @@ def _compared(
     yield found(SORT, message, place, clause.rule, "compare values of one sort")
 
 
-def _other(comparison: Comparison, term: Node) -> Node:
+def _other(comparison: Comparison, term: SyntaxNode) -> SyntaxNode:
     return comparison.right if term is comparison.left else comparison.left
 
 
 def _wrong_constants(
     clause: Clause,
-    atom: Atom,
+    atom: ClauseAtom,
     is_head: bool,
-    known: Known,
+    known: KnownValue,
     names: Mapping[Signature, Declaration],
-) -> Iterator[Found]:
+) -> Iterator[LintFinding]:
     signature = atom.signature.unsigned
     declared = known.declared.get(signature)
     every = (declared or ()) if is_head else known.arguments(signature)
@@ -187,7 +189,9 @@ def _wrong_constants(
         yield _never(clause, term, values, f"{name} of `{signature}`", known)
 
 
-def _never(clause: Clause, term: Node, values: Values, what: str, known: Known) -> Found:
+def _never(
+    clause: Clause, term: SyntaxNode, values: Values, what: str, known: KnownValue
+) -> LintFinding:
     """Return what is said of a constant that something never is."""
     text, values = str(term), values or frozenset()
     place = clause.place(term)
@@ -214,14 +218,14 @@ def _never(clause: Clause, term: Node, values: Values, what: str, known: Known) 
     return found(VALUE, f"{what} is never `{text}`", place, clause.rule, advice, fix)
 
 
-def _replaced(clause: Clause, term: Node, text: str) -> tuple[Fix, ...]:
+def _replaced(clause: Clause, term: SyntaxNode, text: str) -> tuple[Fix, ...]:
     span = clause.span(term)
     return () if span is None else (Fix(span, text),)
 
 
 def _wrong_heads(
-    clause: Clause, head: Atom, environment: Environment, known: Known
-) -> Iterator[Found]:
+    clause: Clause, head: ClauseAtom, environment: Environment, known: KnownValue
+) -> Iterator[LintFinding]:
     """Yield the variables of a head that are none of what its predicate declares."""
     declared = known.declared.get(head.signature.unsigned, ())
     for term, values in zip(head.terms, declared, strict=False):
@@ -237,7 +241,9 @@ def _wrong_heads(
             yield found(UNIT if units else SORT, message, place, clause.rule, advice)
 
 
-def mixed_units(clauses: Sequence[Clause], judged: Set[int], known: Known) -> Iterator[Found]:
+def mixed_units(
+    clauses: Sequence[Clause], judged: Set[int], known: KnownValue
+) -> Iterator[LintFinding]:
     """Yield the rules that give numbers of another unit than an earlier rule to one argument.
 
     `judged` are the numbers of the clauses that are looked at. What an argument is declared to be,
@@ -261,7 +267,9 @@ def mixed_units(clauses: Sequence[Clause], judged: Set[int], known: Known) -> It
                     yield found(UNIT, message, place, clause.rule, advice)
 
 
-def _mixed_sums(clause: Clause, environment: Environment, known: Known) -> Iterator[Found]:
+def _mixed_sums(
+    clause: Clause, environment: Environment, known: KnownValue
+) -> Iterator[LintFinding]:
     """Yield the sums and differences of numbers of two units."""
     if _SUM.search(clause.rule.text) is None:
         return
@@ -277,7 +285,7 @@ def _mixed_sums(clause: Clause, environment: Environment, known: Known) -> Itera
                 yield found(UNIT, message, clause.place(node), clause.rule, advice)
 
 
-def _too_small(clause: Clause, term: Node, values: Values) -> Iterator[Found]:
+def _too_small(clause: Clause, term: SyntaxNode, values: Values) -> Iterator[LintFinding]:
     """Yield a number that is too small to be meant in the unit of what it is compared with."""
     if term.ast_type is Kind.Interval:
         yield from _too_small(clause, term.left, values)

@@ -13,17 +13,17 @@ from clingo import SymbolType
 
 from mars_asp.asp.lint.clauses import (
     Aggregate,
-    Atom,
     Clause,
-    Scope,
+    ClauseAtom,
+    ClauseScope,
     is_constant,
     joined,
     name_of,
     number_of,
     operation_of,
 )
-from mars_asp.asp.rules.declarations import Argument, Declaration
-from mars_asp.asp.rules.trees import Kind, Node
+from mars_asp.asp.rules.declarations import Declaration, PredicateArgument
+from mars_asp.asp.rules.trees import Kind, SyntaxNode
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import UNITS, times_as_many
 
@@ -53,11 +53,11 @@ _MOST = 200
 class Use(NamedTuple):
     """An atom that says what a variable is, and what that is."""
 
-    atom: Atom
+    atom: ClauseAtom
     values: frozenset[Value]
 
 
-class Known:
+class KnownValue:
     """What the arguments of predicates are.
 
     `forms` are those of sorts, `replaced` the constants that stand for other values. `kinds` says
@@ -142,14 +142,14 @@ class Known:
             or {"function", None} & (forms[0] | forms[1])
         )
 
-    def uses(self, variable: str, atoms: Iterable[Atom]) -> Iterator[Use]:
+    def uses(self, variable: str, atoms: Iterable[ClauseAtom]) -> Iterator[Use]:
         """Yield the atoms that say what a variable is."""
         for atom in atoms:
             for term, values in zip(atom.terms, self.arguments(atom.signature), strict=False):
                 if values is not None and name_of(term) == variable:
                     yield Use(atom, values)
 
-    def environment(self, clause: Clause, scope: Scope) -> dict[str, Values]:
+    def environment(self, clause: Clause, scope: ClauseScope) -> dict[str, Values]:
         """Return what the variables of a scope are, so far as that is known."""
         found: dict[str, Values] = {}
         for name, values in self._named(scope):
@@ -192,7 +192,7 @@ class Known:
                 inside[name] = self.meet(inside.get(name), values)
             yield self.of(element.terms[0], inside) if element.terms else None
 
-    def _named(self, scope: Scope) -> Iterator[tuple[str, Values]]:
+    def _named(self, scope: ClauseScope) -> Iterator[tuple[str, Values]]:
         """Yield the variables of the atoms of a scope with what these say of them."""
         for atom in scope.atoms:
             known = self.arguments(atom.signature) if atom.sign == 0 else ()
@@ -201,7 +201,7 @@ class Known:
                 if values is not None:
                     yield name, values
 
-    def of(self, term: Node, environment: Environment) -> Values:
+    def of(self, term: SyntaxNode, environment: Environment) -> Values:
         """Return what the values of a term are."""
         kind = term.ast_type
         if kind is Kind.Variable:
@@ -214,7 +214,7 @@ class Known:
             return self._computed(term, environment)
         return NUMBERS if kind is Kind.Interval else None
 
-    def _computed(self, term: Node, environment: Environment) -> Values:
+    def _computed(self, term: SyntaxNode, environment: Environment) -> Values:
         """Return what a sum or a multiple is: of the sort of what is added or multiplied."""
         inside = [self.of(each, environment) for each in (term.left, term.right)]
         sorts = [
@@ -232,7 +232,7 @@ class Known:
                     return frozenset(Value("number", sort) for sort in named[0] | converted)
         return NUMBERS
 
-    def _constant(self, term: Node) -> Values:
+    def _constant(self, term: SyntaxNode) -> Values:
         if term.ast_type is Kind.Function and (term.arguments or not term.name):
             return frozenset({Value("function", text=f"{term.name}/{len(term.arguments)}")})
         text = str(term)
@@ -247,7 +247,7 @@ class Known:
         # What is less, or more, than any other value.
         return frozenset({Value("name", text=text)})
 
-    def _argument(self, argument: Argument) -> Values:
+    def _argument(self, argument: PredicateArgument) -> Values:
         if not argument.sorts and not argument.constants:
             return None
         constants = (Value("name", text=text) for text in argument.constants)

@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Sequence
 
 from mars_asp.asp.lint.clauses import Clause
-from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.rule import HOLE
-from mars_asp.asp.rules.trees import Kind, Node, below, names_in
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, below, names_in
 
 SINGLETON = "rule-singleton"
 
 
-def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Iterator[Found]:
+def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Iterator[LintFinding]:
     """Yield the variables of a rule that occur once, in whichever way its pools are read.
 
     `listed` are the rules that its metadata stands for. Of a variable whose name begins with `_`
@@ -23,7 +23,7 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
     said = (
         counted | {name for _, text in rule.lists for name, _ in HOLE.findall(text)} | {*rule.holes}
     )
-    places: dict[str, Node] = {}
+    places: dict[str, SyntaxNode] = {}
     most: dict[str, int] = {}
     for clause in clauses:
         _count(clause.node, most, places)
@@ -44,14 +44,14 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
             yield found(SINGLETON, message, clauses[0].place(node), rule, advice)
 
 
-def _counted(node: Node) -> frozenset[str]:
+def _counted(node: SyntaxNode) -> frozenset[str]:
     """Return the variables of the atoms of which some number holds."""
     sets = (each for each in below(node) if each.ast_type is Kind.Aggregate)
     elements = (element.literal for each in sets for element in each.elements)
     return frozenset[str]().union(*map(names_in, elements))
 
 
-def _count(node: Node, most: dict[str, int], places: dict[str, Node]) -> None:
+def _count(node: SyntaxNode, most: dict[str, int], places: dict[str, SyntaxNode]) -> None:
     counts: dict[str, int] = {}
     for each in below(node):
         if each.ast_type is Kind.Variable and each.name != "_":

@@ -8,7 +8,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.asp.rules.statements import masked, sign_and_function
-from mars_asp.asp.rules.trees import Node, below, names_in
+from mars_asp.asp.rules.trees import SyntaxNode, below, names_in
 
 _TYPE = ast.ASTType
 #: What has elements with variables of their own.
@@ -98,7 +98,7 @@ def _told_unbound(values: Sequence[str], literals: Sequence[Conjunct]) -> frozen
     return frozenset()
 
 
-def conjunct(node: Node) -> Conjunct:
+def conjunct(node: SyntaxNode) -> Conjunct:
     """Return a literal of a body or condition with what shows of its variables."""
     kind = node.atom.ast_type if node.ast_type is _TYPE.Literal else node.ast_type
     if kind is _TYPE.SymbolicAtom:
@@ -117,7 +117,7 @@ def conjunct(node: Node) -> Conjunct:
     return Conjunct(str(node), names_in(node), is_seen=kind is _TYPE.BooleanConstant)
 
 
-def _atom(node: Node) -> Conjunct:
+def _atom(node: SyntaxNode) -> Conjunct:
     names = names_in(node)
     if node.sign != ast.Sign.NoSign:
         return Conjunct(str(node), names, names)
@@ -126,9 +126,9 @@ def _atom(node: Node) -> Conjunct:
 
 
 def _compared(
-    node: Node,
-    terms: Sequence[Node],
-    guards: Sequence[tuple[int, Node]],
+    node: SyntaxNode,
+    terms: Sequence[SyntaxNode],
+    guards: Sequence[tuple[int, SyntaxNode]],
     inside: Sequence[tuple[_Inner, bool]],
 ) -> Conjunct:
     """Return terms, or what is inside an aggregate or condition, compared with others."""
@@ -151,16 +151,16 @@ def _compared(
     )
 
 
-def _guards(aggregate: Node) -> list[tuple[int, Node]]:
+def _guards(aggregate: SyntaxNode) -> list[tuple[int, SyntaxNode]]:
     found = (aggregate.left_guard, aggregate.right_guard)
     return [(guard.comparison, guard.term) for guard in found if guard is not None]
 
 
-def _named(term: Node) -> tuple[str, ...]:
+def _named(term: SyntaxNode) -> tuple[str, ...]:
     return (term.name,) if term.ast_type is _TYPE.Variable else ()
 
 
-def _inner(told: Iterable[Node], condition: Iterable[Node]) -> tuple[_Inner, bool]:
+def _inner(told: Iterable[SyntaxNode], condition: Iterable[SyntaxNode]) -> tuple[_Inner, bool]:
     """Return an element with its condition, and whether all that is bound in it shows."""
     nodes, literals = tuple(told), tuple(map(conjunct, condition))
     names = _NONE.union(*map(names_in, nodes), *(each.names for each in literals))
@@ -169,12 +169,12 @@ def _inner(told: Iterable[Node], condition: Iterable[Node]) -> tuple[_Inner, boo
     return _Inner(names, bound), is_seen
 
 
-def _is_anonymous(node: Node) -> bool:
+def _is_anonymous(node: SyntaxNode) -> bool:
     """Whether a tree holds a variable without a name."""
     return any(each.ast_type is _TYPE.Variable and each.name == "_" for each in below(node))
 
 
-def _taken_apart(literal: Node) -> frozenset[str]:
+def _taken_apart(literal: SyntaxNode) -> frozenset[str]:
     """Return the variables that an atom binds by arguments that only take values apart."""
     found: set[str] = set()
     rest = list(sign_and_function(literal.atom.symbol)[1].arguments)
@@ -191,7 +191,7 @@ def _with_names(known: frozenset[str], names: Mapping[str, str]) -> frozenset[st
     return frozenset(names.get(each, each) for each in known)
 
 
-def outer(literal: Node) -> frozenset[str]:
+def outer(literal: SyntaxNode) -> frozenset[str]:
     """Return the variables of a literal, or head, outside of its elements."""
     atom = literal.atom if literal.ast_type == _TYPE.Literal else literal
     if atom.ast_type in AGGREGATES:

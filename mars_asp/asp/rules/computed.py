@@ -21,7 +21,7 @@ from mars_asp.asp.rules.statements import (
     rule_operands,
     variants,
 )
-from mars_asp.asp.rules.trees import Node, names_in
+from mars_asp.asp.rules.trees import SyntaxNode, names_in
 
 _TYPE = ast.ASTType
 #: What never leaves 32 bits where its operands do not.
@@ -54,7 +54,7 @@ class Summed(NamedTuple):
 class _Site(NamedTuple):
     """A tree, the literals that hold beside it, and the one that it is part of, if it can bind."""
 
-    node: Node
+    node: SyntaxNode
     beside: tuple[Conjunct, ...]
     own: tuple[Conjunct, ...] = ()
 
@@ -102,7 +102,7 @@ def _computations(text: str) -> tuple[Computed | Summed, ...]:
     return tuple(found)
 
 
-def _sites(rule: Node, beside: tuple[Conjunct, ...]) -> Iterator[_Site]:
+def _sites(rule: SyntaxNode, beside: tuple[Conjunct, ...]) -> Iterator[_Site]:
     """Yield the parts of a rule that hold apart from others, each where these do."""
     yield from _head_sites(rule.head, beside)
     for number, literal in enumerate(rule.body):
@@ -116,7 +116,7 @@ def _sites(rule: Node, beside: tuple[Conjunct, ...]) -> Iterator[_Site]:
             yield _Site(literal, rest, (conjunct(literal),))
 
 
-def _beside(rule: Node) -> tuple[Conjunct, ...]:
+def _beside(rule: SyntaxNode) -> tuple[Conjunct, ...]:
     """Return the body of a rule with other names for what its elements have for themselves.
 
     So they can stand beside an element that has taken its place among them.
@@ -133,7 +133,7 @@ def _beside(rule: Node) -> tuple[Conjunct, ...]:
     return tuple(literal.renamed(apart) for literal in body)
 
 
-def _head_sites(head: Node, body: tuple[Conjunct, ...]) -> Iterator[_Site]:
+def _head_sites(head: SyntaxNode, body: tuple[Conjunct, ...]) -> Iterator[_Site]:
     match head.ast_type:
         case _TYPE.Aggregate | _TYPE.HeadAggregate:
             yield from _aggregate_sites(head, body)
@@ -144,7 +144,7 @@ def _head_sites(head: Node, body: tuple[Conjunct, ...]) -> Iterator[_Site]:
             yield _Site(head, body)
 
 
-def _aggregate_sites(aggregate: Node, rest: tuple[Conjunct, ...]) -> Iterator[_Site]:
+def _aggregate_sites(aggregate: SyntaxNode, rest: tuple[Conjunct, ...]) -> Iterator[_Site]:
     for guard in (aggregate.left_guard, aggregate.right_guard):
         if guard is not None:
             yield _Site(guard, rest)
@@ -160,7 +160,7 @@ def _aggregate_sites(aggregate: Node, rest: tuple[Conjunct, ...]) -> Iterator[_S
 
 
 def _element_sites(
-    told: Iterable[Node], condition: Iterable[Node], rest: tuple[Conjunct, ...]
+    told: Iterable[SyntaxNode], condition: Iterable[SyntaxNode], rest: tuple[Conjunct, ...]
 ) -> Iterator[_Site]:
     nodes = tuple(condition)
     literals = tuple(map(conjunct, nodes))
@@ -171,7 +171,9 @@ def _element_sites(
         yield _Site(node, (*rest, *others), (literals[number],))
 
 
-def _sums(rule: Node, beside: tuple[Conjunct, ...], reader: ArithmeticReader) -> Iterator[Summed]:
+def _sums(
+    rule: SyntaxNode, beside: tuple[Conjunct, ...], reader: ArithmeticReader
+) -> Iterator[Summed]:
     aggregates = [(rule.head, beside)]
     for number, literal in enumerate(rule.body):
         if literal.ast_type == _TYPE.Literal:

@@ -75,7 +75,7 @@ SENTENCE_HOLE = r"\{(?:([a-z_]\w*)\.)?([A-Z_]\w*'*)\}"
 _BRACES = r"\{[^{}]*\}"
 
 
-class Argument(NamedTuple):
+class PredicateArgument(NamedTuple):
     """An argument: its name, and the sorts or constants that its values are of; none: any."""
 
     name: str
@@ -114,7 +114,7 @@ class Declaration:
     """
 
     name: str
-    arguments: tuple[Argument, ...]
+    arguments: tuple[PredicateArgument, ...]
     words: str
     span: Span
     origin: Origin | None = None
@@ -319,7 +319,7 @@ def _split(written: str) -> Iterator[str]:
     yield written[begin:]
 
 
-def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument | None:
+def _argument(written: str, place: Span, problems: list[Diagnostic]) -> PredicateArgument | None:
     text = " ".join(written.split())
     match = re.fullmatch(_ARGUMENT, text)
     if match is None:
@@ -327,7 +327,7 @@ def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument
         problems.append(_problem(message, place, "write a variable, or `Variable: sort`"))
         return None
     if match[2] is None:
-        return Argument(match[1])
+        return PredicateArgument(match[1])
     sorts, named = set[str](), list[str]()
     for each in map(str.strip, match[2].split("|")):
         constants = re.fullmatch(_CONSTANTS, each)
@@ -344,7 +344,7 @@ def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument
             _problem(f"`{match[2]}` is not a constant", place, "write `{first, second}`")
         )
         return None
-    return Argument(match[1], frozenset(sorts), tuple(named))
+    return PredicateArgument(match[1], frozenset(sorts), tuple(named))
 
 
 def _lines(
@@ -380,7 +380,7 @@ def _wrong_line(key: str, value: str, near_key: str) -> str | None:
     return f"did you mean `{near_key}: {near}`?"
 
 
-def _written(argument: Argument) -> str:
+def _written(argument: PredicateArgument) -> str:
     named = [f"{{{', '.join(argument.constants)}}}"] if argument.constants else []
     kinds = " | ".join((*sorted(argument.sorts), *named))
     return f"{argument.name}: {kinds}" if kinds else argument.name

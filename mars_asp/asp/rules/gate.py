@@ -45,20 +45,20 @@ def gate_text(path: Path, shown: str) -> str:
     return text
 
 
-class Include(NamedTuple):
+class IncludedFile(NamedTuple):
     """A statement `#include`: the path that it names, and where it begins."""
 
     path: str
     begin: tuple[int, int]
 
 
-def included(text: str, shown: str) -> tuple[str, list[Include], list[Diagnostic]]:
+def included(text: str, shown: str) -> tuple[str, list[IncludedFile], list[Diagnostic]]:
     """Return a text without its `#include` statements, these, and the errors in others.
 
     All else stays at its place. In comments the word is masked as well, so that clingo reads no
     file wherever it takes a comment to end.
     """
-    found: list[Include] = []
+    found: list[IncludedFile] = []
     wrong: list[Diagnostic] = []
     parts: list[str] = []
     at = kept = 0
@@ -77,7 +77,7 @@ def included(text: str, shown: str) -> tuple[str, list[Include], list[Diagnostic
                 wrong.append(_refusal(shown, line, column, "`#include` names no file", advice))
             else:
                 at = statement.end()
-                found.append(Include(statement[1], (line, column)))
+                found.append(IncludedFile(statement[1], (line, column)))
             parts += (text[kept:begin], re.sub(r"[^\n]", " ", text[begin:at]))
             kept = at
     return "".join((*parts, text[kept:])), found, wrong

@@ -13,7 +13,7 @@ from pathlib import Path
 import clingo
 
 from mars_asp.asp.fragments import blank
-from mars_asp.asp.rules.gate import Include, included, read_text
+from mars_asp.asp.rules.gate import IncludedFile, included, read_text
 from mars_asp.asp.rules.read import RuleFile, read_rules
 from mars_asp.asp.rules.statements import Piece, Place, ProgramPart, part_of, with_constants
 from mars_asp.diagnostic import Diagnostic, MarsError, point
@@ -61,7 +61,7 @@ class ProgramReader:
         self.files.append(file)
         begins: list[tuple[Place, ProgramPart]] = [((1, 0), part)]
         starts = [piece for piece in file.written if piece.sort == "begin" and piece.text]
-        events: list[Piece | Include] = [*starts, *includes]
+        events: list[Piece | IncludedFile] = [*starts, *includes]
         for each in sorted(events, key=lambda each: each.begin):
             if isinstance(each, Piece):
                 part = ProgramPart(*part_of(each.text))
@@ -71,7 +71,7 @@ class ProgramReader:
         self.files[at] = file._replace(begins=tuple(begins))
 
     def _include(
-        self, include: Include, shown: str, part: ProgramPart, above: tuple[Path, ...]
+        self, include: IncludedFile, shown: str, part: ProgramPart, above: tuple[Path, ...]
     ) -> bool:
         """Read an included file; return whether it is new."""
         written = str(Path(shown).parent / include.path)

@@ -18,7 +18,7 @@ from clingo import SymbolType, ast
 
 from mars_asp.asp.cache import memoized
 from mars_asp.asp.rules import trees
-from mars_asp.asp.rules.trees import Node, below, extent_of, names_in, plain
+from mars_asp.asp.rules.trees import SyntaxNode, below, extent_of, names_in, plain
 from mars_asp.asp.signature import Signature
 
 #: A line and a column in the text of a rule, both from 1; columns count characters.
@@ -479,7 +479,7 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
     return "\n".join(lines)
 
 
-def _begin(node: Node | ast.AST) -> Place:
+def _begin(node: SyntaxNode | ast.AST) -> Place:
     line, column, _, _ = extent_of(node)
     return line, column
 
@@ -610,13 +610,13 @@ def tree(text: str) -> ast.AST:
 
 
 @lru_cache(maxsize=_MOST)
-def written(text: str) -> Node:
+def written(text: str) -> SyntaxNode:
     """Return the tree of the text of a rule as it is written, with its pools."""
     return plain(tree(text))
 
 
 @lru_cache(maxsize=_MOST)
-def variants(text: str) -> tuple[Node, ...]:
+def variants(text: str) -> tuple[SyntaxNode, ...]:
     """Return the trees of the text of a rule without its pools, one for each way to read it."""
     node = written(text)
     # What no semicolon separates is no pool.
@@ -625,7 +625,7 @@ def variants(text: str) -> tuple[Node, ...]:
     return tuple(map(plain, tree(text).unpool()))
 
 
-_Tree = TypeVar("_Tree", ast.AST, Node)
+_Tree = TypeVar("_Tree", ast.AST, SyntaxNode)
 
 
 def sign_and_function(symbol: _Tree) -> tuple[str, _Tree]:
@@ -639,7 +639,7 @@ def sign_and_function(symbol: _Tree) -> tuple[str, _Tree]:
 class Placing(Protocol):
     """Says where a node begins, or with `end` where it ends."""
 
-    def __call__(self, node: Node | ast.AST, end: bool = False) -> Place:
+    def __call__(self, node: SyntaxNode | ast.AST, end: bool = False) -> Place:
         """Return a line and a column."""
 
 
@@ -647,7 +647,7 @@ def places(text: str) -> Placing:
     """Return what says where a node of the tree of a text is; clingo counts bytes."""
     lines = None if text.isascii() else [line.encode() for line in text.split("\n")]
 
-    def place(node: Node | ast.AST, end: bool = False) -> Place:
+    def place(node: SyntaxNode | ast.AST, end: bool = False) -> Place:
         line, column = extent_of(node)[2 * end :][:2]
         if lines is None:
             return line, column
@@ -660,7 +660,7 @@ def _may_compute(text: str) -> bool:
     return _COMPUTING.search(text.replace(":-", "")) is not None
 
 
-def _statement(node: Node, place: Callable[[Node], Place]) -> Statement:
+def _statement(node: SyntaxNode, place: Callable[[SyntaxNode], Place]) -> Statement:
     reader = _StatementReader(place)
     body = [reader.read(literal) for literal in node.body]
     cost, where = None, node
@@ -690,14 +690,14 @@ def _statement(node: Node, place: Callable[[Node], Place]) -> Statement:
 class _StatementReader:
     """Reads one statement, literal by literal."""
 
-    def __init__(self, place: Callable[[Node], Place]) -> None:
+    def __init__(self, place: Callable[[SyntaxNode], Place]) -> None:
         self._place = place
         self.positive: list[Literal] = []
         self.others: list[Literal] = []
         self.inner: list[Scope] = []
         self.assigned: list[tuple[str, frozenset[str]]] = []
 
-    def head(self, head: Node) -> tuple[list[Head], bool, bool]:
+    def head(self, head: SyntaxNode) -> tuple[list[Head], bool, bool]:
         """Return the atoms of a head, and whether it forces one and whether it offers them."""
         if head.ast_type == _TYPE.Literal:
             if head.atom.ast_type == _TYPE.BooleanConstant:
@@ -717,7 +717,7 @@ class _StatementReader:
                 heads.append(Head(self.literal(literal), condition))
         return heads, False, head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate)
 
-    def read(self, literal: Node) -> str:
+    def read(self, literal: SyntaxNode) -> str:
         """Read a literal of the body, and return its text."""
         if literal.ast_type == _TYPE.ConditionalLiteral:
             condition = self._scope(literal.condition)
@@ -737,7 +737,7 @@ class _StatementReader:
             return f"{_SIGNS[literal.sign]}{found.text}"
         return str(literal)
 
-    def _read_aggregate(self, literal: Node) -> None:
+    def _read_aggregate(self, literal: SyntaxNode) -> None:
         elements, guard = literal.atom.elements, literal.atom.left_guard
         self.inner += (self._scope(element.condition) for element in elements)
         counts = literal.atom.function == ast.AggregateFunction.Count
@@ -748,13 +748,13 @@ class _StatementReader:
                 names = (each.name for each in firsts if each.ast_type == _TYPE.Variable)
                 self.assigned.append((guard.term.name, frozenset(names)))
 
-    def _scope(self, literals: Iterable[Node]) -> Scope:
+    def _scope(self, literals: Iterable[SyntaxNode]) -> Scope:
         literals = tuple(literals)
         found = [self.literal(literal) for literal in literals if _is_symbolic(literal)]
         positive = tuple(literal for literal in found if literal.binds)
         return Scope(positive, tuple(literal for literal in found if not literal.binds))
 
-    def literal(self, literal: Node) -> Literal:
+    def literal(self, literal: SyntaxNode) -> Literal:
         """Return a literal of a predicate."""
         sign, symbol = sign_and_function(literal.atom.symbol)
         terms = tuple(map(_term, symbol.arguments))
@@ -764,11 +764,11 @@ class _StatementReader:
         )
 
 
-def _is_symbolic(literal: Node) -> bool:
+def _is_symbolic(literal: SyntaxNode) -> bool:
     return literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.SymbolicAtom
 
 
-def _term(term: Node) -> Pattern:
+def _term(term: SyntaxNode) -> Pattern:
     kind = term.ast_type
     if kind == _TYPE.Variable:
         return _variable(term.name)
@@ -794,9 +794,9 @@ def _variable(name: str) -> Pattern:
     return Pattern(name, True, False, frozenset((name,)))
 
 
-def variables(node: Node | ast.AST) -> frozenset[str]:
+def variables(node: SyntaxNode | ast.AST) -> frozenset[str]:
     """Return the names of the variables in a tree, but for anonymous ones."""
-    return names_in(node if isinstance(node, Node) else plain(node))
+    return names_in(node if isinstance(node, SyntaxNode) else plain(node))
 
 
 class ArithmeticReader:
@@ -812,7 +812,7 @@ class ArithmeticReader:
         line, _, end, _ = extent_of(node)
         return _may_compute(b"\n".join(self._lines[line - 1 : end]).decode(errors="replace"))
 
-    def outermost(self, node: Node) -> Iterator[Number | Operation]:
+    def outermost(self, node: SyntaxNode) -> Iterator[Number | Operation]:
         """Yield the numbers and operations in a tree that stand in no other operation."""
         rest = list(node.children)
         if node.ast_type in _OPERANDS:
@@ -823,7 +823,7 @@ class ArithmeticReader:
         for child in rest:
             yield from self.outermost(child)
 
-    def operand(self, node: Node, rest: list[Node]) -> Operand:
+    def operand(self, node: SyntaxNode, rest: list[SyntaxNode]) -> Operand:
         """Return a node as an operand; below what is not computed, `rest` gets the nodes."""
         match node.ast_type:
             case _TYPE.SymbolicTerm if node.symbol.type == SymbolType.Number:
@@ -838,14 +838,14 @@ class ArithmeticReader:
         operands = tuple(self.operand(each, rest) for each in inside)
         return Operation(sign or "", operands, self._written(node), self.place(node))
 
-    def _written(self, node: Node) -> str:
+    def _written(self, node: SyntaxNode) -> str:
         """Return what stands in the text: a number that does not fit is another in the tree."""
         line, column, end_line, end = node.extent
         if line != end_line:
             return str(node)
         return str(self._lines[line - 1][column - 1 : end - 1], "utf-8")
 
-    def _number(self, node: Node) -> int:
+    def _number(self, node: SyntaxNode) -> int:
         written = self._written(node)
         try:
             return int(written, 0)

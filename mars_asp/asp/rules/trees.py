@@ -23,7 +23,7 @@ Extent: TypeAlias = tuple[int, int, int, int]
 _Leaf: TypeAlias = Callable[[Any, int], Any]
 
 
-class Node:
+class SyntaxNode:
     """A node of a syntax tree: the attributes that clingo's has, lists of nodes as tuples.
 
     `children` are the nodes directly below it in their order. Clingo's own is that of `tree`, or
@@ -31,10 +31,10 @@ class Node:
     """
 
     ast_type: ast.ASTType
-    children: "list[Node]"
+    children: "list[SyntaxNode]"
     _names: frozenset[str] | None = None
     _text: str | None = None
-    _below: "list[Node] | None" = None
+    _below: "list[SyntaxNode] | None" = None
 
     def __init__(self, tree: ast.AST, inside: Any = None) -> None:
         self._tree, self._inside = tree, inside
@@ -65,27 +65,27 @@ class Node:
         return self._text
 
 
-class Reader(NamedTuple):
+class TreeReader(NamedTuple):
     """Reads one of clingo's nodes with all below it, or only where it begins and ends."""
 
-    read: Callable[[ast.AST], Node]
+    read: Callable[[ast.AST], SyntaxNode]
     #: Takes what the library knows a node by, too.
     place: Callable[[Any], Extent]
     #: Returns clingo's node for what its library knows it by.
     wrap: Callable[[Any], ast.AST]
 
 
-def plain(tree: ast.AST) -> Node:
+def plain(tree: ast.AST) -> SyntaxNode:
     """Return clingo's node, with all below it, as plain values."""
     return _read(tree)
 
 
-def extent_of(node: Node | ast.AST) -> Extent:
+def extent_of(node: SyntaxNode | ast.AST) -> Extent:
     """Return where a node begins and ends."""
-    return node.extent if isinstance(node, Node) else _place(node)
+    return node.extent if isinstance(node, SyntaxNode) else _place(node)
 
 
-def names_in(node: Node) -> frozenset[str]:
+def names_in(node: SyntaxNode) -> frozenset[str]:
     """Return the names of the variables in a tree, but for `_`."""
     if node._names is None:
         if node.ast_type is Kind.Variable:
@@ -100,7 +100,7 @@ def _named(name: str) -> frozenset[str]:
     return _NONE if name == "_" else frozenset((name,))
 
 
-def below(node: Node) -> Sequence[Node]:
+def below(node: SyntaxNode) -> Sequence[SyntaxNode]:
     """Return a node and all below it, in their order."""
     if node._below is None:
         node._below = found = []
@@ -112,15 +112,15 @@ def below(node: Node) -> Sequence[Node]:
     return node._below
 
 
-def public_reader() -> Reader:
+def public_reader() -> TreeReader:
     """Return a reader by what clingo documents."""
 
     def place(tree: ast.AST) -> Extent:
         begin, end = tree.location.begin, tree.location.end
         return begin.line, begin.column, end.line, end.column
 
-    def read(tree: ast.AST) -> Node:
-        node = Node(tree)
+    def read(tree: ast.AST) -> SyntaxNode:
+        node = SyntaxNode(tree)
         node.ast_type, node.children = tree.ast_type, []
         for name in tree.keys():  # noqa: SIM118 -- a node is no mapping
             if name == "location":
@@ -131,21 +131,21 @@ def public_reader() -> Reader:
                 node.children.append(value)
             elif isinstance(value, _LISTS):
                 value = tuple(read(each) if isinstance(each, ast.AST) else each for each in value)
-                node.children += (each for each in value if isinstance(each, Node))
+                node.children += (each for each in value if isinstance(each, SyntaxNode))
             setattr(node, name, value)
         return node
 
-    return Reader(read, place, lambda tree: tree)
+    return TreeReader(read, place, lambda tree: tree)
 
 
-def raw_reader() -> Reader | None:
+def raw_reader() -> TreeReader | None:
     """Return a reader that asks clingo's library itself; `None` where it cannot be had."""
     try:
         internal: Any = importlib.import_module("clingo._internal")
         ffi, lib, check = internal._ffi, internal._lib, internal._handle_error
         leaves = _leaves(ffi, lib, check)
         read = _raw_reader(ffi, lib, check, leaves)
-        reader = Reader(read, _placer(lib, leaves), _wrapper(lib))
+        reader = TreeReader(read, _placer(lib, leaves), _wrapper(lib))
         probe: list[ast.AST] = []
         ast.parse_string("p(X).", probe.append)
         reader.place(reader.wrap(reader.read(probe[-1])._inside))
@@ -156,7 +156,7 @@ def raw_reader() -> Reader | None:
 
 def _raw_reader(
     ffi: Any, lib: Any, check: Any, leaves: Mapping[int, _Leaf]
-) -> Callable[[Any], Node]:
+) -> Callable[[Any], SyntaxNode]:
     forms = _forms(ffi, lib, leaves)
     kinds = {kind.value: kind for kind in ast.ASTType}
     get_type, get_node = lib.clingo_ast_get_type, lib.clingo_ast_attribute_get_ast
@@ -170,12 +170,12 @@ def _raw_reader(
     one, other = lib.clingo_ast_attribute_type_ast, lib.clingo_ast_attribute_type_optional_ast
     many = lib.clingo_ast_attribute_type_ast_array
 
-    def read(tree: Any) -> Node:
+    def read(tree: Any) -> SyntaxNode:
         return inner(tree, tree._rep)
 
-    def inner(tree: Any, rep: Any) -> Node:
+    def inner(tree: Any, rep: Any) -> SyntaxNode:
         # The whole keeps its parts, so that none of them needs a value of Python's.
-        node = Node(tree, rep)
+        node = SyntaxNode(tree, rep)
         node.children = children = []
         get_type(rep, kind_at) or check(False)
         kind = kind_at[0]

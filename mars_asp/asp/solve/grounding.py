@@ -44,7 +44,7 @@ _SHOWN = re.compile(r"^#show (\w+)/(\d+)\.", re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class Answer:
+class ChosenAnswer:
     """An answer of rules that choose: what follows from the literals that decide it.
 
     It is found in one go, without any search, so it also shows that the decisions for the
@@ -119,7 +119,7 @@ class Resolution:
     there are, `None` where nobody counted.
     """
 
-    answer: Answer
+    answer: ChosenAnswer
     cost: dict[int, int]
     bound: dict[int, int]
     proven: bool
@@ -363,7 +363,7 @@ class Grounding:
                 bound[level] = bound.get(level, 0) + best.bound[level]
             proven = proven and best.proven
             count = None if count is None or best.count is None else count * best.count
-        return Resolution(Answer(self, tuple(decided)), cost, bound, proven, count)
+        return Resolution(ChosenAnswer(self, tuple(decided)), cost, bound, proven, count)
 
     def state(self, atoms: Mapping[Signature, Iterable[TermId]]) -> None:
         """State facts that another grounding found."""

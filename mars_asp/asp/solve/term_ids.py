@@ -22,7 +22,7 @@ Labelled: TypeAlias = tuple[TermId, int, bool]
 Stated: TypeAlias = Mapping[tuple[str, bool], Iterable[TermId]]
 
 
-class Reader(NamedTuple):
+class TermReader(NamedTuple):
     """How terms are read: each function is documented where it is defined for all."""
 
     as_term: Callable[[clingo.Symbol], TermId]
@@ -34,7 +34,7 @@ class Reader(NamedTuple):
     state: Callable[[clingo.Control, Stated], None]
 
 
-def plain_reader() -> Reader:
+def plain_reader() -> TermReader:
     """Return a reader by the documented interface alone."""
     symbols: list[clingo.Symbol] = []
     numbers: dict[clingo.Symbol, TermId] = {}
@@ -67,10 +67,10 @@ def plain_reader() -> Reader:
     def text(term: TermId) -> str:
         return str(symbols[term])
 
-    return Reader(as_term, symbols.__getitem__, text, arguments, atoms, labelled, state)
+    return TermReader(as_term, symbols.__getitem__, text, arguments, atoms, labelled, state)
 
 
-def raw_reader() -> Reader | None:
+def raw_reader() -> TermReader | None:
     """Return a reader by clingo's own numbers; `None` where they cannot be had."""
     try:
         internal: Any = importlib.import_module("clingo._internal")
@@ -111,7 +111,7 @@ def raw_reader() -> Reader | None:
 
     atoms, labelled = _raw_atoms(ffi, lib, check)
     state = _raw_state(ffi, lib, check)
-    return Reader(as_term, symbol_of, text, arguments, atoms, labelled, state)
+    return TermReader(as_term, symbol_of, text, arguments, atoms, labelled, state)
 
 
 def _raw_atoms(

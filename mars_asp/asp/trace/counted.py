@@ -5,7 +5,7 @@ from itertools import takewhile
 from typing import TypeAlias
 
 from mars_asp.asp.solve.term_ids import TermId, as_symbol
-from mars_asp.asp.trace.firings import Counted, Element, Firing, Group, Terms
+from mars_asp.asp.trace.firings import AggregateElement, AggregateGroup, Counted, Firing, Terms
 
 #: Premises, and what a step rests on the absence of.
 Support: TypeAlias = tuple[Terms, Terms]
@@ -18,10 +18,10 @@ class CountedBelow:
         """Prepare for the groups of firings over which the heights were found."""
         self._heights = heights
         #: The elements of each group with their heights, the lowest first.
-        self._ordered: dict[Counted, list[tuple[int, Element]]] = {}
+        self._ordered: dict[Counted, list[tuple[int, AggregateElement]]] = {}
         self._known: dict[tuple[Counted, int], Support] = {}
 
-    def of(self, height: int, group: Group) -> Support:
+    def of(self, height: int, group: AggregateGroup) -> Support:
         """Return what the elements of a group add that have less than a height."""
         key = (group.counted, height)
         if key not in self._known:
@@ -30,7 +30,7 @@ class CountedBelow:
             self._known[key] = support_of(elements, lambda atom: self._height(atom) < height)
         return self._known[key]
 
-    def _in_order(self, group: Group) -> list[tuple[int, Element]]:
+    def _in_order(self, group: AggregateGroup) -> list[tuple[int, AggregateElement]]:
         if group.counted not in self._ordered:
             heights = [
                 max(map(self._height, e.premises), default=0) for e in group.counted.elements
@@ -50,15 +50,19 @@ class CountedWithout:
         """Prepare; `stands` says whether an atom can be derived without that one."""
         self._stands = stands
         self._known: dict[Counted, Support] = {}
-        self._held: dict[tuple[Group, ...], tuple[frozenset[TermId], frozenset[TermId]]] = {}
+        self._held: dict[
+            tuple[AggregateGroup, ...], tuple[frozenset[TermId], frozenset[TermId]]
+        ] = {}
 
-    def of(self, group: Group) -> Support:
+    def of(self, group: AggregateGroup) -> Support:
         """Return what the elements of a group add that stand."""
         if group.counted not in self._known:
             self._known[group.counted] = support_of(group.counted.elements, self._stands)
         return self._known[group.counted]
 
-    def of_all(self, groups: tuple[Group, ...]) -> tuple[frozenset[TermId], frozenset[TermId]]:
+    def of_all(
+        self, groups: tuple[AggregateGroup, ...]
+    ) -> tuple[frozenset[TermId], frozenset[TermId]]:
         """Return what several groups add together."""
         if groups not in self._held:
             added = [self.of(group) for group in groups]
@@ -67,7 +71,7 @@ class CountedWithout:
         return self._held[groups]
 
 
-def support_of(elements: Iterable[Element], counts: Callable[[TermId], bool]) -> Support:
+def support_of(elements: Iterable[AggregateElement], counts: Callable[[TermId], bool]) -> Support:
     """Return what elements add of which the premises count, in the order of symbols."""
     inside: set[TermId] = set()
     lacking: set[TermId] = set()
@@ -79,7 +83,7 @@ def support_of(elements: Iterable[Element], counts: Callable[[TermId], bool]) ->
     return tuple(sorted(inside, key=as_symbol)), tuple(sorted(lacking, key=as_symbol))
 
 
-def support(firing: Firing, added: Callable[[Group], Support]) -> Support:
+def support(firing: Firing, added: Callable[[AggregateGroup], Support]) -> Support:
     """Return what supports a firing, and what it rests on the absence of.
 
     Of an aggregate stand here all elements of which the premises count, so that a reader sees

@@ -35,16 +35,16 @@ def trace_json(
 
     `chosen` are further keys of a step that a choice gives.
     """
-    return Document(chosen).trace(trace, depth)
+    return TraceDocument(chosen).trace(trace, depth)
 
 
 def traces_json(traces: Iterable[Trace]) -> list[_Json]:
     """Return several traces with the keys of the command line's contract, as one document."""
-    document = Document()
+    document = TraceDocument()
     return [document.trace(trace) for trace in traces]
 
 
-class Document:
+class TraceDocument:
     """Numbers the steps of several traces: what stood before is referred to.
 
     A step that stood before is `"shared": true` with the `ref` of its number, without premises. The
@@ -123,7 +123,7 @@ def trace_lines(
     before the one that uses it; each step stands in one line, so that there are as many as steps.
     """
     yield json.dumps({"format": FORMAT, "version": VERSION, "subject": subject})
-    lines = _Lines()
+    lines = _JsonLines()
     count = 0
     for count, (topic, trace) in enumerate(topics, 1):
         yield from lines.below(trace)
@@ -133,7 +133,7 @@ def trace_lines(
     yield json.dumps({"end": True, "steps": lines.steps, "topics": count})
 
 
-class _Lines:
+class _JsonLines:
     """Writes each rule, file and step when it is needed first."""
 
     def __init__(self) -> None:

@@ -18,11 +18,11 @@ from functools import partial
 from typing import TypeAlias
 
 from mars_asp.asp.solve.term_ids import TermId
-from mars_asp.asp.trace.firings import Counted, Element, Firing, Group
+from mars_asp.asp.trace.firings import AggregateElement, AggregateGroup, Counted, Firing
 from mars_asp.asp.trace.heights import is_reached
 
 #: An atom, or a group that firings of several atoms share.
-_Node: TypeAlias = TermId | Group
+_Node: TypeAlias = TermId | AggregateGroup
 
 #: What is not known yet needs everything.
 _EVERYTHING = -1
@@ -156,7 +156,9 @@ class _Component:
             turn, place = heapq.heappop(waiting)
             node = nodes[place]
             queued.discard(node)
-            needed = self._of_group(node) if isinstance(node, Group) else self._of_atom(node)
+            needed = (
+                self._of_group(node) if isinstance(node, AggregateGroup) else self._of_atom(node)
+            )
             if needed == self._needed.get(node):
                 continue
             self._needed[node] = needed
@@ -184,7 +186,7 @@ class _Component:
             found |= self._needed.get(premise, 0) if known else _EVERYTHING
         return found
 
-    def _of_group(self, group: Group) -> int:
+    def _of_group(self, group: AggregateGroup) -> int:
         """Return what a group needs: without which not enough of its elements are left."""
         parts = [(e, self._any(e.premises)) for e in group.counted.elements]
         if is_reached(group, (element for element, needed in parts if not needed)):
@@ -193,7 +195,7 @@ class _Component:
         # What is needed is needed by one of any elements that are enough.
         enough: list[int] = []
 
-        def noted() -> Iterator[Element]:
+        def noted() -> Iterator[AggregateElement]:
             for element, needed in known:
                 enough.append(needed)
                 yield element
@@ -207,7 +209,7 @@ class _Component:
         return found
 
 
-def _premises(group: Group) -> set[TermId]:
+def _premises(group: AggregateGroup) -> set[TermId]:
     return {premise for element in group.counted.elements for premise in element.premises}
 
 

@@ -12,7 +12,7 @@ from mars_asp.asp.solve.term_ids import TermId, as_symbol
 Terms: TypeAlias = tuple[TermId, ...]
 
 
-class Element(NamedTuple):
+class AggregateElement(NamedTuple):
     """One element of an aggregate, or instance of a conditional literal, that holds.
 
     `tuple` is what is counted; `premises` support it; `conditions` are true and no support.
@@ -32,11 +32,11 @@ class Counted:
     """
 
     function: str
-    elements: Sequence[Element]
+    elements: Sequence[AggregateElement]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Group:
+class AggregateGroup:
     """How many elements a firing needs: their function must reach `bound`.
 
     Firings that need the same share the group.
@@ -61,7 +61,7 @@ class Firing(NamedTuple):
     without: TermId
     #: The values of the variables, `v(n("X",...),1,...)`.
     values: TermId
-    groups: tuple[Group, ...] = ()
+    groups: tuple[AggregateGroup, ...] = ()
     #: What a firing that almost was lacks; `None` for a real one.
     lacks: clingo.Symbol | None = None
 
@@ -73,13 +73,15 @@ class Firing(NamedTuple):
 
 def read_firings(control: clingo.Control, question: int) -> list[Firing]:
     """Return what the explanation rules of a question found."""
-    elements: dict[TermId, list[Element]] = {}
+    elements: dict[TermId, list[AggregateElement]] = {}
     for atom in _atoms(control, f"_e{question}_"):
         key, told_apart, *parts = term_ids.arguments(atom)
         inside = elements.setdefault(key, [])
-        inside.append(Element(told_apart, *(tuple(term_ids.arguments(part)) for part in parts)))
+        inside.append(
+            AggregateElement(told_apart, *(tuple(term_ids.arguments(part)) for part in parts))
+        )
     counted: dict[TermId, Counted] = {}
-    groups: dict[TermId, Group] = {}
+    groups: dict[TermId, AggregateGroup] = {}
     found = []
     rules: dict[TermId, tuple[int, clingo.Symbol | None]] = {}
     for atom in _atoms(control, f"_s{question}_"):
@@ -93,7 +95,7 @@ def read_firings(control: clingo.Control, question: int) -> list[Firing]:
                 if key not in counted:
                     counted[key] = _counted(as_symbol(function).name, elements.get(key, ()))
                 strict = as_symbol(relation).name in ("gt", "lt")
-                groups[need] = Group(counted[key], strict, as_symbol(bound))
+                groups[need] = AggregateGroup(counted[key], strict, as_symbol(bound))
         found.append(
             Firing(
                 rule,
@@ -112,7 +114,7 @@ def _distinct(terms: Sequence[TermId]) -> Terms:
     return tuple(dict.fromkeys(terms) if len(terms) > 1 else terms)
 
 
-def _counted(function: str, elements: Sequence[Element]) -> Counted:
+def _counted(function: str, elements: Sequence[AggregateElement]) -> Counted:
     # With a negative weight more elements can mean a lesser sum.
     if function == "sum" and any(number_of(weight_of(element.tuple)) < 0 for element in elements):
         function = "all"

@@ -13,10 +13,10 @@ import clingo
 
 from mars_asp.asp.solve.term_ids import TermId
 from mars_asp.asp.trace.firings import (
+    AggregateElement,
+    AggregateGroup,
     Counted,
-    Element,
     Firing,
-    Group,
     firing_order,
     number_of,
     weight_of,
@@ -33,11 +33,11 @@ class _Tally:
         self._end: clingo.Symbol | None = None
         needs_all = counted.function == "all"
         self._every = len({e.tuple for e in counted.elements}) if needs_all else 0
-        self._waiting: dict[Group, list[_Waiting]] = {}
+        self._waiting: dict[AggregateGroup, list[_Waiting]] = {}
         #: The groups that wait, those that need least last.
-        self._order: list[Group] = []
+        self._order: list[AggregateGroup] = []
 
-    def add(self, element: Element) -> None:
+    def add(self, element: AggregateElement) -> None:
         """Count an element."""
         if element.tuple in self._counted:
             return
@@ -50,7 +50,7 @@ class _Tally:
         pick = min if self._function == "min" else max
         self._end = weight if self._end is None else pick(self._end, weight)
 
-    def reaches(self, group: Group) -> bool:
+    def reaches(self, group: AggregateGroup) -> bool:
         """Say whether a firing that needs a group may rest on what has been counted."""
         bound, strict = group.bound, group.strict
         if self._function == "none":
@@ -65,7 +65,7 @@ class _Tally:
             value = clingo.Infimum if self._end is None else self._end
         return value > bound or (value == bound and not strict)
 
-    def wait(self, group: Group, waiting: "_Waiting") -> None:
+    def wait(self, group: AggregateGroup, waiting: "_Waiting") -> None:
         """Note that a firing waits until a group is reached."""
         if group not in self._waiting:
             self._waiting[group] = []
@@ -80,7 +80,7 @@ class _Tally:
             yield from self._waiting.pop(self._order.pop())
 
 
-def _difficulty(group: Group) -> tuple[clingo.Symbol, bool]:
+def _difficulty(group: AggregateGroup) -> tuple[clingo.Symbol, bool]:
     """Return a sort key: of `min` the least bound is hard to reach, otherwise the greatest."""
     return group.bound, group.strict != (group.counted.function == "min")
 
@@ -100,7 +100,7 @@ class _Part:
 
     __slots__ = ("element", "open", "tally")
 
-    def __init__(self, tally: _Tally, element: Element, open_premises: int) -> None:
+    def __init__(self, tally: _Tally, element: AggregateElement, open_premises: int) -> None:
         self.tally = tally
         self.element = element
         self.open = open_premises
@@ -185,7 +185,7 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[TermId, Firing], dict
     return best, heights
 
 
-def is_reached(group: Group, elements: Iterable[Element]) -> bool:
+def is_reached(group: AggregateGroup, elements: Iterable[AggregateElement]) -> bool:
     """Say whether some of its elements are enough for a group; no more of them are read."""
     tally = _Tally(group.counted)
     look = 1

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
-from mars_asp.asp.rules.declarations import SENTENCE_HOLE, Argument, Declaration
+from mars_asp.asp.rules.declarations import SENTENCE_HOLE, Declaration, PredicateArgument
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.asp.units import UNITS, measured, measured_alike
@@ -19,7 +19,7 @@ class _Hole(NamedTuple):
 
     other: Declaration | None
     place: int
-    argument: Argument
+    argument: PredicateArgument
 
 
 class _Form(NamedTuple):
@@ -176,7 +176,7 @@ def _is_open(value: Term) -> bool:
     return isinstance(value, Atom) and value.name == OPEN
 
 
-def _written(value: Term, argument: Argument) -> str | None:
+def _written(value: Term, argument: PredicateArgument) -> str | None:
     """Return a value as people read it; `None` where it is open, or a term of the encoding."""
     if isinstance(value, int):
         unit = next((sort for sort in argument.sorts if sort in UNITS), None)

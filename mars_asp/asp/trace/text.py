@@ -88,7 +88,7 @@ def traces_text(
             yield from _placed(last, step.rule.span, level, width) if places else (last,)
 
 
-class _Near(NamedTuple):
+class _NearStep(NamedTuple):
     """What stands near below a step: steps by their `id`, facts, and the lines of these."""
 
     steps: Set[int]
@@ -149,7 +149,7 @@ class _Teller:
         #: The steps that come more than once.
         self.again: set[int] = set()
         self._opened: set[int] = set()
-        self._near: dict[int, _Near] = {}
+        self._near: dict[int, _NearStep] = {}
         self._order = PremiseOrder()
 
     def entries(self, title: str, trace: Trace) -> Iterator[_Entry]:
@@ -305,7 +305,7 @@ class _Teller:
         steps = [premise for premise in found if isinstance(premise, Derived)]
         if not steps:
             return found
-        nears: list[_Near] = []
+        nears: list[_NearStep] = []
         told: set[int] = set()
         for step in steps:
             if id(step) not in told:
@@ -322,7 +322,7 @@ class _Teller:
             and not (isinstance(premise, Given) and self._is_seen(premise, nears))
         ]
 
-    def _is_seen(self, given: Given, nears: Sequence[_Near]) -> bool:
+    def _is_seen(self, given: Given, nears: Sequence[_NearStep]) -> bool:
         """Whether a fact stands below other steps, or is all that a line there says."""
         if any(given.atom in near.facts for near in nears):
             return True
@@ -405,7 +405,7 @@ def _differs(name: str, bindings: Sequence[Mapping[str, clingo.Symbol]]) -> bool
     return len({bound.get(name) for bound in bindings}) > 1
 
 
-def _near(step: Derived) -> _Near:
+def _near(step: Derived) -> _NearStep:
     """Return what stands near below a step, the nearest first until there is enough."""
     waiting = [step]
     seen = {id(step)}
@@ -425,7 +425,7 @@ def _near(step: Derived) -> _Near:
         if len(seen) >= NEAR:
             break
     seen.remove(id(step))
-    return _Near(seen, facts, lines)
+    return _NearStep(seen, facts, lines)
 
 
 def _below(step: Trace) -> list[Trace]:

@@ -63,7 +63,7 @@ _INSTALL = re.compile(r"\s*(?:(?:uv|python3?)\s+(?:-m\s+)?)?pip3?\s+install\b[^;
 _PARAMETERS = re.compile(r"\[[^\]]*\]")
 
 
-class Port(NamedTuple):
+class DoraPort(NamedTuple):
     """An input or output: its name, its type if that is stated, and its location."""
 
     name: str
@@ -103,8 +103,8 @@ class Worker:
 
     name: str
     span: Span
-    inputs: tuple[Port, ...]
-    outputs: tuple[Port, ...]
+    inputs: tuple[DoraPort, ...]
+    outputs: tuple[DoraPort, ...]
     wires: tuple[Wire, ...]
     complete: bool = True
     program: NodeFile | None = None
@@ -267,12 +267,12 @@ class _DataflowReader:
             return
         types = {key: self.types(pairs, key) for key in ("input_types", "output_types")}
         outputs = [
-            Port(each.text, types["output_types"].get(each.text), each.span)
+            DoraPort(each.text, types["output_types"].get(each.text), each.span)
             for each in self.outputs(name, pairs)
         ]
         inputs, wires = [], []
         for key, source in self.inputs(name, pairs):
-            inputs.append(Port(key.text, types["input_types"].get(key.text), key.span))
+            inputs.append(DoraPort(key.text, types["input_types"].get(key.text), key.span))
             wire = self.wire(name, key, source)
             if wire is not None:
                 wires.append(wire)

@@ -9,7 +9,7 @@ from mars_asp.exchange.yaml_document import Items, Scalar
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class LaunchArgument:
     """The value of a launch argument; `default` where the place itself gives one."""
 
     name: str
@@ -17,7 +17,7 @@ class Argument:
 
 
 @dataclass(frozen=True, slots=True)
-class Share:
+class PackageShare:
     """The folder where a package's shared files are installed."""
 
     package: "Text"
@@ -33,7 +33,7 @@ class LaunchDirectory:
     """The folder of the launch file."""
 
 
-Part: TypeAlias = str | Argument | Share | Unknown | LaunchDirectory
+Part: TypeAlias = str | LaunchArgument | PackageShare | Unknown | LaunchDirectory
 #: A text in parts, as substitutions are; an empty one is the empty text.
 Text: TypeAlias = tuple[Part, ...]
 UNKNOWN: Text = (Unknown(),)
@@ -70,7 +70,7 @@ class Remap:
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class NodeParameter:
     """A parameter that a launch file gives itself; `span` is where its value stands.
 
     `keys` are the steps of its name, each with its place; `items` are the texts of a list;
@@ -107,7 +107,7 @@ class Start:
     namespace: Text | None = None
     remaps: tuple[Remap, ...] = ()
     files: tuple[Text, ...] = ()
-    parameters: tuple[Parameter, ...] = ()
+    parameters: tuple[NodeParameter, ...] = ()
     arguments: tuple[Text, ...] = ()
     tests: Tests = ()
     unread: tuple[tuple[str, Span], ...] = ()
@@ -115,7 +115,7 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class LaunchGroup:
     """Actions together; what is set in a scoped one is forgotten behind it."""
 
     actions: "tuple[Action, ...]"
@@ -154,11 +154,11 @@ class SetParameters:
     """Parameters of all nodes that follow in the group."""
 
     files: tuple[Text, ...]
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[NodeParameter, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Include:
+class IncludeAction:
     """Another launch file, with values of its arguments.
 
     `inherits` is whether it also has the arguments of the including file, as in ROS 2.
@@ -166,7 +166,7 @@ class Include:
 
     path: Text
     span: Span
-    arguments: tuple[Parameter, ...] = ()
+    arguments: tuple[NodeParameter, ...] = ()
     tests: Tests = ()
     inherits: bool = True
 
@@ -209,12 +209,12 @@ class Undeclared:
 
 Action: TypeAlias = (
     Start
-    | Group
+    | LaunchGroup
     | PushNamespace
     | SetRemap
     | Declare
     | SetParameters
-    | Include
+    | IncludeAction
     | Reads
     | Readings
     | NotRead
@@ -245,6 +245,6 @@ def plain(text: Text) -> str | None:
     return text[0] if len(text) == 1 and isinstance(text[0], str) else None
 
 
-def together(actions: Sequence[Action], tests: Tests) -> Group:
+def together(actions: Sequence[Action], tests: Tests) -> LaunchGroup:
     """Return actions that a condition may leave out, without a scope of their own."""
-    return Group(tuple(actions), scoped=False, tests=tests)
+    return LaunchGroup(tuple(actions), scoped=False, tests=tests)

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from itertools import takewhile
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic
-from mars_asp.exchange.ros2.programs import Program
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, InterfaceTopic
+from mars_asp.exchange.ros2.programs import RosProgram
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 
@@ -26,13 +26,13 @@ _WAYS = {
 }  # fmt: skip
 
 
-def is_bridge(program: Program) -> bool:
+def is_bridge(program: RosProgram) -> bool:
     """Whether a program is a bridge between ROS and Gazebo."""
     return program.package in _BRIDGES | _OF_IMAGES
 
 
 def bridged(
-    program: Program, arguments: Sequence[str], document: Node | None, span: Span
+    program: RosProgram, arguments: Sequence[str], document: Node | None, span: Span
 ) -> Interface:
     """Return what a bridge at `span` publishes and hears, by its arguments and its file."""
     words = takewhile(lambda word: word != "--ros-args", arguments)
@@ -47,7 +47,8 @@ def bridged(
         else:
             unread.append(Unread(AT_RUN_TIME, word or "arguments", span))
     ends = [
-        (Topic(topic, kind, at), *_WAYS.get(way, (True, True))) for topic, kind, way, at in found
+        (InterfaceTopic(topic, kind, at), *_WAYS.get(way, (True, True)))
+        for topic, kind, way, at in found
     ]
     return Interface(
         tuple(topic for topic, is_sent, _ in ends if is_sent),

@@ -8,7 +8,7 @@ from importlib import resources
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
-from mars_asp.exchange.ros2.interface import Interface, Topic
+from mars_asp.exchange.ros2.interface import Interface, InterfaceTopic
 
 #: What a file that adds to the catalogue is called.
 OWN = "mars-catalogue.toml"
@@ -20,7 +20,7 @@ _TEXTS = ("plugin", "node", "namespace", "camera", "read")
 _FLAGS = ("guard", "clients", "listens", "spread", "sure")
 
 
-class Entry(NamedTuple):
+class CatalogueEntry(NamedTuple):
     """A program of the catalogue, by its package, its executable and its component's class."""
 
     package: str
@@ -32,7 +32,7 @@ class Entry(NamedTuple):
 class Catalogue:
     """Programs whose interfaces are known."""
 
-    def __init__(self, entries: tuple[Entry, ...]) -> None:
+    def __init__(self, entries: tuple[CatalogueEntry, ...]) -> None:
         """Take programs; of two with one name the later one holds."""
         self._programs = {(each.package, each.executable): each.interface for each in entries}
         self._plugins = {each.plugin: each.interface for each in entries if each.plugin}
@@ -73,7 +73,7 @@ def load_catalogue(own: tuple[tuple[str, str], ...] = ()) -> Catalogue:
     return Catalogue(tuple(entries))
 
 
-def _entries(text: str, path: str) -> Iterator[Entry]:
+def _entries(text: str, path: str) -> Iterator[CatalogueEntry]:
     try:
         document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -90,7 +90,9 @@ def _entries(text: str, path: str) -> Iterator[Entry]:
             yield _entry(package, executable, program, path)
 
 
-def _entry(package: str, executable: str, program: Mapping[str, object], path: str) -> Entry:
+def _entry(
+    package: str, executable: str, program: Mapping[str, object], path: str
+) -> CatalogueEntry:
     called = f"{package}.{executable}"
     for key, value in program.items():
         if key in _TOPICS:
@@ -110,7 +112,7 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
         replace(each, image=str(camera)) if each.name == "camera_info" and camera else each
         for each in _topics(program.get("subscribes"))
     )
-    return Entry(
+    return CatalogueEntry(
         package,
         executable,
         plugin if isinstance(plugin, str) else None,
@@ -134,15 +136,15 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
     )
 
 
-def _topics(listed: object) -> Iterator[Topic]:
+def _topics(listed: object) -> Iterator[InterfaceTopic]:
     """Yield topics of a table; a number sign in a name stands for any number."""
     for name, kind in (listed if isinstance(listed, dict) else {}).items():
         match = _BY_PARAMETER.fullmatch(name)
         if match:
             parameter = match["parameter"] + (match["numbered"] or "")
-            yield Topic(match["default"] or "", kind, parameter=parameter)
+            yield InterfaceTopic(match["default"] or "", kind, parameter=parameter)
         else:
-            yield Topic(name, kind)
+            yield InterfaceTopic(name, kind)
 
 
 def _wrong(path: str, message: str, place: Span | None = None) -> MarsError:

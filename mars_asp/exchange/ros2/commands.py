@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import (
     Action,
-    Include,
+    IncludeAction,
+    NodeParameter,
     NotRead,
-    Parameter,
+    PackageShare,
     Part,
     Reads,
-    Share,
     Start,
     Tests,
     Text,
@@ -50,26 +50,26 @@ def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
     return Start(span, package, executable, arguments=tuple(arguments), tests=tests)
 
 
-def _launched(words: Sequence[Text], span: Span, tests: Tests) -> Include:
+def _launched(words: Sequence[Text], span: Span, tests: Tests) -> IncludeAction:
     """Return the launch file that a command launches: a path, or a package and a file of it."""
-    given: list[Parameter] = []
+    given: list[NodeParameter] = []
     named: list[Text] = []
     for word in words:
         first = word[0] if isinstance(word[0], str) else ""
         name, sign, value = first.partition(":=")
         if sign:
             whole = text_of(value, *word[1:])
-            given.append(Parameter(((text_of(name), span),), whole, span))
+            given.append(NodeParameter(((text_of(name), span),), whole, span))
         elif not first.startswith("-"):
             named.append(word)
     match named:
         case [package, file, *_]:
-            path = text_of(Share(package), "/launch/", file)
+            path = text_of(PackageShare(package), "/launch/", file)
         case [path]:
             pass
         case _:
             path = ()
-    return Include(path, span, tuple(given), tests)
+    return IncludeAction(path, span, tuple(given), tests)
 
 
 def _words(text: Text) -> list[Text]:

@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.ros2.actions import UNKNOWN, Argument, Part, Test, Tests, Text, text_of
-from mars_asp.exchange.ros2.python_values import Call, Listed, Value, text_from
+from mars_asp.exchange.ros2.actions import UNKNOWN, LaunchArgument, Part, Test, Tests, Text, text_of
+from mars_asp.exchange.ros2.python_values import Listed, PythonCall, Value, text_from
 
 #: The part of a number in an expression.
 _HELD = "\0{}\0"
@@ -21,7 +21,7 @@ def tests_of(condition: Value, span: Span) -> Tests:
     """Return the tests of the condition of an action, if it has one."""
     if condition is None:
         return ()
-    if not isinstance(condition, Call):
+    if not isinstance(condition, PythonCall):
         return (Test(UNKNOWN, None, True, span),)
     first = condition.arguments[0] if condition.arguments else None
     at = condition.span
@@ -34,14 +34,14 @@ def tests_of(condition: Value, span: Span) -> Tests:
             value = text_from(condition.get("expected_value", 1))
             wanted = condition.name == "LaunchConfigurationEquals"
             if len(name) == 1 and isinstance(name[0], str):
-                return (Test((Argument(name[0]),), value, wanted, at),)
+                return (Test((LaunchArgument(name[0]),), value, wanted, at),)
     return (Test(UNKNOWN, None, True, at),)
 
 
 def _of_value(value: Value, wanted: bool, span: Span) -> Iterator[Test]:
     while isinstance(value, Listed) and len(value.items) == 1:
         [value] = value.items
-    if not isinstance(value, Call):
+    if not isinstance(value, PythonCall):
         yield from tests_of_text(text_from(value), wanted, span)
         return
     first = value.arguments[0] if value.arguments else None

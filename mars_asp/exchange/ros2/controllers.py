@@ -11,10 +11,10 @@ from typing import TypeAlias
 
 from mars_asp.exchange.ros2.launch import Started
 from mars_asp.exchange.ros2.names import Renaming, joined
-from mars_asp.exchange.ros2.parameters import Given
+from mars_asp.exchange.ros2.parameters import GivenParameter
 from mars_asp.exchange.unread import Unread
 
-Values: TypeAlias = Callable[[Started, str], Mapping[str, Given]]
+Values: TypeAlias = Callable[[Started, str], Mapping[str, GivenParameter]]
 
 _PACKAGE = "controller_manager"
 #: Programs that run the controllers which spawners load.

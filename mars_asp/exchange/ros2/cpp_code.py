@@ -10,7 +10,7 @@ from itertools import chain
 from typing import Generic, NamedTuple, TypeVar
 
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     angle,
     closing,
     is_word,
@@ -38,18 +38,18 @@ _BRACKETS, _OPENING = frozenset("()[]{}"), frozenset("([{")
 _KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeof"})
 
 
-class Call(NamedTuple):
+class CppCall(NamedTuple):
     """A call: what is called at which token, its template arguments and its arguments."""
 
     name: str
     at: int
     types: tuple[str, ...]
-    arguments: tuple[tuple[Token, ...], ...]
+    arguments: tuple[tuple[SourceToken, ...], ...]
     end: int
 
 
 @dataclass(slots=True)
-class Body:
+class CppBody:
     """A function by its name: the token that opens its body, and the index after its last.
 
     `opening` is the bracket of its parameters.
@@ -58,7 +58,7 @@ class Body:
     name: str
     begin: int
     end: int
-    parameters: tuple[Token, ...]
+    parameters: tuple[SourceToken, ...]
     opening: int
 
 
@@ -110,13 +110,13 @@ class CppCode:
 
     # ---- Places and texts
 
-    def span(self, token: Token, length: int | None = None) -> Span:
+    def span(self, token: SourceToken, length: int | None = None) -> Span:
         """Return the location of a token."""
         line, column = self.source.position(self.source.within(0, self.text, token.offset))
         end = column + (len(token.text) if length is None else length)
         return Span(self.source.path, line, column, line, end)
 
-    def string(self, token: Token) -> str | None:
+    def string(self, token: SourceToken) -> str | None:
         """Return the text of a token, or None if it is no string."""
         begin = token.offset
         match = _STRING.fullmatch(self.text[begin : begin + len(token.text)])
@@ -160,7 +160,7 @@ class CppCode:
                 found[waiting.pop()] = at + 1
         return found | dict.fromkeys(waiting, len(self.tokens))
 
-    def _calls(self, called: Set[str], made: Set[str]) -> Iterator[Call]:
+    def _calls(self, called: Set[str], made: Set[str]) -> Iterator[CppCall]:
         """Yield each call, and each construction of a variable, with its arguments."""
         tokens, copied = self.tokens, 0
         for at in self.places_of(called):
@@ -183,9 +183,9 @@ class CppCode:
                 if copied > _MOST_COPIED:
                     return
                 arguments = split(tokens[behind + 1 : end - 1])
-                yield Call(name, at, types, tuple(map(tuple, arguments)), end)
+                yield CppCall(name, at, types, tuple(map(tuple, arguments)), end)
 
-    def _bodies(self) -> Iterator[Body]:
+    def _bodies(self) -> Iterator[CppBody]:
         """Yield the functions that are defined."""
         tokens = self.tokens
         last = -1
@@ -199,7 +199,7 @@ class CppCode:
                     behind = _behind_initialisers(tokens, behind + 1)
                 if text_at(tokens, behind) == "{" and name not in _KEYWORDS:
                     parameters = tuple(tokens[at + 1 : min(end - 1, at + _MOST_PARAMETERS)])
-                    yield Body(name, behind, self.closed[behind], parameters, at)
+                    yield CppBody(name, behind, self.closed[behind], parameters, at)
                     # The last initialiser of a constructor looks like a function.
                     last = behind
 
@@ -228,7 +228,7 @@ class CppCode:
             if at >= 2 and self.tokens[at - 1].text in ("(", "{")
         }
 
-    def bodies_at(self, at: int) -> Iterator[Body]:
+    def bodies_at(self, at: int) -> Iterator[CppBody]:
         """Yield the functions around a token, the innermost first; parameters are inside."""
         return self._nested_bodies.around(at)
 
@@ -245,10 +245,10 @@ class CppCode:
         return Nested([(at, end, at) for at, end in sorted(self.closed.items())])
 
     @cached_property
-    def _nested_bodies(self) -> "Nested[Body]":
+    def _nested_bodies(self) -> "Nested[CppBody]":
         return Nested([(body.opening, body.end, body) for body in self.bodies])
 
-    def class_of(self, body: Body) -> str:
+    def class_of(self, body: CppBody) -> str:
         """Return the class of a function, or an empty text if it has none."""
         before = body.opening - 2
         before -= text_at(self.tokens, before) == "~"
@@ -326,7 +326,7 @@ class CppCode:
         return Nested([(head.opening, self.closed[head.opening], head.name) for head in heads])
 
 
-def _behind_initialisers(tokens: Sequence[Token], at: int) -> int:
+def _behind_initialisers(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index of the body behind the initialisers of a constructor."""
     most = min(len(tokens), at + _MOST_INITIALISERS)
     while at < most:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from fractions import Fraction
 
-from mars_asp.annotations.declarations.tokens import Token, joined
+from mars_asp.annotations.declarations.tokens import SourceToken, joined
 
 _NUMBER = re.compile(r"(\d[\d']*(?:\.\d*)?|\.\d+)(?:[eE]([-+]?\d+))?(?:f|F|u|l|L)*")
 _UNITS = {
@@ -35,7 +35,7 @@ _DURATIONS = {
 _LITERAL = re.compile(r"(\d[\d.']*)(ns|us|ms|s|min)")
 
 
-def seconds_in(argument: Sequence[Token]) -> Fraction | None:
+def seconds_in(argument: Sequence[SourceToken]) -> Fraction | None:
     """Return the seconds of a duration that is written out."""
     text = joined(argument)
     literal = _LITERAL.fullmatch(text)

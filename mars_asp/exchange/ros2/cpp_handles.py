@@ -8,12 +8,12 @@ from collections.abc import Callable, Collection, Iterator, Sequence, Set
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     is_word,
     split,
     text_at,
 )
-from mars_asp.exchange.ros2.cpp_code import Body, CppCode
+from mars_asp.exchange.ros2.cpp_code import CppBody, CppCode
 
 #: Functions of nodelets that return handles, and the prefixes of these.
 _GETTERS = {
@@ -55,7 +55,7 @@ _MOST_OVERLOADS = 16
 #: A variable: the class or function that it belongs to, and its name.
 _Key = tuple[str, str]
 #: The text of an expression, or None if it is unknown.
-Evaluate = Callable[[CppCode, Sequence[Token]], str | None]
+Evaluate = Callable[[CppCode, Sequence[SourceToken]], str | None]
 
 
 class _Source(NamedTuple):
@@ -389,7 +389,7 @@ def _after_angles(file: CppCode, at: int) -> int:
     return at
 
 
-def _scope_of(file: CppCode, body: Body) -> str:
+def _scope_of(file: CppCode, body: CppBody) -> str:
     return f"{file.source.path}:{body.opening}"
 
 
@@ -437,7 +437,7 @@ def _objects_of_classes(file: CppCode, classes: Set[str]) -> Iterator[str]:
             yield tokens[end - 1].text
 
 
-def _name_of(parameter: Sequence[Token]) -> str | None:
+def _name_of(parameter: Sequence[SourceToken]) -> str | None:
     """Return the name of a parameter, which is before its default."""
     words = [token.text for token in parameter]
     if "=" in words:

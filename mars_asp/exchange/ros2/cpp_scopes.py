@@ -7,8 +7,8 @@ from itertools import islice
 from operator import attrgetter
 from typing import NamedTuple
 
-from mars_asp.annotations.declarations.tokens import Token, is_word, text_at
-from mars_asp.exchange.ros2.cpp_code import Body, Call, CppCode, Nested
+from mars_asp.annotations.declarations.tokens import SourceToken, is_word, text_at
+from mars_asp.exchange.ros2.cpp_code import CppBody, CppCall, CppCode, Nested
 
 #: Calls that declare a parameter, that return its value, and that also write it to a variable.
 DECLARING = frozenset({"declare_parameter", "declare_parameter_if_not_declared"})
@@ -76,7 +76,7 @@ class ScopedCode(CppCode):
             self._known_declarations[word] = self._names_of(word)
         return self._known_declarations[word]
 
-    def index_of(self, token: Token) -> int:
+    def index_of(self, token: SourceToken) -> int:
         """Return the index of a token of the file."""
         return bisect_left(self.tokens, token.offset, key=attrgetter("offset"))
 
@@ -92,9 +92,9 @@ class ScopedCode(CppCode):
         return -1
 
     @cached_property
-    def parameter_defaults(self) -> Mapping[str, Sequence[tuple[Token, ...]]]:
+    def parameter_defaults(self) -> Mapping[str, Sequence[tuple[SourceToken, ...]]]:
         """The expressions that are defaults of parameters, by the names of these."""
-        found: dict[str, list[tuple[Token, ...]]] = {}
+        found: dict[str, list[tuple[SourceToken, ...]]] = {}
         for call in self.calls:
             name, others = self.parameter_in(call.name, call.arguments)
             if name is not None:
@@ -102,8 +102,8 @@ class ScopedCode(CppCode):
         return found
 
     def parameter_in(
-        self, called: str, arguments: Sequence[Sequence[Token]]
-    ) -> tuple[str | None, Sequence[tuple[Token, ...]]]:
+        self, called: str, arguments: Sequence[Sequence[SourceToken]]
+    ) -> tuple[str | None, Sequence[tuple[SourceToken, ...]]]:
         """Return the name of the parameter of a call, and the arguments after it."""
         for at, argument in enumerate(arguments[:2] if called in PARAMETERS else ()):
             name = self.string(argument[0]) if len(argument) == 1 else None
@@ -121,11 +121,11 @@ class ScopedCode(CppCode):
                 found[others[0][-1].offset] = name
         return found
 
-    def _is_read_into(self, call: Call, others: Sequence[Sequence[Token]]) -> bool:
+    def _is_read_into(self, call: CppCall, others: Sequence[Sequence[SourceToken]]) -> bool:
         is_read = len(others) > (call.name in _RETURNING) and call.name not in DECLARING
         return is_read and is_word(others[0][-1].text)
 
-    def parameter_of(self, opening: int) -> Body | None:
+    def parameter_of(self, opening: int) -> CppBody | None:
         """Return the function whose parameters a bracket encloses."""
         return self._bodies_by_opening.get(opening)
 
@@ -162,7 +162,7 @@ class ScopedCode(CppCode):
         return {}
 
     @cached_property
-    def _bodies_by_opening(self) -> Mapping[int, Body]:
+    def _bodies_by_opening(self) -> Mapping[int, CppBody]:
         return {body.opening: body for body in self.bodies}
 
     @cached_property

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     before,
     behind_angle,
     closing,
@@ -16,7 +16,7 @@ from mars_asp.annotations.declarations.tokens import (
     split,
     text_at,
 )
-from mars_asp.exchange.ros2.cpp_code import Body
+from mars_asp.exchange.ros2.cpp_code import CppBody
 from mars_asp.exchange.ros2.cpp_scopes import PARAMETERS, Assigned, ScopedCode
 
 #: Methods that return the whole name of a topic.
@@ -54,7 +54,7 @@ class _Variable(NamedTuple):
 _Place: TypeAlias = tuple[ScopedCode, Assigned]
 
 
-class Texts:
+class CppTexts:
     """The texts of the expressions of a program."""
 
     def __init__(self, files: Sequence[ScopedCode]) -> None:
@@ -68,7 +68,7 @@ class Texts:
         #: The parameter whose default is evaluated.
         self._reading = ""
 
-    def text_of(self, file: ScopedCode, tokens: Sequence[Token]) -> CppText:
+    def text_of(self, file: ScopedCode, tokens: Sequence[SourceToken]) -> CppText:
         """Return the text of an expression, and the parameter that it reads."""
         tokens = _unwrapped(tokens)
         words = [token.text for token in tokens[: _MOST_WORDS + 1]]
@@ -102,7 +102,7 @@ class Texts:
     # ---- Parameters
 
     def _value_of_parameter(
-        self, file: ScopedCode, tokens: Sequence[Token], words: Sequence[str]
+        self, file: ScopedCode, tokens: Sequence[SourceToken], words: Sequence[str]
     ) -> CppText:
         """Return the value of a parameter that an expression reads, if it does no more."""
         at = next(at for at, word in enumerate(words) if word in PARAMETERS)
@@ -121,7 +121,9 @@ class Texts:
         text = None if reads else self._first_text(file, others)
         return CppText(self._parameter_default(name) if text is None else text, name)
 
-    def _first_text(self, file: ScopedCode, expressions: Sequence[Sequence[Token]]) -> str | None:
+    def _first_text(
+        self, file: ScopedCode, expressions: Sequence[Sequence[SourceToken]]
+    ) -> str | None:
         values = (self.text_of(file, each).text for each in expressions)
         return next((each for each in values if each is not None), None)
 
@@ -257,8 +259,8 @@ class Texts:
     # ---- Arguments
 
     @cached_property
-    def _bodies_by_name(self) -> Mapping[str, Sequence[Body]]:
-        found: dict[str, list[Body]] = {}
+    def _bodies_by_name(self) -> Mapping[str, Sequence[CppBody]]:
+        found: dict[str, list[CppBody]] = {}
         for file in self._files:
             for body in file.bodies:
                 found.setdefault(body.name, []).append(body)
@@ -276,7 +278,7 @@ class Texts:
         return {name for name, words in groups if {"string", "&"} <= words and "const" not in words}
 
     def _values_passed(
-        self, file: ScopedCode, body: Body, name: str
+        self, file: ScopedCode, body: CppBody, name: str
     ) -> Iterator[tuple[CppText, bool]]:
         """Yield the values that a parameter gets in all calls of its function."""
         groups = split(body.parameters)
@@ -289,8 +291,8 @@ class Texts:
         if number is None or not is_method or len(places) > _MOST_VALUES:
             yield _UNKNOWN, False
             return
-        defaults: list[tuple[ScopedCode, Sequence[Token]]] = []
-        given: list[tuple[ScopedCode, Sequence[Token]]] = []
+        defaults: list[tuple[ScopedCode, Sequence[SourceToken]]] = []
+        given: list[tuple[ScopedCode, Sequence[SourceToken]]] = []
         is_left = False
         for place, at in places:
             opening = (
@@ -303,7 +305,7 @@ class Texts:
                 yield _UNKNOWN, False
                 return
             arguments = split(place.tokens[opening + 1 : end - 1])
-            argument: Sequence[Token] = arguments[number] if number < len(arguments) else ()
+            argument: Sequence[SourceToken] = arguments[number] if number < len(arguments) else ()
             is_defined = place is file and opening == body.opening
             if is_defined or (place.is_typed(at) and text_at(place.tokens, end) in _AFTER_DECLARED):
                 default = argument[len(before(argument, "=")) + 1 :]
@@ -319,7 +321,7 @@ class Texts:
             yield _UNKNOWN, False
 
 
-def resolved_name(tokens: Sequence[Token]) -> Sequence[Token] | None:
+def resolved_name(tokens: Sequence[SourceToken]) -> Sequence[SourceToken] | None:
     """Return the name whose whole form an expression is, or None for others."""
     at = len(tokens) - 4
     is_call = at > 0 and text_at(tokens, -1 + len(tokens)) == ")" and text_at(tokens, at + 1) == "("
@@ -344,7 +346,7 @@ def _limited(text: str | None) -> CppText:
     return CppText(text if text is not None and len(text) <= _MOST_CHARACTERS else None)
 
 
-def _unwrapped(tokens: Sequence[Token]) -> Sequence[Token]:
+def _unwrapped(tokens: Sequence[SourceToken]) -> Sequence[SourceToken]:
     """Return an expression without brackets around it, `std::string(...)` and `.c_str()`."""
     while len(tokens) <= _MOST_WORDS:
         words = [token.text for token in tokens]
@@ -359,9 +361,9 @@ def _unwrapped(tokens: Sequence[Token]) -> Sequence[Token]:
     return tokens
 
 
-def _summands(tokens: Sequence[Token]) -> Sequence[Sequence[Token]]:
+def _summands(tokens: Sequence[SourceToken]) -> Sequence[Sequence[SourceToken]]:
     """Return the parts of an expression between signs of a sum outside of brackets."""
-    groups: list[Sequence[Token]] = []
+    groups: list[Sequence[SourceToken]] = []
     begin = at = 0
     while at < len(tokens):
         if tokens[at].text == "+":

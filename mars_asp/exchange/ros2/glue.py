@@ -8,14 +8,14 @@ https://github.com/ros-teleop/twist_mux (joystick_relay).
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from mars_asp.exchange.ros2.interface import Interface, Topic
-from mars_asp.exchange.ros2.parameters import Given
-from mars_asp.exchange.ros2.programs import Program
+from mars_asp.exchange.ros2.interface import Interface, InterfaceTopic
+from mars_asp.exchange.ros2.parameters import GivenParameter
+from mars_asp.exchange.ros2.programs import RosProgram
 from mars_asp.model.ranges import NumberProblem
 from mars_asp.model.rates import Rate, read_frequency
 
 #: What a joystick steers, and by what it says so.
-_JOYSTICK = Topic("joy", "sensor_msgs/msg/Joy")
+_JOYSTICK = InterfaceTopic("joy", "sensor_msgs/msg/Joy")
 _TYPES = ("interface_type", "message_type")
 #: What these add to a topic's name where nothing else is given.
 _ENDINGS = {"relay": "_relay", "throttle": "_throttle", "drop": "_drop", "delay": "_delay"}
@@ -40,7 +40,7 @@ class Forward:
 
 
 def handed_on(
-    program: Program, words: Sequence[str], values: Mapping[str, Given]
+    program: RosProgram, words: Sequence[str], values: Mapping[str, GivenParameter]
 ) -> Forward | None:
     """Return what a program hands on, if it is a relay; `words` are its arguments."""
     if program.package == "twist_mux" and program.executable.startswith("joystick_relay"):
@@ -60,7 +60,9 @@ def handed_on(
             return None
 
 
-def _copied(kind: str, words: Sequence[str], values: Mapping[str, Given]) -> Forward | None:
+def _copied(
+    kind: str, words: Sequence[str], values: Mapping[str, GivenParameter]
+) -> Forward | None:
     """Return what one topic is handed on as."""
     sort, *words = words if kind == "throttle" and words else ("", *words)
     named = _one(values, "throttle_type") or sort or "messages"
@@ -84,7 +86,7 @@ def _copied(kind: str, words: Sequence[str], values: Mapping[str, Given]) -> For
     return Forward(source, target, hz, tuple(left_out))
 
 
-def _mux(words: Sequence[str], values: Mapping[str, Given]) -> Forward | None:
+def _mux(words: Sequence[str], values: Mapping[str, GivenParameter]) -> Forward | None:
     """Return what a mux hands on at first; a service may select another topic."""
     sources = _several(values, "input_topics") or tuple(words[1:])
     target = _one(values, "output_topic") or next(iter(words), "~/selected")
@@ -93,7 +95,7 @@ def _mux(words: Sequence[str], values: Mapping[str, Given]) -> Forward | None:
     return Forward(first, target, None, others) if first not in ("", _NONE) else None
 
 
-def _demux(words: Sequence[str], values: Mapping[str, Given]) -> Forward | None:
+def _demux(words: Sequence[str], values: Mapping[str, GivenParameter]) -> Forward | None:
     """Return to what a demux hands on at first."""
     targets = _several(values, "output_topics") or tuple(words[1:])
     source = _one(values, "input_topic") or next(iter(words), "~/input")
@@ -102,16 +104,16 @@ def _demux(words: Sequence[str], values: Mapping[str, Given]) -> Forward | None:
     return Forward(source, first, None, others) if first not in ("", _NONE) else None
 
 
-def _one(values: Mapping[str, Given], name: str) -> str:
+def _one(values: Mapping[str, GivenParameter], name: str) -> str:
     return values[name].text if name in values else ""
 
 
-def _several(values: Mapping[str, Given], name: str) -> tuple[str, ...]:
+def _several(values: Mapping[str, GivenParameter], name: str) -> tuple[str, ...]:
     return values[name].texts if name in values else ()
 
 
 def steered(
-    program: Program, words: Sequence[str], values: Mapping[str, Given]
+    program: RosProgram, words: Sequence[str], values: Mapping[str, GivenParameter]
 ) -> Interface | None:
     """Return the topics of a program that only its call names: its parameters, or its `words`."""
     if program.package == "rostopic" and list(words[:1]) == ["pub"]:
@@ -136,14 +138,14 @@ def _published(words: Sequence[str]) -> Interface | None:
             named.append(word)
     match named:
         case [topic, kind, *_] if topic:
-            return Interface((Topic(topic, kind or None, hz=hz),))
+            return Interface((InterfaceTopic(topic, kind or None, hz=hz),))
         case _:
             return None
 
 
-def _steered(values: Mapping[str, Given]) -> Iterator[Topic]:
+def _steered(values: Mapping[str, GivenParameter]) -> Iterator[InterfaceTopic]:
     for name, given in values.items():
         group, dot, last = name.rpartition(".")
         if dot and last == "topic_name" and _one(values, f"{group}.type") in ("", "topic"):
             kinds = [_one(values, f"{group}.{key}") for key in _TYPES]
-            yield Topic(given.text, next(filter(None, kinds), None), given.value.span)
+            yield InterfaceTopic(given.text, next(filter(None, kinds), None), given.value.span)

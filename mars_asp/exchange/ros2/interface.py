@@ -9,7 +9,7 @@ from mars_asp.model.rates import Rate
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class InterfaceTopic:
     """A topic as a program names it.
 
     `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
@@ -58,8 +58,8 @@ class Interface:
     its name is the same in every version.
     """
 
-    published: tuple[Topic, ...] = ()
-    subscribed: tuple[Topic, ...] = ()
+    published: tuple[InterfaceTopic, ...] = ()
+    subscribed: tuple[InterfaceTopic, ...] = ()
     node: str | None = None
     guard: bool = False
     unread: tuple[Unread, ...] = ()
@@ -67,7 +67,7 @@ class Interface:
     spread: bool = False
     is_name_sure: bool = False
     listens: bool = False
-    names: tuple[Topic, ...] = ()
+    names: tuple[InterfaceTopic, ...] = ()
     unnamed: bool = False
     namespace: str = ""
 

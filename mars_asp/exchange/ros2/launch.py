@@ -11,20 +11,20 @@ from typing import Literal, NamedTuple
 from mars_asp.diagnostic import MarsError, Span
 from mars_asp.exchange.ros2.actions import (
     Action,
-    Argument,
     Declare,
-    Group,
-    Include,
+    IncludeAction,
+    LaunchArgument,
     LaunchDirectory,
+    LaunchGroup,
+    NodeParameter,
     NotRead,
-    Parameter,
+    PackageShare,
     PushNamespace,
     Readings,
     Reads,
     Remap,
     SetParameters,
     SetRemap,
-    Share,
     Start,
     Tests,
     Text,
@@ -36,7 +36,7 @@ from mars_asp.exchange.ros2.descriptions import DESCRIPTIONS, files_named
 from mars_asp.exchange.ros2.launch_markup import read_markup
 from mars_asp.exchange.ros2.launch_python import NEWER, read_python
 from mars_asp.exchange.ros2.names import Renaming, joined
-from mars_asp.exchange.ros2.parameters import Given
+from mars_asp.exchange.ros2.parameters import GivenParameter
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import ABSENT, CIRCLES, Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
@@ -107,7 +107,7 @@ class Started:
     remaps: tuple[Renaming, ...]
     spans: Mapping[Renaming, Span]
     files: tuple[Path, ...]
-    parameters: Mapping[str, Given]
+    parameters: Mapping[str, GivenParameter]
     span: Span
     conditions: tuple[StartCondition, ...] = ()
     arguments: tuple[str, ...] = ()
@@ -133,7 +133,7 @@ class _Scope:
     remaps: list[tuple[Renaming, Span]] = field(default_factory=list)
     arguments: dict[str, str | None] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
-    parameters: dict[str, Given] = field(default_factory=dict)
+    parameters: dict[str, GivenParameter] = field(default_factory=dict)
     conditions: tuple[StartCondition, ...] = ()
     #: Arguments that an including file has set, and what those stand for that it has passed on.
     fixed: frozenset[str] = frozenset()
@@ -229,7 +229,7 @@ class Launch:
             match action:
                 case Start():
                     self._start(action, scope, files)
-                case Group(inner, scoped, tests):
+                case LaunchGroup(inner, scoped, tests):
                     within = scope.inner() if scoped else scope
                     before = within.conditions
                     conditions = self._conditions(tests, scope, files)
@@ -255,7 +255,7 @@ class Launch:
                     scope.files += tuple(self._files(paths, scope, files, None))
                     given = self._parameters(parameters, scope, files, is_for_all=True)
                     scope.parameters.update(given)
-                case Include():
+                case IncludeAction():
                     self._include(action, scope, files)
                 case Reads(words, span):
                     self._note_read(words, span, scope, files)
@@ -361,7 +361,7 @@ class Launch:
             found.update((key, one) for one in conditions)
         return found
 
-    def _include(self, action: Include, scope: _Scope, files: tuple[Path, ...]) -> None:
+    def _include(self, action: IncludeAction, scope: _Scope, files: tuple[Path, ...]) -> None:
         written = self._shown(action.path, scope)
         path = self._plain(action.path, scope, files)
         found = None if path is None else self.workspace.find(path, files[-1].parent)
@@ -397,7 +397,7 @@ class Launch:
         self._enter(actions, action, scope, (*files, found))
 
     def _include_known(
-        self, file: Path, action: Include, scope: _Scope, files: tuple[Path, ...]
+        self, file: Path, action: IncludeAction, scope: _Scope, files: tuple[Path, ...]
     ) -> None:
         """Take up a launch file of the catalogue; all of it is at the line that includes it."""
         span, started, unread, missing = action.span, self.started, self.unread, self.missing
@@ -416,7 +416,11 @@ class Launch:
         self.unread = [*unread, *(each._replace(span=span) for each in kept)]
 
     def _enter(
-        self, actions: Sequence[Action], action: Include, scope: _Scope, files: tuple[Path, ...]
+        self,
+        actions: Sequence[Action],
+        action: IncludeAction,
+        scope: _Scope,
+        files: tuple[Path, ...],
     ) -> None:
         """Take up the actions of an included file, the last one of `files`."""
         conditions = self._conditions(action.tests, scope, files[:-1])
@@ -467,7 +471,9 @@ class Launch:
             self.started, self.unread, self.reached, self.missing = before
         return self._entered[key]
 
-    def _note_arguments(self, given: Iterable[Parameter], file: Path, read: Iterable[Path]) -> None:
+    def _note_arguments(
+        self, given: Iterable[NodeParameter], file: Path, read: Iterable[Path]
+    ) -> None:
         """Note the arguments passed to a file that neither it nor one that it includes names."""
         if any(map(self._texts.is_composed, read)):
             return
@@ -539,13 +545,13 @@ class Launch:
                 self._describe(self.workspace.find(path, file.parent), files)
 
     def _pass(
-        self, argument: Parameter, scope: _Scope, within: _Scope, files: tuple[Path, ...]
+        self, argument: NodeParameter, scope: _Scope, within: _Scope, files: tuple[Path, ...]
     ) -> None:
         """Note the arguments of an included file: a value, or an argument of its caller."""
         name, variable = plain(argument.name), None
         if name is None:
             return
-        if len(argument.value) == 1 and isinstance(argument.value[0], Argument):
+        if len(argument.value) == 1 and isinstance(argument.value[0], LaunchArgument):
             passed = argument.value[0]
             variable = scope.variable(passed.name)
             if variable is not None and passed.default is not None:
@@ -567,7 +573,7 @@ class Launch:
         for test in tests:
             value = "true" if test.value is None else self._plain(test.value, scope, files)
             variable = None
-            if len(test.text) == 1 and isinstance(test.text[0], Argument):
+            if len(test.text) == 1 and isinstance(test.text[0], LaunchArgument):
                 argument = test.text[0]
                 variable = scope.variable(argument.name)
                 if variable is not None and argument.default is not None:
@@ -582,7 +588,7 @@ class Launch:
                 arguments = (
                     scope.variable(part.name) or part.name
                     for part in test.text
-                    if isinstance(part, Argument)
+                    if isinstance(part, LaunchArgument)
                 )
                 at = f"{test.span.path}:{test.span.line}:{test.span.column}"
                 # Two that were not read may be alternatives, above all where they are of one file.
@@ -695,13 +701,13 @@ class Launch:
 
     def _parameters(
         self,
-        given: Sequence[Parameter],
+        given: Sequence[NodeParameter],
         scope: _Scope,
         files: tuple[Path, ...],
         *,
         is_for_all: bool = False,
-    ) -> dict[str, Given]:
-        found: dict[str, Given] = {}
+    ) -> dict[str, GivenParameter]:
+        found: dict[str, GivenParameter] = {}
         for each in given:
             steps = [self._plain(step, scope, files) for step, _ in each.keys]
             names = [step for step in steps if step is not None]
@@ -716,7 +722,9 @@ class Launch:
             )
             is_known = each.written is not None or len(known) == len(texts)
             value = known[0] if known and each.items is None else Items(tuple(known), each.span)
-            found[".".join(names)] = Given(keys, each.written or value, is_known, is_for_all)
+            found[".".join(names)] = GivenParameter(
+                keys, each.written or value, is_known, is_for_all
+            )
         return found
 
     def _files(
@@ -760,11 +768,11 @@ class Launch:
             match part:
                 case str():
                     spelt: str | None = part
-                case Argument(name, default):
+                case LaunchArgument(name, default):
                     spelt = scope.arguments.get(name)
                     if spelt is None and default is not None:
                         spelt = self._spelt(default, scope, files, depth + 1)
-                case Share(package):
+                case PackageShare(package):
                     named = self._spelt(package, scope, files, depth + 1)
                     spelt = None if named is None else f"$(find-pkg-share {named})"
                 case LaunchDirectory():
@@ -783,9 +791,9 @@ class Launch:
             match part:
                 case str():
                     shown.append(part)
-                case Argument(name, _):
+                case LaunchArgument(name, _):
                     shown.append(scope.arguments.get(name) or f"$(var {name})")
-                case Share(package):
+                case PackageShare(package):
                     shown.append(f"$(find-pkg-share {self._shown(package, scope)})")
                 case LaunchDirectory():
                     pass
@@ -815,12 +823,12 @@ def _at_include(started: Started, span: Span, is_rewritten: bool) -> Started:
 def text_shown(text: Text) -> str:
     """Return a text for people, arguments by their names."""
     return "".join(
-        part if isinstance(part, str) else part.name if isinstance(part, Argument) else "..."
+        part if isinstance(part, str) else part.name if isinstance(part, LaunchArgument) else "..."
         for part in text
     )
 
 
-def _set(words: Sequence[str], span: Span) -> Iterator[tuple[str, Given]]:
+def _set(words: Sequence[str], span: Span) -> Iterator[tuple[str, GivenParameter]]:
     """Yield the parameters among the arguments of a program."""
     ours = "--ros-args" in words
     for before, word in pairwise(["", *words]):
@@ -832,4 +840,4 @@ def _set(words: Sequence[str], span: Span) -> Iterator[tuple[str, Given]]:
         if sign and asked and name:
             own = name.rpartition(":")[2]
             keys = tuple(Scalar(step, True, span) for step in own.split("."))
-            yield own, Given(keys, Scalar(value, False, span))
+            yield own, GivenParameter(keys, Scalar(value, False, span))

@@ -6,24 +6,24 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
-from mars_asp.exchange.elements import Element, read_elements
+from mars_asp.exchange.elements import XmlElement, read_elements
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
     Action,
-    Argument,
     Declare,
-    Group,
-    Include,
+    IncludeAction,
+    LaunchArgument,
     LaunchDirectory,
+    LaunchGroup,
+    NodeParameter,
     NotRead,
-    Parameter,
+    PackageShare,
     Part,
     PushNamespace,
     Reads,
     Remap,
     SetParameters,
     SetRemap,
-    Share,
     Start,
     Test,
     Tests,
@@ -125,7 +125,7 @@ def _wrong(place: Span, message: str) -> MarsError:
     return MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
 
 
-def _of_element(element: Element) -> _Entity:
+def _of_element(element: XmlElement) -> _Entity:
     path, line, column, _, _ = element.span
     span = Span(path, line, column, line, column + 1 + len(element.name))
     name = element.name.replace("-", "_")
@@ -187,7 +187,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
                 namespace = entity.text("ns")
                 pushed = () if not namespace else (PushNamespace(namespace, entity.span),)
                 scoped = entity.attributes.get("scoped", "true").lower() != "false"
-                yield Group((*pushed, *_actions(entity.children)), scoped, tests)
+                yield LaunchGroup((*pushed, *_actions(entity.children)), scoped, tests)
             case "include":
                 yield from _included(entity, tests)
             case "push_ros_namespace" | "push_namespace":
@@ -241,7 +241,7 @@ def _evaluated(written: str) -> Iterator[Part | Text]:
         name = match["called"] or match["name"]
         if name is not None and name not in _WORDS_OF_PYTHON:
             yield inside[at : match.start()]
-            yield Argument(name)
+            yield LaunchArgument(name)
             at = match.end()
     yield inside[at:]
 
@@ -285,7 +285,7 @@ def _included(entity: _Entity, tests: Tests) -> Iterator[Action]:
     path = entity.text("file") or UNKNOWN
     namespace = entity.text("ns")
     given = tuple(
-        Parameter(
+        NodeParameter(
             ((each.text("name") or UNKNOWN, each.span),),
             each.text("value", "default") or (),
             each.span,
@@ -299,8 +299,8 @@ def _included(entity: _Entity, tests: Tests) -> Iterator[Action]:
     file = entity.attributes.get("file", "")
     is_old = entity.span.path.endswith(".launch") and "$(find-pkg-" not in file
     inherits = passed or not (is_old or "$(find " in file)
-    include = Include(path, entity.span, given, tests, inherits)
-    yield Group((PushNamespace(namespace, entity.span), include)) if namespace else include
+    include = IncludeAction(path, entity.span, given, tests, inherits)
+    yield LaunchGroup((PushNamespace(namespace, entity.span), include)) if namespace else include
 
 
 def _argument(entity: _Entity) -> Iterator[Declare]:
@@ -315,10 +315,10 @@ def _remap(entity: _Entity) -> Remap:
     return Remap(source or UNKNOWN, target or UNKNOWN, entity.span)
 
 
-def _given(entities: Sequence[_Entity]) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:
+def _given(entities: Sequence[_Entity]) -> tuple[tuple[Text, ...], tuple[NodeParameter, ...]]:
     """Return the files and the values of parameters."""
     files: list[Text] = []
-    parameters: list[Parameter] = []
+    parameters: list[NodeParameter] = []
     for entity in entities:
         if entity.name in ("param", "rosparam", "set_parameter", "set_parameters_from_file"):
             file = entity.text("from", "file", "filename")
@@ -339,7 +339,7 @@ def _read_by(entity: _Entity) -> Iterator[Reads]:
             yield Reads(words, entity.span)
 
 
-def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[Parameter]:
+def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[NodeParameter]:
     """Yield the value of a parameter, or those of the parameters in it."""
     name = entity.text("name")
     if name is None:
@@ -348,7 +348,7 @@ def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[
     value = entity.text("value")
     listed = tuple(each.text("value") or () for each in entity.named("value"))
     if listed:
-        yield Parameter(keys, (), entity.span, listed)
+        yield NodeParameter(keys, (), entity.span, listed)
     if value is not None:
         apart = entity.attributes.get("value-sep", entity.attributes.get("value_sep"))
         shown = entity.attributes["value"]
@@ -358,12 +358,12 @@ def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[
         if listing and not words:
             words = [word.strip(" \t\n'\"") for word in listing[1].split(",") if word.strip()]
         items = None if words is None else tuple(map(substituted, words))
-        yield Parameter(keys, value, entity.span, items)
+        yield NodeParameter(keys, value, entity.span, items)
     for inner in entity.named("param"):
         yield from _values(inner, keys)
 
 
-def _written(entity: _Entity) -> Iterator[Parameter]:
+def _written(entity: _Entity) -> Iterator[NodeParameter]:
     """Yield the parameters that are written out as YAML within an element of ROS 1.
 
     Raises:
@@ -379,13 +379,13 @@ def _written(entity: _Entity) -> Iterator[Parameter]:
     yield from _of_yaml(document, within)
 
 
-def _of_yaml(node: Node, keys: tuple[tuple[Text, Span], ...]) -> Iterator[Parameter]:
+def _of_yaml(node: Node, keys: tuple[tuple[Text, Span], ...]) -> Iterator[NodeParameter]:
     match node:
         case Pairs(pairs):
             for key, value in pairs:
                 yield from _of_yaml(value, (*keys, (substituted(key.text), key.span)))
         case Items() | Scalar() if keys:
-            yield Parameter(keys, (), node.span, written=node)
+            yield NodeParameter(keys, (), node.span, written=node)
 
 
 def substituted(written: str) -> Text:
@@ -432,11 +432,11 @@ def _sum_of_texts(node: ast.expr) -> Text:
         case ast.BinOp(left=left, op=ast.Add(), right=right):
             return text_of(_sum_of_texts(left), _sum_of_texts(right))
         case ast.Call(func=ast.Name(id="arg"), args=[ast.Constant(value=str(name))]):
-            return (Argument(name),)
+            return (LaunchArgument(name),)
         case ast.Call(func=ast.Name(id="find"), args=[package]):
-            return (Share(_sum_of_texts(package)),)
+            return (PackageShare(_sum_of_texts(package)),)
         case ast.Name(id=name) if name not in _WORDS_OF_PYTHON:
-            return (Argument(name),)
+            return (LaunchArgument(name),)
         case _:
             return UNKNOWN
 
@@ -446,18 +446,24 @@ def _substitution(inside: str) -> Part | Text:
     word, _, rest = inside.strip().partition(" ")
     rest = rest.strip()
     if "$(" in rest:
-        return Share(substituted(rest)) if word == "find-pkg-share" and len(rest) < 500 else UNKNOWN
+        return (
+            PackageShare(substituted(rest))
+            if word == "find-pkg-share" and len(rest) < 500
+            else UNKNOWN
+        )
     match word:
         case "var" | "arg":
             name, _, default = rest.partition(" ")
-            return Argument(name.strip("'\""), None if not default else (default.strip("'\" "),))
+            return LaunchArgument(
+                name.strip("'\""), None if not default else (default.strip("'\" "),)
+            )
         case "find-pkg-share" | "find" | "find-pkg-prefix":
-            return Share((rest,))
+            return PackageShare((rest,))
         case "dirname":
             return LaunchDirectory()
         case "env" | "optenv":
             name, blank, default = rest.partition(" ")
-            return Argument(f"env {name}", (default.strip("'\" "),) if blank else None)
+            return LaunchArgument(f"env {name}", (default.strip("'\" "),) if blank else None)
         case "anon":
             return f"$(anon {rest})"
         case "eval" if len(rest) < _LONGEST_EXPRESSION:

@@ -10,10 +10,10 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 from mars_asp.exchange.ros2.actions import (
     Action,
     Declare,
-    Group,
-    Include,
+    IncludeAction,
+    LaunchGroup,
+    NodeParameter,
     NotRead,
-    Parameter,
     PushNamespace,
     Readings,
     Remap,
@@ -47,14 +47,14 @@ from mars_asp.exchange.ros2.python_nodes import (
 )
 from mars_asp.exchange.ros2.python_tests import branch_tests
 from mars_asp.exchange.ros2.python_values import (
-    Call,
-    File,
     Listed,
     Local,
-    Mapped,
+    MappedValue,
     Names,
     NoneValue,
     Plain,
+    PythonCall,
+    PythonFile,
     Rewritten,
     Value,
     items_of,
@@ -199,14 +199,14 @@ class _LaunchReader(Evaluator):
             case Listed(items):
                 for item in tuple(items):
                     yield from self.interpret(item, tests)
-            case Call(name) if name in _NODES or name in _CONTAINERS:
+            case PythonCall(name) if name in _NODES or name in _CONTAINERS:
                 yield from self.started(value, tests)
-            case Call():
+            case PythonCall():
                 yield from self.action(value, tests)
             case _:
                 return
 
-    def action(self, call: Call, tests: Tests) -> Iterator[Action]:
+    def action(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
         """Yield the actions for which an action stands that does not start a node itself."""
         if call.name == "DeclareLaunchArgument":
             return
@@ -219,7 +219,7 @@ class _LaunchReader(Evaluator):
                 scoped = call.get("scoped")
                 is_scoped = not (isinstance(scoped, Plain) and scoped.text == ("False",))
                 settings = call.named.get("launch_configurations")
-                yield Group(
+                yield LaunchGroup(
                     (*forced(settings, call.span), *inner),
                     scoped=is_scoped,
                     tests=tests,
@@ -240,11 +240,11 @@ class _LaunchReader(Evaluator):
                     yield Declare(name, text_from(call.get("value", 1)), call.span, forced=True)
             case "IncludeLaunchDescription":
                 described = call.get("launch_description_source", 0)
-                if isinstance(described, Call):
+                if isinstance(described, PythonCall):
                     described = described.get("launch_file_path", 0)
                 path = text_from(described)
                 passed = tuple(parameters_of(call.get("launch_arguments", 1), call.span))
-                yield Include(path, call.span, passed, tests)
+                yield IncludeAction(path, call.span, passed, tests)
             case "ExecuteProcess" | "ExecuteLocal":
                 command = items_of(call.get("cmd", 0))
                 yield of_command(tuple(map(text_from, command)), call.span, tests)
@@ -255,7 +255,7 @@ class _LaunchReader(Evaluator):
             case _:
                 yield from self.handled(call, tests)
 
-    def of_gazebo(self, call: Call, tests: Tests) -> Action:
+    def of_gazebo(self, call: PythonCall, tests: Tests) -> Action:
         """Return the simulator or bridge that an action of ros_gz starts."""
         if call.name == "GzServer":
             return NotRead("programs of the simulator that a bridge joins", call.name, call.span)
@@ -265,11 +265,11 @@ class _LaunchReader(Evaluator):
             ("ros_gz_bridge",),
             ("parameter_bridge",),
             name=text_from(call.get("bridge_name", 0)),
-            parameters=(Parameter(((("config_file",), call.span),), file, call.span),),
+            parameters=(NodeParameter(((("config_file",), call.span),), file, call.span),),
             tests=tests,
         )
 
-    def opaque(self, call: Call, tests: Tests) -> Iterator[Action]:
+    def opaque(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
         """Yield the actions that a function of the file returns, as launching would call it."""
         function = call.get("function", 0)
         if not isinstance(function, Local):
@@ -278,12 +278,12 @@ class _LaunchReader(Evaluator):
         named = call.get("kwargs")
         by_name = {
             plain(text_from(key)) or "": value
-            for key, value in (named.pairs if isinstance(named, Mapped) else ())
+            for key, value in (named.pairs if isinstance(named, MappedValue) else ())
         }
         found = self.call_local(function, (None, *items_of(call.get("args"))), by_name)
         yield together(tuple(self.interpret(found, tests)), tests)
 
-    def handled(self, call: Call, tests: Tests) -> Iterator[Action]:
+    def handled(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
         """Yield the actions of timers and event handlers, which start some time."""
         held = [value for name, value in call.named.items() if name != "target_action"]
         for each in (*call.arguments, *held):
@@ -296,7 +296,7 @@ class _LaunchReader(Evaluator):
                 yield from self.interpret(self.call_local(each, (), {}), tests)
                 self.handling.discard(each.of)
 
-    def started(self, call: Call, tests: Tests) -> Iterator[Action]:
+    def started(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
         """Yield the node that a call starts, or those that go into a container."""
         tests = (*tests, *tests_of(call.named.get("condition"), call.span))
         if call.name in _CONTAINERS:
@@ -329,7 +329,7 @@ class _LaunchReader(Evaluator):
             _arguments_of(call),
             tests,
             unread,
-            any(isinstance(each, Rewritten | File) for each in items_of(given)),
+            any(isinstance(each, Rewritten | PythonFile) for each in items_of(given)),
         )
 
     def entered(self, entry: Local) -> Names:
@@ -348,7 +348,7 @@ class _LaunchReader(Evaluator):
             if isinstance(node, ast.Call) and self.name_of(node) == "DeclareLaunchArgument":
                 yield from declared_by(self.alone(node, names))
 
-    def alone(self, node: ast.Call, names: Names) -> Call:
+    def alone(self, node: ast.Call, names: Names) -> PythonCall:
         """Return a call whose arguments all have names, as far as they are known."""
         arguments = tuple(self.elements(node.args, names, 0))
         values = ((each.arg, self.value(each.value, names)) for each in node.keywords)
@@ -357,7 +357,7 @@ class _LaunchReader(Evaluator):
             for key, value in values
             if key is not None and not isinstance(value, NoneValue)
         }
-        return Call(self.name_of(node), arguments, named, self.span(node))
+        return PythonCall(self.name_of(node), arguments, named, self.span(node))
 
     def name_of(self, node: ast.Call) -> str:
         """Return the name of the called function, regardless of its import name."""
@@ -424,7 +424,7 @@ def _launched_names(tree: ast.Module) -> Iterator[ast.Name]:
     return chain.from_iterable(names for _, names in sorted(found, key=lambda each: each[0]))
 
 
-def _arguments_of(call: Call) -> tuple[Text, ...]:
+def _arguments_of(call: PythonCall) -> tuple[Text, ...]:
     """Return the arguments of a program; those for ROS may have a list of their own."""
     own, for_ros = (
         tuple(map(text_from, items_of(call.named.get(name))))

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 from mars_asp.exchange.ros2.launch import Started
 from mars_asp.exchange.ros2.names import joined, renamed
-from mars_asp.exchange.ros2.programs import Program
+from mars_asp.exchange.ros2.programs import RosProgram
 from mars_asp.exchange.twist_mux.document import OUTPUT
-from mars_asp.exchange.twist_mux.document import Mux as Parameters
+from mars_asp.exchange.twist_mux.document import MuxParameters as Parameters
 from mars_asp.model.graph import Mux, MuxInput
 
 #: Nodes that hand on one of several commands, by their packages.
@@ -21,7 +21,7 @@ _PACKAGES = frozenset(
 )
 
 
-def is_mux(program: Program) -> bool:
+def is_mux(program: RosProgram) -> bool:
     """Whether a program is a mux."""
     if program.executable.startswith(("joystick_relay", "twist_marker")):
         return False

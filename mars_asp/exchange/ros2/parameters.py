@@ -10,7 +10,7 @@ from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 PARAMETERS = "ros__parameters"
 
 
-class Given(NamedTuple):
+class GivenParameter(NamedTuple):
     """The value of a parameter, the keys that lead to it, and whether it is known before a run.
 
     `is_for_all` is whether it is set for all nodes.
@@ -33,14 +33,14 @@ class Given(NamedTuple):
         return tuple(node.text for node in nodes if isinstance(node, Scalar))
 
 
-def document_of(given: Iterable[Given], span: Span) -> Pairs:
+def document_of(given: Iterable[GivenParameter], span: Span) -> Pairs:
     """Return parameters as the map of maps that they were written as."""
-    found: dict[str, tuple[Scalar, list[Given]]] = {}
+    found: dict[str, tuple[Scalar, list[GivenParameter]]] = {}
     leaves: dict[str, tuple[Scalar, Node]] = {}
     for each in given:
         first, *others = each.keys
         if others:
-            inner = Given(tuple(others), each.value)
+            inner = GivenParameter(tuple(others), each.value)
             found.setdefault(first.text, (first, []))[1].append(inner)
         else:
             leaves[first.text] = first, each.value
@@ -48,13 +48,13 @@ def document_of(given: Iterable[Given], span: Span) -> Pairs:
     return Pairs(tuple({**leaves, **maps}.values()), span)
 
 
-def values_for(document: Node, name: str) -> dict[str, Given]:
+def values_for(document: Node, name: str) -> dict[str, GivenParameter]:
     """Return the parameters that a document gives the node of a full name, dotted where nested.
 
     A later part of the document wins. A file without `ros__parameters` is one of ROS 1, which is
     loaded for the node as a whole.
     """
-    found: dict[str, Given] = {}
+    found: dict[str, GivenParameter] = {}
     parts = list(_steps_in(name))
     if not any(_sections(document, ())):
         return dict(_flat(document, ()))
@@ -116,10 +116,10 @@ def _fits(keys: tuple[str, ...], parts: list[str]) -> bool:
     return same and "**" not in keys
 
 
-def _flat(node: Node, keys: tuple[Scalar, ...]) -> Iterator[tuple[str, Given]]:
+def _flat(node: Node, keys: tuple[Scalar, ...]) -> Iterator[tuple[str, GivenParameter]]:
     """Yield the values of a map, the names of nested ones dotted."""
     if isinstance(node, Pairs):
         for key, value in node.pairs:
             yield from _flat(value, (*keys, key))
     elif keys:
-        yield ".".join(key.text for key in keys), Given(keys, node)
+        yield ".".join(key.text for key in keys), GivenParameter(keys, node)

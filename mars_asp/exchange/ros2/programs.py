@@ -53,7 +53,7 @@ _SCRIPTS = ("scripts", "nodes", "src", "bin", ".")
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class RosProgram:
     """A program that somebody can start."""
 
     package: str
@@ -68,7 +68,7 @@ class Programs:
         """Take the workspace in which they lie."""
         self.workspace = workspace
         self._python = PythonPrograms(self._module)
-        self._read: dict[Program, Interface | None] = {}
+        self._read: dict[RosProgram, Interface | None] = {}
         # Many programs share headers.
         self._included = cache(self._headers_of)
         self._words_in = cache(lambda file: frozenset(_WORD.findall(self._text(file) or "")))
@@ -80,26 +80,26 @@ class Programs:
         self._composed = cache(self._composed_names)
         self._is_of_ros = cache(lambda file: _OF_ROS.search(self._text(file) or "") is not None)
 
-    def interface(self, program: Program) -> Interface | None:
+    def interface(self, program: RosProgram) -> Interface | None:
         """Return what a program publishes and hears, `None` where its source is not here."""
         if program not in self._read:
             self._read[program] = self._interface(program)
         return self._read[program]
 
-    def all(self) -> Iterator[Program]:
+    def all(self) -> Iterator[RosProgram]:
         """Yield every program that a package of the workspace says it has."""
         for package in self.workspace.packages:
             for name in self._scripts.get(package.folder, {}):
-                yield Program(package.name, name, False)
+                yield RosProgram(package.name, name, False)
             targets = self.workspace.targets(package)
             for name in targets.executables:
-                yield Program(package.name, name, False)
+                yield RosProgram(package.name, name, False)
             for path in targets.programs:
-                yield Program(package.name, Path(path).name, False)
+                yield RosProgram(package.name, Path(path).name, False)
             started = set(targets.executables.values())
             for plugin, target in targets.plugins.items():
                 if target not in started:
-                    yield Program(package.name, plugin, True)
+                    yield RosProgram(package.name, plugin, True)
 
     def unreadable_modules(self) -> Iterator[tuple[str, Span]]:
         """Yield the modules of ROS 2 that were read and are not Python, with the errors."""
@@ -192,7 +192,7 @@ class Programs:
 
     # ---- From a program to its sources
 
-    def _interface(self, program: Program) -> Interface | None:
+    def _interface(self, program: RosProgram) -> Interface | None:
         if program.plugin:
             return self._component(program.executable)
         package = self.workspace.package(program.package)

@@ -15,8 +15,8 @@ from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
     Declare,
     LaunchDirectory,
+    PackageShare,
     Reads,
-    Share,
     Text,
     text_of,
 )
@@ -28,15 +28,15 @@ from mars_asp.exchange.ros2.python_nodes import (
 from mars_asp.exchange.ros2.python_tests import Tested, decision, is_configurations, tested
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
-    Call,
     LaunchClass,
     LaunchObject,
     Listed,
     Local,
-    Mapped,
+    MappedValue,
     Names,
     NoneValue,
     Plain,
+    PythonCall,
     Value,
     each_of,
     filled,
@@ -213,9 +213,9 @@ class Evaluator:
                     owner.attributes[attribute] = value
             case ast.Subscript(value=ast.Name(id=name), slice=key):
                 before = names.get(name)
-                if isinstance(before, Mapped):
+                if isinstance(before, MappedValue):
                     at = self.value(key, names)
-                    names[name] = Mapped((*before.pairs, (at, value)))
+                    names[name] = MappedValue((*before.pairs, (at, value)))
             case _:
                 pass
 
@@ -281,12 +281,12 @@ class Evaluator:
                     is_open = at is None and isinstance(held, Plain) and held.text == UNKNOWN
                     if not is_open or (at, held) not in pairs[-1:]:
                         pairs.append((at, held))
-                return Mapped(tuple(pairs))
+                return MappedValue(tuple(pairs))
             case ast.Lambda():
                 return Local(node, names)
             case ast.Subscript(value=value, slice=key) if is_configurations(value):
                 found = self.value(key, names, depth + 1)
-                return known(Call("LaunchConfiguration", (found,), {}, self.span(node)))
+                return known(PythonCall("LaunchConfiguration", (found,), {}, self.span(node)))
             case ast.Subscript(value=value, slice=key):
                 return picked(
                     self.value(value, names, depth + 1), self.value(key, names, depth + 1)
@@ -354,18 +354,18 @@ class Evaluator:
         values: Sequence[ast.expr],
         names: Names,
         depth: int,
-    ) -> Mapped:
+    ) -> MappedValue:
         """Return a dictionary with those that are unpacked in it."""
         pairs: list[tuple[Value, Value]] = []
         for key, value in zip(keys, values, strict=True):
             found = self.value(value, names, depth + 1)
             if key is None:
-                inner = found.pairs if isinstance(found, Mapped) else ()
+                inner = found.pairs if isinstance(found, MappedValue) else ()
                 pairs += inner[: max(MOST_ITEMS - len(pairs), 0)]
                 self.steps += len(inner) // _ITEMS_A_STEP
             else:
                 pairs.append((self.value(key, names, depth + 1), found))
-        return Mapped(tuple(pairs))
+        return MappedValue(tuple(pairs))
 
     def formatted(self, node: ast.expr, names: Names, depth: int) -> Text:
         """Return a part of a formatted string."""
@@ -401,7 +401,9 @@ class Evaluator:
             return value
         before, declared = self.steps, len(self.declarations)
         value = self.called_value(node, names, depth)
-        inner = (*value.arguments, *value.named.values()) if isinstance(value, Call) else (value,)
+        inner = (
+            (*value.arguments, *value.named.values()) if isinstance(value, PythonCall) else (value,)
+        )
         # Lists may grow in one of the readings.
         is_fixed = all(each is None or isinstance(each, Plain) for each in inner)
         if is_fixed and self.steps <= MOST_STEPS:
@@ -422,14 +424,14 @@ class Evaluator:
             found = self.value(keyword.value, names, depth + 1)
             if keyword.arg is not None:
                 named[keyword.arg] = found
-            elif isinstance(found, Mapped):
+            elif isinstance(found, MappedValue):
                 for key, value in found.pairs:
                     named["".join(p for p in text_from(key) if isinstance(p, str))] = value
         span = self.span(node)
         if isinstance(node.func, ast.Attribute):
             if node.func.attr == "get" and is_configurations(node.func.value):
                 default = {"default": arguments[1]} if len(arguments) > 1 else {}
-                return known(Call("LaunchConfiguration", arguments[:1], default, span))
+                return known(PythonCall("LaunchConfiguration", arguments[:1], default, span))
             done = self.method(node.func, arguments, named, names, depth)
             if not isinstance(done, _NotDone):
                 return done
@@ -447,7 +449,7 @@ class Evaluator:
         # An action that is given `None` is as if nothing were given.
         kept = {key: each for key, each in named.items() if not isinstance(each, NoneValue)}
         given = tuple(None if isinstance(each, NoneValue) else each for each in arguments)
-        call = Call(name, given, kept, span)
+        call = PythonCall(name, given, kept, span)
         if name == "DeclareLaunchArgument":
             self.declarations += declared_by(call)
         self.declarations += read_by(call)
@@ -467,7 +469,7 @@ class Evaluator:
         """Carry out a method of a list, dictionary or text."""
         owner = self.value(func.value, names, depth + 1)
         first = arguments[0] if arguments else None
-        if isinstance(owner, Call) and owner.name == "LaunchDescription":
+        if isinstance(owner, PythonCall) and owner.name == "LaunchDescription":
             inner = owner.get("initial_entities", 0)
             if func.attr in ("add_action", "add_entity") and isinstance(inner, Listed):
                 inner.items.append(first)
@@ -492,17 +494,17 @@ class Evaluator:
             case Listed(), "insert":
                 owner.items += arguments[1:2][: MOST_ITEMS - len(owner.items)]
                 return None
-            case Mapped(pairs), "items":
+            case MappedValue(pairs), "items":
                 return Listed([Listed([key, value]) for key, value in pairs])
-            case Mapped(pairs), "keys" | "values":
+            case MappedValue(pairs), "keys" | "values":
                 return Listed([pair[func.attr == "values"] for pair in pairs])
-            case Mapped(pairs), "get":
+            case MappedValue(pairs), "get":
                 return picked(owner, first)
             case Plain(text, span), "format":
                 return Plain(filled(text, arguments, named), span)
-            case Plain((Share(),), span), "find":
+            case Plain((PackageShare(),), span), "find":
                 # FindPackageShare looks for the package that this method names.
-                return Plain((Share(text_from(first)),), span)
+                return Plain((PackageShare(text_from(first)),), span)
             case Plain(), "perform" | "as_posix" | "resolve" | "strip" | "absolute":
                 return owner
             case Plain(text, span), "joinpath":
@@ -582,7 +584,7 @@ class Evaluator:
         names.update((name, value) for name, value in named.items() if name in own)
         if parameters.kwarg is not None:
             span = self.span(function.of)
-            names[parameters.kwarg.arg] = Mapped(
+            names[parameters.kwarg.arg] = MappedValue(
                 tuple((Plain((key,), span), v) for key, v in named.items() if key not in own)
             )
         self.depth += 1

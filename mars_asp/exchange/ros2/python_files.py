@@ -36,7 +36,7 @@ class SourceFile:
     stars: list[str] = field(default_factory=list)
 
 
-class Files:
+class PythonFiles:
     """Reads files by the names of their modules, each once."""
 
     def __init__(self, find: Find) -> None:

@@ -2,17 +2,17 @@
 
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
-    Argument,
+    LaunchArgument,
     LaunchDirectory,
-    Share,
+    PackageShare,
     plain,
 )
 from mars_asp.exchange.ros2.python_values import (
-    Call,
-    File,
     Listed,
-    Mapped,
+    MappedValue,
     Plain,
+    PythonCall,
+    PythonFile,
     Rewritten,
     Value,
     counted,
@@ -38,21 +38,21 @@ _SHARES = frozenset(
 )
 
 
-def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
+def known(call: PythonCall) -> Value:  # noqa: C901 -- one case for each function
     """Return the text that a call makes, where it makes one; else the call itself."""
     first = call.arguments[0] if call.arguments else None
     match call.name:
         case "LaunchDescription":
             entities = call.get("initial_entities", 0)
             copy = Listed(list(items_of(entities)), call.span)
-            return Call(call.name, (copy,), {}, call.span)
+            return PythonCall(call.name, (copy,), {}, call.span)
         case "LaunchConfiguration" | "LaunchConfigAsBool":
             name = plain(text_from(call.get("variable_name", 0)))
             default = call.named.get("default")
             if name is None:
                 return Plain(UNKNOWN, call.span)
             text = None if default is None else text_from(default)
-            return Plain((Argument(name, text),), call.span)
+            return Plain((LaunchArgument(name, text),), call.span)
         case "TextSubstitution":
             return Plain(text_from(call.get("text", 0)), call.span)
         case "ThisLaunchFileDir":
@@ -61,7 +61,7 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
             called = plain(text_from(call.get("name", 0)))
             value = call.get("default_value", 1)
             otherwise = None if value is None else text_from(value)
-            return Plain((Argument(f"env {called}", otherwise),), call.span)
+            return Plain((LaunchArgument(f"env {called}", otherwise),), call.span)
         case "PathJoinSubstitution" | "PathJoin":
             parts = items_of(first) if isinstance(first, Listed) else call.arguments
             return Plain(path_of(*map(text_from, parts)), call.span)
@@ -71,13 +71,15 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
             return Plain(folder_of(text_from(first)), call.span)
         case "open" | "safe_load" | "full_load" | "load":
             # Of a file of parameters it is enough to know which.
-            return File(first.text if isinstance(first, File) else text_from(first), call.span)
+            return PythonFile(
+                first.text if isinstance(first, PythonFile) else text_from(first), call.span
+            )
         case "ParameterFile":
             file = call.get("param_file", 0)
             return file if isinstance(file, Rewritten) else Plain(text_from(file), call.span)
         case "RewrittenYaml":
             rewrites = call.get("param_rewrites", 1)
-            given = rewrites if isinstance(rewrites, Mapped) else Mapped(())
+            given = rewrites if isinstance(rewrites, MappedValue) else MappedValue(())
             return Rewritten(text_from(call.get("source_file", 0)), given, call.span)
         case "ReplaceString":
             return Plain(text_from(call.get("source_file", 0)), call.span)
@@ -89,9 +91,9 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
             return counted(call)
         case "dict":
             pairs = tuple((Plain((key,), call.span), value) for key, value in call.named.items())
-            return Mapped((*(first.pairs if isinstance(first, Mapped) else ()), *pairs))
+            return MappedValue((*(first.pairs if isinstance(first, MappedValue) else ()), *pairs))
         case name if name in _SHARES:
-            return Plain((Share(text_from(call.get("package", 0))),), call.span)
+            return Plain((PackageShare(text_from(call.get("package", 0))),), call.span)
         case name if name in _PATHS:
             return Plain(path_of(*map(text_from, call.arguments)), call.span)
         case _:

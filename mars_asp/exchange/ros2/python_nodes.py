@@ -6,7 +6,7 @@ from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
     Declare,
-    Parameter,
+    NodeParameter,
     Part,
     Reads,
     Remap,
@@ -16,11 +16,11 @@ from mars_asp.exchange.ros2.actions import (
 )
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
-    Call,
-    File,
     Listed,
-    Mapped,
+    MappedValue,
     Plain,
+    PythonCall,
+    PythonFile,
     Rewritten,
     Value,
     items_of,
@@ -28,7 +28,7 @@ from mars_asp.exchange.ros2.python_values import (
 )
 
 
-def declared_by(call: Call) -> Iterator[Declare]:
+def declared_by(call: PythonCall) -> Iterator[Declare]:
     """Yield the launch argument that a call declares, if its name is known."""
     name = plain(text_from(call.get("name", 0)))
     if name is not None:
@@ -37,7 +37,7 @@ def declared_by(call: Call) -> Iterator[Declare]:
         yield Declare(name, value, call.span)
 
 
-def read_by(call: Call) -> Iterator[Reads]:
+def read_by(call: PythonCall) -> Iterator[Reads]:
     """Yield the files that a call opens to read them, or names to a command such as xacro."""
     match call.name:
         case "Command":
@@ -50,26 +50,28 @@ def read_by(call: Call) -> Iterator[Reads]:
                 yield Reads(text_from(call.get("file", 0)), call.span)
 
 
-def parameters_of(value: Value, span: Span) -> Iterator[Parameter]:
+def parameters_of(value: Value, span: Span) -> Iterator[NodeParameter]:
     """Yield what a dictionary, or a list of pairs, gives; `span` is where it stands."""
-    if isinstance(value, Mapped):
+    if isinstance(value, MappedValue):
         yield from (parameter_of(((key, span),), given, span) for key, given in value.pairs)
     for item in items_of(value):
         if isinstance(item, Listed) and len(item.items) == 2:
             yield parameter_of(((item.items[0], span),), item.items[1], span)
 
 
-def parameter_of(keys: Sequence[tuple[Value, Span]], value: Value, span: Span) -> Parameter:
+def parameter_of(keys: Sequence[tuple[Value, Span]], value: Value, span: Span) -> NodeParameter:
     """Return a parameter by the steps of its name, with places for what has none of its own."""
     steps = tuple((text_from(key), _place_of(key, place)) for key, place in keys)
     # Texts without open parts are a list; with substitutions they are one text.
     items = tuple(map(text_from, value.items)) if isinstance(value, Listed) else ()
     is_list = len(items) > 0 and all(plain(item) is not None for item in items)
-    return Parameter(steps, text_from(value), _place_of(value, span), items if is_list else None)
+    return NodeParameter(
+        steps, text_from(value), _place_of(value, span), items if is_list else None
+    )
 
 
 def _place_of(value: Value, otherwise: Span) -> Span:
-    span = value.span if isinstance(value, Plain | File | Listed | Call) else None
+    span = value.span if isinstance(value, Plain | PythonFile | Listed | PythonCall) else None
     return otherwise if span is None else span
 
 
@@ -81,18 +83,18 @@ def forced(value: Value, span: Span) -> Iterator[Declare]:
             yield Declare(name, each.value, each.span, forced=True)
 
 
-def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:
+def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[NodeParameter, ...]]:
     """Return the files and the values of the parameters of a node."""
     files: list[Text] = []
-    parameters: list[Parameter] = []
+    parameters: list[NodeParameter] = []
     for item in items_of(value) or ([] if value is None else [value]):
-        if isinstance(item, Mapped):
+        if isinstance(item, MappedValue):
             parameters += _flat(item, span)
-        elif isinstance(item, Call) and item.name == "PythonExpression":
+        elif isinstance(item, PythonCall) and item.name == "PythonExpression":
             # `"A" if HasNodeParams(A) else "B"`: B is used where A has nothing for the node.
             files += _texts_in_quotes(text_from(item.get("expression", 0)))[::-1] or [UNKNOWN]
         else:
-            files.append(item.text if isinstance(item, File) else text_from(item))
+            files.append(item.text if isinstance(item, PythonFile) else text_from(item))
         if isinstance(item, Rewritten):
             parameters += _flat(item.rewrites, item.span)
     return tuple(files), tuple(parameters)
@@ -108,20 +110,20 @@ def _texts_in_quotes(text: Text) -> list[Text]:
     return [text_of(*((part,) for part in piece)) for piece in pieces[1::2]]
 
 
-def _flat(value: Mapped, span: Span) -> Iterator[Parameter]:
+def _flat(value: MappedValue, span: Span) -> Iterator[NodeParameter]:
     """Yield the values of a dictionary and of those in it, in their order."""
     waiting: list[tuple[tuple[tuple[Value, Span], ...], Value]] = [((), value)]
     for _ in range(MOST_ITEMS):
         if not waiting:
             return
         keys, held = waiting.pop()
-        if isinstance(held, Mapped) and len(waiting) < MOST_ITEMS:
+        if isinstance(held, MappedValue) and len(waiting) < MOST_ITEMS:
             waiting += [((*keys, (key, span)), inner) for key, inner in reversed(held.pairs)]
         else:
             yield parameter_of(keys, held, span)
 
 
-def remaps_of(call: Call) -> tuple[tuple[Remap, ...], tuple[tuple[str, Span], ...]]:
+def remaps_of(call: PythonCall) -> tuple[tuple[Remap, ...], tuple[tuple[str, Span], ...]]:
     """Return the remappings that are written out, and the places of those that are not."""
     found: list[Remap] = []
     unread: list[tuple[str, Span]] = []

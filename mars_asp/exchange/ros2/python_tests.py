@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.ros2.actions import Argument, Test, Text, plain
+from mars_asp.exchange.ros2.actions import LaunchArgument, Test, Text, plain
 from mars_asp.exchange.ros2.conditions import tests_of
-from mars_asp.exchange.ros2.python_values import Call, NoneValue, Plain, Value, text_from
+from mars_asp.exchange.ros2.python_values import NoneValue, Plain, PythonCall, Value, text_from
 
 #: Texts that mean true or false, lower case.
 _TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
@@ -61,7 +61,7 @@ def tested(node: ast.expr, names: Mapping[str, Value], value: Evaluate, span: Sp
             return _comparison(_tested_text(left, names, value), operator, right, span)
         case ast.Call(func=ast.Attribute(value=ast.Call() as made, attr="evaluate")):
             condition = value(made) if _called(made) in _CONDITIONS else None
-            tests = tests_of(condition, span) if isinstance(condition, Call) else ()
+            tests = tests_of(condition, span) if isinstance(condition, PythonCall) else ()
             tests = tuple(replace(test, span=span) for test in tests)
             return Tested(tests, len(tests) == 1)
         case _:
@@ -127,7 +127,7 @@ def _tested_text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) ->
     if not isinstance(found, Plain):
         return None
     text = text_from(found)
-    is_known = plain(text) is not None or (len(text) == 1 and isinstance(text[0], Argument))
+    is_known = plain(text) is not None or (len(text) == 1 and isinstance(text[0], LaunchArgument))
     return text if is_known else None
 
 
@@ -138,7 +138,7 @@ def is_configurations(node: ast.expr) -> bool:
 
 def _named_argument(key: ast.expr) -> Text | None:
     is_text = isinstance(key, ast.Constant) and isinstance(key.value, str)
-    return (Argument(str(key.value)),) if isinstance(key, ast.Constant) and is_text else None
+    return (LaunchArgument(str(key.value)),) if isinstance(key, ast.Constant) and is_text else None
 
 
 def _called(node: ast.Call) -> str:

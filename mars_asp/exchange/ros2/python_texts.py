@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TypeVar
 
 from mars_asp.exchange.ros2.python_files import (
-    Files,
+    PythonFiles,
     SourceFile,
     called_name,
     dotted_name,
@@ -37,12 +37,12 @@ _PERCENT, _BRACES = re.compile(r"%()[sd]"), re.compile(r"\{(\d{0,2})\}")
 _HOLE = re.compile(r"[%{}]")
 
 
-class Texts:
+class PythonTexts:
     """The expressions of a class or function, with the names that hold within it."""
 
     def __init__(
         self,
-        files: Files,
+        files: PythonFiles,
         file: SourceFile,
         node: ast.AST,
         far: int = 0,
@@ -253,7 +253,7 @@ class Texts:
         if found is None:
             return None
         file, held = found
-        return Texts(self.files, file, ast.Module([], []), self.far + 1).text(held)
+        return PythonTexts(self.files, file, ast.Module([], []), self.far + 1).text(held)
 
     def gone_over(self, node: ast.expr) -> ast.expr | None:
         """Return what a loop over a name goes over."""

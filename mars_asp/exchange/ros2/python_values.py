@@ -22,7 +22,7 @@ _WHOLE = re.compile(r"-?[0-9]{1,9}")
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class PythonCall:
     """A call that was not carried out: what is called, with what."""
 
     name: str
@@ -48,7 +48,7 @@ class Listed:
 
 
 @dataclass(frozen=True, slots=True)
-class Mapped:
+class MappedValue:
     """A dictionary, of which keys may be texts with open parts."""
 
     pairs: "tuple[tuple[Value, Value], ...]"
@@ -99,12 +99,12 @@ class Rewritten:
     """A file of parameters, some of which get other values."""
 
     text: Text
-    rewrites: Mapped
+    rewrites: MappedValue
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
-class File:
+class PythonFile:
     """What a file holds that was opened, or a part of it."""
 
     text: Text
@@ -113,11 +113,11 @@ class File:
 
 Value: TypeAlias = (
     Plain
-    | File
+    | PythonFile
     | Rewritten
-    | Call
+    | PythonCall
     | Listed
-    | Mapped
+    | MappedValue
     | Local
     | LaunchClass
     | LaunchObject
@@ -153,7 +153,7 @@ def items_of(value: Value) -> "list[Value]":
 
 def each_of(value: Value) -> "list[Value]":
     """Return the rounds of a loop over a value, one without a known item where it is not known."""
-    if isinstance(value, Mapped):
+    if isinstance(value, MappedValue):
         return [key for key, _ in value.pairs]
     return list(value.items) if isinstance(value, Listed) else [None]
 
@@ -195,7 +195,7 @@ def summed(first: Value, second: Value) -> Value:
             return None
 
 
-def counted(call: Call) -> Value:
+def counted(call: PythonCall) -> Value:
     """Return what `range`, `enumerate` or `zip` gives, as far as that is written out."""
     if call.name == "range":
         texts = [plain(text_from(each)) for each in call.arguments]
@@ -215,14 +215,14 @@ def counted(call: Call) -> Value:
 
 def picked(owner: Value, key: Value) -> Value:
     """Return the item of a list or dictionary at a key, or the file of which it is a part."""
-    if isinstance(owner, File):
+    if isinstance(owner, PythonFile):
         return owner
     at = plain(text_from(key)) if key is not None else None
     match owner:
         case Listed(items) if at is not None and at.lstrip("-").isdigit():
             index = int(at)
             return items[index] if -len(items) <= index < len(items) else None
-        case Mapped(pairs):
+        case MappedValue(pairs):
             return next((v for k, v in pairs if k is not None and plain(text_from(k)) == at), None)
         case _:
             return None

@@ -23,7 +23,7 @@ from mars_asp.exchange.ros2.interface import (
     NOT_FOLLOWED,
     SERVICES,
     Interface,
-    Topic,
+    InterfaceTopic,
 )
 from mars_asp.exchange.ros2.launch import IN_NEWER, Launch, Started
 from mars_asp.exchange.ros2.launch_python import NEWER
@@ -32,23 +32,23 @@ from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.names import joined as name_in
 from mars_asp.exchange.ros2.parameters import (
     PARAMETERS,
-    Given,
+    GivenParameter,
     document_of,
     is_for,
     section_for,
     values_for,
 )
-from mars_asp.exchange.ros2.programs import Program, Programs
+from mars_asp.exchange.ros2.programs import Programs, RosProgram
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.twist_mux.document import (
     SORTS,
-    Document,
+    MuxDocument,
+    MuxParameters,
     read_document,
     read_parameters,
     read_parts,
 )
-from mars_asp.exchange.twist_mux.document import Mux as MuxParameters
 from mars_asp.exchange.unread import BROKEN, Unread, notes
 from mars_asp.exchange.yaml_document import Items, Repeat, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
@@ -59,9 +59,9 @@ from mars_asp.model.graph import (
     Endpoint,
     GivenFile,
     Graph,
+    GraphNode,
     LaunchTree,
     Mux,
-    Node,
     Relay,
     Renaming,
     RepeatedKey,
@@ -144,7 +144,7 @@ def import_ros2(
     ]
     for (root, deep), members in _by_root(launched).items():
         workspace = Workspace(root, members[0][1], deep=deep, is_excluded=is_excluded)
-        robot = _Robot(workspace, muxes, launch)
+        robot = _WorkspaceRobot(workspace, muxes, launch)
         graphs.append(robot.graph([workspace.given(path, text) for text, path in members]))
         trees += robot.trees
         problems += robot.problems
@@ -234,7 +234,7 @@ def _holds(folder: Path, inner: Path) -> bool:
         return False
 
 
-def _unbound(muxes: Sequence[tuple[str, Document]], graph: Graph) -> Iterator[Mux]:
+def _unbound(muxes: Sequence[tuple[str, MuxDocument]], graph: Graph) -> Iterator[Mux]:
     """Yield the muxes of files that no node of the graph is."""
     known = {mux.span for mux in graph.muxes}
     for _, document in muxes:
@@ -254,13 +254,13 @@ def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
             yield each
 
 
-class _Robot:
+class _WorkspaceRobot:
     """Brings together the nodes of launch files and the interfaces of their programs."""
 
     def __init__(
         self,
         workspace: Workspace,
-        muxes: Sequence[tuple[str, Document]],
+        muxes: Sequence[tuple[str, MuxDocument]],
         chosen: Sequence[str] = (),
     ) -> None:
         self.workspace = workspace
@@ -314,7 +314,7 @@ class _Robot:
                 missing=(*first.missing, *self.programs.absent_entries()),
                 broken=(*first.broken, *self.programs.unreadable_modules()),
             )
-        nodes: dict[str, Node] = {}
+        nodes: dict[str, GraphNode] = {}
         for node in chain.from_iterable(tree.nodes for tree in self.trees):
             known = nodes.get(node.name)
             nodes[node.name] = node if known is None else united(known, node)
@@ -362,7 +362,7 @@ class _Robot:
             missing[AbsentFile(name, package, place, "not installed")] = None
         for file in launch.passed:
             self.document(file)
-        nodes: list[Node] = []
+        nodes: list[GraphNode] = []
         muxes: list[Mux] = []
         relays: list[Relay] = []
         shared = set(launch.passed)
@@ -382,12 +382,12 @@ class _Robot:
                     muxes.append(replace(mux, given=given))
                 case Relay() as relay:
                     relays.append(relay)
-                case Node() as node if each.name and not each.is_rewritten:
+                case GraphNode() as node if each.name and not each.is_rewritten:
                     nodes.append(
                         replace(node, given=tuple(self._given_files(each, node.name, of_ros2)))
                     )
                     continue
-                case Node() as node:
+                case GraphNode() as node:
                     nodes.append(node)
             shared.update(each.files)
         unread = (*launch.unread, *self.unread[before:])
@@ -421,7 +421,7 @@ class _Robot:
         those of its process, and libraries read those that have parts. One for all nodes need not
         be for each.
         """
-        program = Program(started.package, started.executable, started.plugin)
+        program = RosProgram(started.package, started.executable, started.plugin)
         interface = self.programs.interface(program)
         is_read = interface is not None and all(each.sort == SERVICES for each in interface.unread)
         if started.is_rewritten or started.plugin or not is_read:
@@ -593,7 +593,7 @@ class _Robot:
         # A package may have programs with services alone.
         yield from found[True] or found[False]
 
-    def _by_hand(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Iterator[Node]:
+    def _by_hand(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Iterator[GraphNode]:
         """Yield the nodes of a folder that users may start beside a launch tree.
 
         They are of programs that no launch file starts, and of launch files that others include.
@@ -601,7 +601,7 @@ class _Robot:
         same lines are left out.
         """
         started = {
-            Program(each.package, each.executable, each.plugin)
+            RosProgram(each.package, each.executable, each.plugin)
             for launch in launches
             for each in launch.started
         }
@@ -610,14 +610,14 @@ class _Robot:
         before = self.unread, self.conditional, self.catalogued
         self.unread, self.conditional, self.catalogued = [], {}, {}
         for each in self._alone(paths):
-            program = Program(each.package, each.executable, each.plugin)
+            program = RosProgram(each.package, each.executable, each.plugin)
             node = None if program in started else self._node(each, None)
-            if isinstance(node, Node):
+            if isinstance(node, GraphNode):
                 published, subscribed = (
                     tuple(end for end in ends if end.span not in spans)
                     for ends in (node.published, node.subscribed)
                 )
-                yield Node(node.name, node.span, published, subscribed)
+                yield GraphNode(node.name, node.span, published, subscribed)
         find = partial(self.workspace.find, folder=self.workspace.root)
         known = {node.name for tree in self.trees for node in tree.nodes}
         for launch in [*self.parts, *launches]:
@@ -625,8 +625,8 @@ class _Robot:
                 node = self._node(part, None) if isinstance(part, Started) else None
                 # Controllers of a manager elsewhere have no node in any tree.
                 is_further = launch in self.parts or (node is not None and node.name not in known)
-                if isinstance(node, Node) and is_further:
-                    yield Node(node.name, node.span, node.published, node.subscribed)
+                if isinstance(node, GraphNode) and is_further:
+                    yield GraphNode(node.name, node.span, node.published, node.subscribed)
         self.unread, self.conditional, self.catalogued = before
 
     def _empty(self, paths: Sequence[Path]) -> MarsError:
@@ -645,9 +645,9 @@ class _Robot:
         found = Diagnostic("ros2", "error", message, place, help=help_text)
         return MarsError((found, *notes(_once(self.unread))))
 
-    def _node(self, started: Started, of_ros2: bool | None) -> Node | Mux | Relay | None:
+    def _node(self, started: Started, of_ros2: bool | None) -> GraphNode | Mux | Relay | None:
         """Return the node that is started, or the mux or relay that it is."""
-        program = Program(started.package, started.executable, started.plugin)
+        program = RosProgram(started.package, started.executable, started.plugin)
         known = self.catalogue.interface(*_key(program))
         if started.package in _HELPERS and known is None:
             sort, called = _HELPERS[started.package], started.name or started.executable
@@ -707,7 +707,7 @@ class _Robot:
         is_whole = is_source and not (unread or interface.unnamed)
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
-        return Node(
+        return GraphNode(
             full,
             started.span,
             published,
@@ -737,12 +737,12 @@ class _Robot:
             self.unread.append(Unread(AT_RUN_TIME, full, started.span))
 
     def _without_source(
-        self, started: Started, full: str, name: str, values: Mapping[str, Given]
-    ) -> Node:
+        self, started: Started, full: str, name: str, values: Mapping[str, GivenParameter]
+    ) -> GraphNode:
         """Return the node of a program with neither a source here nor an entry in the catalogue."""
         sort = "topics of nodes with neither a source here nor an entry in the catalogue"
         self.unread.append(Unread(sort, full, started.span))
-        return Node(
+        return GraphNode(
             full,
             started.span,
             unread=True,
@@ -756,7 +756,7 @@ class _Robot:
         )
 
     def _given_topics(
-        self, started: Started, name: str, values: Mapping[str, Given]
+        self, started: Started, name: str, values: Mapping[str, GivenParameter]
     ) -> Iterator[str]:
         """Yield the topics that the parameters of a node may name, whose source is not known."""
         for key, given in values.items():
@@ -786,7 +786,7 @@ class _Robot:
                 yield name_in(started.namespace, each.text), each.span
 
     def _relay(
-        self, program: Program, started: Started, name: str, values: Mapping[str, Given]
+        self, program: RosProgram, started: Started, name: str, values: Mapping[str, GivenParameter]
     ) -> Relay | None:
         """Return the relay that a node is, if it is one whose topics are known."""
         # A nodelet has two words before its own.
@@ -817,16 +817,16 @@ class _Robot:
                 if first is not None and (is_for_it is not None or is_refused):
                     yield GivenFile(self.workspace.shown(file), first.span, is_for_it)
 
-    def _values(self, started: Started, full: str) -> Mapping[str, Given]:
+    def _values(self, started: Started, full: str) -> Mapping[str, GivenParameter]:
         """Return the values of the parameters of a node."""
-        found: dict[str, Given] = {}
+        found: dict[str, GivenParameter] = {}
         for file in started.files:
             document = self.document(file)
             if document is not None:
                 found |= values_for(document, full)
         return {**found, **started.parameters}
 
-    def _listed(self, started: Started, values: Mapping[str, Given]) -> YamlNode | None:
+    def _listed(self, started: Started, values: Mapping[str, GivenParameter]) -> YamlNode | None:
         """Return the file that lists the topics of a bridge."""
         if FILE not in values:
             return None
@@ -856,7 +856,11 @@ class _Robot:
             )
 
     def _ends(
-        self, topics: Sequence[Topic], started: Started, name: str, values: Mapping[str, Given]
+        self,
+        topics: Sequence[InterfaceTopic],
+        started: Started,
+        name: str,
+        values: Mapping[str, GivenParameter],
     ) -> Iterator[Endpoint]:
         """Yield the ends of topics at a node, by their full names."""
         for topic in topics:
@@ -881,7 +885,7 @@ class _Robot:
                 yield Endpoint(full, topic.type, span, topic.hz, *marks)
 
     def _written(
-        self, topic: Topic, started: Started, values: Mapping[str, Given]
+        self, topic: InterfaceTopic, started: Started, values: Mapping[str, GivenParameter]
     ) -> Iterator[str]:
         """Yield the names that a topic has for its program, by its parameters."""
         # A file that cannot be read, or a value of a run, may replace a default.
@@ -937,7 +941,7 @@ class _Robot:
             found += (each for each in muxes if takes_all or is_for(each.node, full))
         yield from found or (mux for _, document in self.muxes for mux in document.muxes)
 
-    def _muxes(self, read: Callable[[], Document]) -> Sequence[MuxParameters]:
+    def _muxes(self, read: Callable[[], MuxDocument]) -> Sequence[MuxParameters]:
         """Return the muxes of parameters, and note what is wrong with these and not read."""
         try:
             document = read()
@@ -968,11 +972,11 @@ class _Robot:
             self.problems.append(Diagnostic("catalogue", "note", message, first, kind="catalogue"))
 
 
-def _key(program: Program) -> tuple[str, str, bool]:
+def _key(program: RosProgram) -> tuple[str, str, bool]:
     return program.package, program.executable, program.plugin
 
 
-def _is_off(topic: Topic, values: Mapping[str, Given]) -> bool:
+def _is_off(topic: InterfaceTopic, values: Mapping[str, GivenParameter]) -> bool:
     """Whether a parameter is stated with a value with which the program lacks a topic."""
     return any(
         name in values and values[name].is_known and values[name].text.lower() == _TRUTH[not wanted]
@@ -980,7 +984,7 @@ def _is_off(topic: Topic, values: Mapping[str, Given]) -> bool:
     )
 
 
-def _value_of(given: Given | None, default: str | None) -> str | None:
+def _value_of(given: GivenParameter | None, default: str | None) -> str | None:
     """Return the text that a parameter has, `None` if it is not known."""
     if given is None:
         return default

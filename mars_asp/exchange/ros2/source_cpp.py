@@ -12,7 +12,7 @@ from functools import cache, cached_property, lru_cache
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
-    Token,
+    SourceToken,
     angle,
     closing,
     is_word,
@@ -21,17 +21,17 @@ from mars_asp.annotations.declarations.tokens import (
     text_at,
 )
 from mars_asp.annotations.types import representation
-from mars_asp.exchange.ros2.cpp_code import Call, CppCode
+from mars_asp.exchange.ros2.cpp_code import CppCall, CppCode
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
 from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens, prefixed_name
 from mars_asp.exchange.ros2.cpp_scopes import PARAMETERS, ScopedCode
-from mars_asp.exchange.ros2.cpp_texts import Texts, resolved_name
+from mars_asp.exchange.ros2.cpp_texts import CppTexts, resolved_name
 from mars_asp.exchange.ros2.interface import (
     AT_RUN_TIME,
     OF_ACTION,
     SERVICES,
     Interface,
-    Topic,
+    InterfaceTopic,
     rate_of,
 )
 from mars_asp.exchange.unread import Unread
@@ -81,16 +81,16 @@ _CALLED = (
 class _TopicCall(NamedTuple):
     """A topic that a call makes, the variable that keeps the result, and the handle."""
 
-    topic: Topic
+    topic: InterfaceTopic
     keeper: str | None
     published: bool
     handle: tuple[int, int]
 
 
 @lru_cache(maxsize=_MOST_PARSED)
-def _parsed_file(text: str, path: str) -> "_File":
+def _parsed_file(text: str, path: str) -> "_CppFile":
     """Return a file with its calls; several programs share libraries."""
-    return _File(text, path, _CALLED, _RATES)
+    return _CppFile(text, path, _CALLED, _RATES)
 
 
 def read_cpp(
@@ -101,23 +101,23 @@ def read_cpp(
     Of a component the classes of `others` are left out, but for those from which it is derived.
     """
     files = [_parsed_file(text, path) for text, path in sources]
-    texts = Texts(files)
+    texts = CppTexts(files)
     others = set(others) - set(texts.with_base_classes(component)) if others else others
     kinds: dict[str, str] = {}
     for file in files:
         kinds |= file.callbacks
 
-    def literal(file: CppCode, tokens: Sequence[Token]) -> str | None:
-        found = texts.text_of(file, tokens) if isinstance(file, _File) else None
+    def literal(file: CppCode, tokens: Sequence[SourceToken]) -> str | None:
+        found = texts.text_of(file, tokens) if isinstance(file, _CppFile) else None
         return found.text if found and found.parameter is None else None
 
     aliases = _aliases_of(files)
     handles = Handles(files, literal)
     used_if = cache(lambda keeper: _used_if(files, keeper, texts))
-    published: list[Topic] = []
-    subscribed: list[Topic] = []
+    published: list[InterfaceTopic] = []
+    subscribed: list[InterfaceTopic] = []
     unread: list[Unread] = []
-    named: list[Topic] = []
+    named: list[InterfaceTopic] = []
     rates: dict[str, Fraction | None] = {}
     for file in files:
         for keeper, hz in file.rates().items():
@@ -153,14 +153,14 @@ def read_cpp(
                         )
             for further, handle in file.further_names(call, texts):
                 prefixed = _prefixed(further, file, handle, handles)
-                named += (each for each in prefixed if isinstance(each, Topic))
+                named += (each for each in prefixed if isinstance(each, InterfaceTopic))
         names += file.node_names(others)
     # A service with a name that only a run knows is noted, but gives no name.
     places = {each.span for each in named}
     unnamed = any(each.sort == SERVICES and each.span not in places for each in unread)
     unnamed |= handles.leave_topics_unread(files, _CALLED)
     paths = dict.fromkeys(path for file in files for path in file.topic_paths)
-    named += (Topic(each, "", None) for each in paths)
+    named += (InterfaceTopic(each, "", None) for each in paths)
     name, namespace = next(iter(names), (None, ""))
     return Interface(
         tuple(published),
@@ -173,7 +173,7 @@ def read_cpp(
     )
 
 
-class _File(ScopedCode):
+class _CppFile(ScopedCode):
     """What the calls and functions of a file mean to ROS."""
 
     @cached_property
@@ -201,7 +201,7 @@ class _File(ScopedCode):
         # A definition may be in another file, so declarations count.
         return found
 
-    def calls_outside(self, classes: Collection[str]) -> Iterator[Call]:
+    def calls_outside(self, classes: Collection[str]) -> Iterator[CppCall]:
         """Yield the calls that are in none of some classes."""
         for call in self.calls:
             around = list(self.bodies_at(call.at)) if classes else []
@@ -228,8 +228,8 @@ class _File(ScopedCode):
 
     def topic(
         self,
-        call: Call,
-        texts: Texts,
+        call: CppCall,
+        texts: CppTexts,
         kinds: Mapping[str, str],
     ) -> "_TopicCall | Unread | None":
         """Return the topic that a call makes, or None if it makes none."""
@@ -292,16 +292,16 @@ class _File(ScopedCode):
             last = argument[-1]
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
             return Unread(AT_RUN_TIME, shown, span)
-        topic = Topic(value.text or "", _written(kind), span, value.parameter)
+        topic = InterfaceTopic(value.text or "", _written(kind), span, value.parameter)
         return _TopicCall(topic, self._keeper(call), published, handle)
 
-    def is_parameter(self, argument: Sequence[Token]) -> bool:
+    def is_parameter(self, argument: Sequence[SourceToken]) -> bool:
         """Whether an argument is the declaration of a parameter, such as `const T & name`."""
         sizes = (size for size, token in enumerate(argument) if token.text == "=")
         last = argument[next(sizes, len(argument)) - 1]
         return is_word(last.text) and self.is_typed(self.index_of(last))
 
-    def switches(self, at: int, texts: Texts) -> set[tuple[str, bool]]:
+    def switches(self, at: int, texts: CppTexts) -> set[tuple[str, bool]]:
         """Return the parameters that decide whether a token is reached, each with its value."""
         found: set[tuple[str, bool]] = set()
         for first, last, holds in self.tests_at(at):
@@ -323,7 +323,7 @@ class _File(ScopedCode):
                 found.setdefault(text_at(self.tokens, at - 2), []).append(at)
         return found
 
-    def _handle(self, call: Call, name_at: int) -> tuple[int, int]:
+    def _handle(self, call: CppCall, name_at: int) -> tuple[int, int]:
         """Return the range of the handle of a call: before its name, or its first argument."""
         if not name_at:
             return handle_tokens(self, call.at)
@@ -332,7 +332,9 @@ class _File(ScopedCode):
             opening += 1
         return opening + 1, opening + 1 + len(call.arguments[0])
 
-    def further_names(self, call: Call, texts: Texts) -> Iterator[tuple[Topic, tuple[int, int]]]:
+    def further_names(
+        self, call: CppCall, texts: CppTexts
+    ) -> Iterator[tuple[InterfaceTopic, tuple[int, int]]]:
         """Yield the name of a service, action or parameter of ROS 1, with its handle."""
         if call.name in _RENAMED:
             if text_at(self.tokens, call.at - 1) not in (".", "->"):
@@ -353,12 +355,12 @@ class _File(ScopedCode):
         if value.text is None:
             return
         span = self.span(self.tokens[call.at])
-        topic = Topic(value.text, None, span, value.parameter)
+        topic = InterfaceTopic(value.text, None, span, value.parameter)
         ends = OF_ACTION if call.name.startswith("Simple") else ("",)
         for end in ends:
             yield replace(topic, name=topic.name + end), self._handle(call, name_at)
 
-    def _taken(self, call: Call, kinds: Mapping[str, str]) -> str | None:
+    def _taken(self, call: CppCall, kinds: Mapping[str, str]) -> str | None:
         """Return the type of message that the callback of a subscription takes."""
         for argument in call.arguments[1:]:
             texts = [token.text for token in argument]
@@ -372,7 +374,7 @@ class _File(ScopedCode):
                     return kinds[text]
         return None
 
-    def _keeper(self, call: Call) -> str | None:
+    def _keeper(self, call: CppCall) -> str | None:
         """Return the variable that a call is assigned to."""
         tokens = self.tokens
         at = call.at - 1
@@ -438,8 +440,8 @@ class _File(ScopedCode):
 
 
 def _prefixed(
-    topic: Topic, file: CppCode, handle: tuple[int, int], handles: Handles
-) -> Iterator[Topic | Unread]:
+    topic: InterfaceTopic, file: CppCode, handle: tuple[int, int], handles: Handles
+) -> Iterator[InterfaceTopic | Unread]:
     """Yield a topic by its names below each prefix that its handle can have."""
     for prefix in handles.prefixes(file, *handle):
         name = prefixed_name(prefix, topic.name)
@@ -452,7 +454,7 @@ def _prefixed(
             yield replace(topic, name=name)
 
 
-def _aliases_of(files: Sequence["_File"]) -> dict[str, str | None]:
+def _aliases_of(files: Sequence["_CppFile"]) -> dict[str, str | None]:
     """Return the types of aliases, None where those of two classes differ."""
     found: dict[str, str | None] = {}
     for file in files:
@@ -470,16 +472,16 @@ def _aliased(kind: str | None, aliases: Mapping[str, str | None]) -> str | None:
     return kind
 
 
-def _used_if(files: Sequence["_File"], keeper: str, texts: Texts) -> set[tuple[str, bool]]:
+def _used_if(files: Sequence["_CppFile"], keeper: str, texts: CppTexts) -> set[tuple[str, bool]]:
     """Return the parameters that decide whether a publisher publishes at all."""
     places = [(file, at) for file in files for at in file.publications.get(keeper, ())]
     used = [file.switches(at, texts) for file, at in places[:_MOST_FOLLOWED]]
     return set.intersection(*used) if 0 < len(places) <= _MOST_FOLLOWED else set()
 
 
-def _conjuncts(tokens: Sequence[Token]) -> list[Sequence[Token]]:
+def _conjuncts(tokens: Sequence[SourceToken]) -> list[Sequence[SourceToken]]:
     """Return the parts of a condition that `&&` joins; a condition with `||` has one part."""
-    found: list[list[Token]] = [[]]
+    found: list[list[SourceToken]] = [[]]
     at = 0
     while at < len(tokens):
         if tokens[at].text == "||":
@@ -498,7 +500,7 @@ def _written(kind: str | None) -> str | None:
     return None if kind in (None, "", "auto") else kind
 
 
-def _message(tokens: Sequence[Token]) -> str | None:
+def _message(tokens: Sequence[SourceToken]) -> str | None:
     """Return the type of a parameter: all but its name, without wrappers."""
     words = list(tokens)
     if len(words) > 1 and is_word(words[-1].text) and words[-2].text not in ("::", "<", ","):

@@ -20,19 +20,19 @@ from mars_asp.exchange.ros2.interface import (
     OF_ACTION,
     SERVICES,
     Interface,
-    Topic,
+    InterfaceTopic,
     rate_of,
 )
 from mars_asp.exchange.ros2.python_files import (
-    Files,
     Find,
+    PythonFiles,
     SourceFile,
     called_name,
     calls_of,
     dotted_name,
     keeper_of,
 )
-from mars_asp.exchange.ros2.python_texts import Texts
+from mars_asp.exchange.ros2.python_texts import PythonTexts
 from mars_asp.exchange.ros2.python_written import (
     alternatives,
     defaults_of,
@@ -80,7 +80,7 @@ _REGISTERING = frozenset({"on_shutdown", "signal", "register"})
 class _Found(NamedTuple):
     """A topic that a call makes, the name that keeps what it returns, and its direction."""
 
-    topic: Topic
+    topic: InterfaceTopic
     keeper: str | None
     published: bool
 
@@ -90,7 +90,7 @@ class PythonPrograms:
 
     def __init__(self, find: Find) -> None:
         """Take what finds the text and shown path of a module."""
-        self._files = Files(find)
+        self._files = PythonFiles(find)
 
     def interface(self, module: str, function: str | None) -> Interface | None:
         """Return what a function of a module, or else the module as a program, does.
@@ -117,7 +117,7 @@ class PythonPrograms:
 class _Program:
     """Follows a program from where it starts, and collects what it does."""
 
-    def __init__(self, files: Files, file: SourceFile, function: str | None) -> None:
+    def __init__(self, files: PythonFiles, file: SourceFile, function: str | None) -> None:
         self.files = files
         self.start = file, function
         self.reached: dict[tuple[str, int], tuple[SourceFile, ast.AST]] = {}
@@ -175,7 +175,7 @@ class _Program:
         for of, part in islice(self.reached.values(), _MOST_FOLLOWED):
             if node.name not in self.files.words(part):
                 continue
-            unit = Texts(self.files, of, ast.Module([], []))
+            unit = PythonTexts(self.files, of, ast.Module([], []))
             calls = [
                 call
                 for call in self.files.once(calls_of, part)
@@ -242,19 +242,19 @@ class _Program:
         return None
 
 
-class _Unit(Texts):
+class _Unit(PythonTexts):
     """A class or function of a program: the topics, timers and nodes that it makes."""
 
     def __init__(
         self,
-        files: Files,
+        files: PythonFiles,
         file: SourceFile,
         node: ast.AST,
         given: Mapping[str, ast.expr] | None = None,
     ) -> None:
         super().__init__(files, file, node, given=given)
         self.unread: list[Unread] = []
-        self.names: list[Topic] = []
+        self.names: list[InterfaceTopic] = []
         self.unnamed = False
         #: The namespace that the program gives its node, after `node_names`.
         self.namespace = ""
@@ -330,7 +330,7 @@ class _Unit(Texts):
                 if key is None:
                     self.note(AT_RUN_TIME, name, self.shown(name))
                     continue
-                topic = Topic(text or "", self.type(kind), self.span(name), parameter)
+                topic = InterfaceTopic(text or "", self.type(kind), self.span(name), parameter)
                 last = published and self.is_last(keeper)
                 topic = replace(topic, switches=tuple(sorted(switches)), parts=parts, last=last)
                 yield _Found(topic, keeper, published)
@@ -371,7 +371,9 @@ class _Unit(Texts):
                 if name is not None and text is not None:
                     ends = OF_ACTION if called_name(call).startswith("Simple") else ("",)
                     parameter = self.parameter(name)
-                    self.names += (Topic(text + end, None, None, parameter) for end in ends)
+                    self.names += (
+                        InterfaceTopic(text + end, None, None, parameter) for end in ends
+                    )
                 elif keyword is not None:
                     self.unnamed = True
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from mars_asp.diagnostic import Span, whole_file
-from mars_asp.exchange.rosgraph.dot_tokens import Places, Token, tokens, wrong
+from mars_asp.exchange.rosgraph.dot_tokens import DotPlaces, DotToken, tokens, wrong
 from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.yaml_document import MOST_BYTES_OF_DUMP, MOST_DEPTH
 
@@ -25,12 +25,12 @@ _DEFAULTS = frozenset({"graph", "node", "edge"})
 
 
 @dataclass(slots=True)
-class _Element:
+class _DotElement:
     """A node of the drawing: its identifier, where it stands first, and its attributes."""
 
     id: str
     span: Span
-    attributes: dict[str, Token] = field(default_factory=dict)
+    attributes: dict[str, DotToken] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class _Edge:
     start: str
     end: str
     span: Span
-    attributes: dict[str, Token]
+    attributes: dict[str, DotToken]
 
 
 def read_dot(text: str, path: str) -> Dump:
@@ -79,7 +79,7 @@ def read_dot(text: str, path: str) -> Dump:
     return dump
 
 
-def _topics(elements: dict[str, _Element]) -> Iterator[str]:
+def _topics(elements: dict[str, _DotElement]) -> Iterator[str]:
     """Yield the identifiers of topics: those that are marked as such, else the boxes of several."""
     marked = [
         each.id
@@ -90,11 +90,11 @@ def _topics(elements: dict[str, _Element]) -> Iterator[str]:
     yield from marked or (boxes if len(boxes) < len(elements) else ())
 
 
-def _said(attributes: dict[str, Token], key: str) -> str:
+def _said(attributes: dict[str, DotToken], key: str) -> str:
     return attributes[key].text if key in attributes else ""
 
 
-def _name(element: _Element, places: Places) -> str:
+def _name(element: _DotElement, places: DotPlaces) -> str:
     """Return what an element is called: its label, else its tooltip, else its identifier."""
     label = _label(element.attributes, places)
     if label:
@@ -109,12 +109,12 @@ def _name(element: _Element, places: Places) -> str:
     return element.id
 
 
-def _topic_of(edge: _Edge, places: Places) -> str:
+def _topic_of(edge: _Edge, places: DotPlaces) -> str:
     """Return the topic that the label of an edge says; empty where it says none."""
     return _label(edge.attributes, places)
 
 
-def _label(attributes: dict[str, Token], places: Places) -> str:
+def _label(attributes: dict[str, DotToken], places: DotPlaces) -> str:
     """Return the first line of a label; statistics stand in further ones.
 
     Raises:
@@ -133,12 +133,12 @@ class _Drawing:
     """The elements and edges of a text in DOT."""
 
     def __init__(self, text: str, path: str) -> None:
-        self.places = Places(text, path)
+        self.places = DotPlaces(text, path)
         self.text = text
-        self.elements: dict[str, _Element] = {}
+        self.elements: dict[str, _DotElement] = {}
         self.edges: list[_Edge] = []
         self.rest = tokens(text, self.places)
-        self.next: Token | None = next(self.rest, None)
+        self.next: DotToken | None = next(self.rest, None)
 
     def read(self) -> None:
         """Read the one dump.
@@ -170,7 +170,7 @@ class _Drawing:
                 message = f"subgraphs are nested deeper than {MOST_DEPTH}"
                 raise wrong(span, message, "no graph of a robot needs that")
 
-    def take(self) -> Token:
+    def take(self) -> DotToken:
         """Take the next token.
 
         Raises:
@@ -207,7 +207,7 @@ class _Drawing:
             self.path(token)
         return 0
 
-    def path(self, first: Token) -> None:
+    def path(self, first: DotToken) -> None:
         """Read a node, or edges from node to node."""
         ends = [first]
         self.port()
@@ -225,7 +225,7 @@ class _Drawing:
         attributes = self.attributes()
         for end in ends:
             span = self.places.span(end.begin, end.end)
-            element = self.elements.setdefault(end.text, _Element(end.text, span))
+            element = self.elements.setdefault(end.text, _DotElement(end.text, span))
             if len(ends) == 1:
                 element.attributes |= attributes
         for start, end in pairwise(ends):
@@ -238,9 +238,9 @@ class _Drawing:
             self.take()
             self.take()
 
-    def attributes(self) -> dict[str, Token]:
+    def attributes(self) -> dict[str, DotToken]:
         """Read lists of attributes."""
-        found: dict[str, Token] = {}
+        found: dict[str, DotToken] = {}
         while self.at("["):
             self.take()
             while not self.at("]"):
@@ -255,7 +255,7 @@ class _Drawing:
             self.take()
         return found
 
-    def value(self) -> Token:
+    def value(self) -> DotToken:
         """Read what an attribute says, which may be several texts joined by `+`."""
         token = self.take()
         if token.sort == "mark":
@@ -265,9 +265,9 @@ class _Drawing:
             self.take()
             parts.append(self.take())
         joined = "".join(part.text for part in parts)
-        return Token(token.sort, joined, token.begin, parts[-1].end)
+        return DotToken(token.sort, joined, token.begin, parts[-1].end)
 
-    def unexpected(self, token: Token, wanted: str) -> Exception:
+    def unexpected(self, token: DotToken, wanted: str) -> Exception:
         """Return the error of a token that cannot stand where it does."""
         shown = token.text if len(token.text) <= 40 else f"{token.text[:37]}..."
         span = self.places.span(token.begin, token.end)

@@ -18,7 +18,7 @@ _CONTINUED = re.compile(r"\\\r?\n")
 
 
 @dataclass(frozen=True, slots=True)
-class Token:
+class DotToken:
     """A token: what it says, without quotes, and where it begins and ends in the text."""
 
     sort: Sort
@@ -27,7 +27,7 @@ class Token:
     end: int
 
 
-class Places:
+class DotPlaces:
     """The lines and columns of offsets in a text."""
 
     def __init__(self, text: str, path: str) -> None:
@@ -44,7 +44,7 @@ class Places:
         return line, offset - self.starts[line - 1] + 1
 
 
-def tokens(text: str, places: Places) -> Iterator[Token]:
+def tokens(text: str, places: DotPlaces) -> Iterator[DotToken]:
     """Yield the tokens of a text without comments.
 
     Raises:
@@ -67,25 +67,25 @@ def tokens(text: str, places: Places) -> Iterator[Token]:
         at = token.end
 
 
-def _token(text: str, at: int, places: Places) -> Token:
+def _token(text: str, at: int, places: DotPlaces) -> DotToken:
     if text[at] == '"':
         quoted = _QUOTED.match(text, at)
         if quoted is None:
             raise wrong(places.span(at, at + 1), "this text does not end", 'write `"` after it')
-        return Token("quoted", _CONTINUED.sub("", quoted[1]), at, quoted.end())
+        return DotToken("quoted", _CONTINUED.sub("", quoted[1]), at, quoted.end())
     if text[at] == "<":
-        return Token("html", "", at, _end_of_html(text, at, places))
+        return DotToken("html", "", at, _end_of_html(text, at, places))
     word = _WORD.match(text, at)
     if word is not None:
-        return Token("word", word[0], at, word.end())
+        return DotToken("word", word[0], at, word.end())
     mark = _MARK.match(text, at)
     if mark is None:
         message = f"character U+{ord(text[at]):04X} has no meaning here"
         raise wrong(places.span(at, at + 1), message, "put names in quotes")
-    return Token("mark", mark[0], at, mark.end())
+    return DotToken("mark", mark[0], at, mark.end())
 
 
-def _end_of_html(text: str, at: int, places: Places) -> int:
+def _end_of_html(text: str, at: int, places: DotPlaces) -> int:
     depth = 0
     for angle in _ANGLE.finditer(text, at):
         depth += 1 if angle[0] == "<" else -1

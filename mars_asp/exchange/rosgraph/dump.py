@@ -6,7 +6,7 @@ from fractions import Fraction
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
-from mars_asp.model.graph import Endpoint, Graph, Node
+from mars_asp.model.graph import Endpoint, Graph, GraphNode
 
 
 @dataclass(slots=True)
@@ -70,7 +70,7 @@ class Dump:
     def graph(self, path: str) -> Graph:
         """Return all nodes, as those of a robot that ran."""
         nodes = tuple(
-            Node(name, each.span, tuple(each.published), tuple(each.subscribed))
+            GraphNode(name, each.span, tuple(each.published), tuple(each.subscribed))
             for name, each in self.nodes.items()
         )
         return Graph(path, nodes, observed=True)

@@ -13,12 +13,12 @@ from mars_asp.exchange.rosgraph.node_info import read_node_info
 from mars_asp.exchange.rosgraph.rosdiscover import read_rosdiscover
 from mars_asp.exchange.rosgraph.topic_info import read_topic_info
 from mars_asp.exchange.topics import configuration_of
-from mars_asp.exchange.twist_mux.document import Mux as Parameters
+from mars_asp.exchange.twist_mux.document import MuxParameters as Parameters
 from mars_asp.exchange.twist_mux.document import read_document
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
-from mars_asp.model.graph import Graph, Mux, MuxInput, Node
+from mars_asp.model.graph import Graph, GraphNode, Mux, MuxInput
 
 _READERS: Mapping[str, Callable[[str, str], Dump]] = {
     "rosdiscover": read_rosdiscover,
@@ -112,7 +112,7 @@ def _bound(muxes: Sequence[Parameters], graph: Graph) -> tuple[Mux, ...]:
     return tuple(_mux(mux, _node_of(mux, graph)) for mux in muxes)
 
 
-def _node_of(mux: Parameters, graph: Graph) -> Node | None:
+def _node_of(mux: Parameters, graph: Graph) -> GraphNode | None:
     """Return the node that a mux is: it hears an input, and is named so where a name is given."""
     called = mux.node.rpartition("/")[2]
     for node in graph.nodes:
@@ -122,14 +122,14 @@ def _node_of(mux: Parameters, graph: Graph) -> Node | None:
     return None
 
 
-def _heard(topic: str, node: Node) -> str | None:
+def _heard(topic: str, node: GraphNode) -> str | None:
     """Return the full name of a topic that a node hears, as parameters name it."""
     wanted = "/" + topic.lstrip("/")
     names = [end.topic for end in node.subscribed]
     return next((name for name in names if name == wanted or name.endswith(wanted)), None)
 
 
-def _mux(mux: Parameters, node: Node | None) -> Mux:
+def _mux(mux: Parameters, node: GraphNode | None) -> Mux:
     """Return a mux, its output what its node publishes as a command."""
     sent = [] if node is None else [end.topic for end in node.published if is_command(end.type)]
     inputs = tuple(

@@ -41,7 +41,7 @@ _MOST_TWIST_MUX = 255
 
 
 @dataclass(frozen=True, slots=True)
-class Input:
+class MuxTopic:
     """What a mux listens to; `span` is where its name stands, `ranked` where its priority does."""
 
     name: str
@@ -53,26 +53,26 @@ class Input:
 
 
 @dataclass(frozen=True, slots=True)
-class Mux:
+class MuxParameters:
     """A mux: the engine, the node that is it (empty where none is named) and what it controls."""
 
     engine: Engine
     node: str
     span: Span
     output: str
-    inputs: tuple[Input, ...]
+    inputs: tuple[MuxTopic, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Document:
+class MuxDocument:
     """The muxes of a file, what was not read of it, and what is noteworthy about the rest."""
 
-    muxes: tuple[Mux, ...]
+    muxes: tuple[MuxParameters, ...]
     unread: tuple[Unread, ...]
     warnings: tuple[Diagnostic, ...]
 
 
-class _Entry(NamedTuple):
+class _MuxEntry(NamedTuple):
     """An input or lock as it is written."""
 
     name: str
@@ -88,7 +88,7 @@ class _Leaf(NamedTuple):
     value: Node
 
 
-def read_document(text: str, path: str) -> Document:
+def read_document(text: str, path: str) -> MuxDocument:
     """Return the muxes of a YAML file.
 
     Raises:
@@ -103,7 +103,7 @@ def read_document(text: str, path: str) -> Document:
     return document
 
 
-def read_parts(text: str, path: str) -> Document:
+def read_parts(text: str, path: str) -> MuxDocument:
     """Return the muxes of a YAML file, which may have none, as one with locks alone.
 
     Raises:
@@ -116,7 +116,7 @@ def read_parts(text: str, path: str) -> Document:
     return reader.document()
 
 
-def read_parameters(root: Pairs, node: str) -> Document:
+def read_parameters(root: Pairs, node: str) -> MuxDocument:
     """Return the mux that a node is by its parameters, which a launch file gives it.
 
     Raises:
@@ -131,11 +131,11 @@ class _MuxReader:
     """Collects muxes and all that is to say about them."""
 
     def __init__(self) -> None:
-        self.muxes: list[Mux] = []
+        self.muxes: list[MuxParameters] = []
         self.unread: list[Unread] = []
         self.problems: list[Diagnostic] = []
 
-    def document(self) -> Document:
+    def document(self) -> MuxDocument:
         """Return what was collected.
 
         Raises:
@@ -143,7 +143,7 @@ class _MuxReader:
         """
         if any(problem.severity == "error" for problem in self.problems):
             raise MarsError(self.problems)
-        return Document(tuple(self.muxes), tuple(self.unread), tuple(self.problems))
+        return MuxDocument(tuple(self.muxes), tuple(self.unread), tuple(self.problems))
 
     def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
         """Note an error."""
@@ -179,7 +179,7 @@ class _MuxReader:
 
     def mux(self, node: Pairs, names: tuple[str, ...], *, listed: bool) -> None:
         """Read one mux; its inputs may be `listed` only where they are no ROS 2 parameters."""
-        entries: dict[Sort, list[_Entry]] = {}
+        entries: dict[Sort, list[_MuxEntry]] = {}
         leaves: list[_Leaf] = []
         output = OUTPUT
         spans: dict[Sort, Span] = {}
@@ -227,9 +227,9 @@ class _MuxReader:
                 if engine == "twist_mux":
                     self.warn_of_high(found)
                 at = spans[listening]
-                self.muxes.append(Mux(engine, "/".join(names), at, output, found))
+                self.muxes.append(MuxParameters(engine, "/".join(names), at, output, found))
 
-    def listed(self, items: Items) -> Iterator[_Entry]:
+    def listed(self, items: Items) -> Iterator[_MuxEntry]:
         """Yield the entries of a list of maps, a name that comes again with its number.
 
         For the twist_mux of ROS 1, which reads lists, names are labels and need not differ.
@@ -252,7 +252,7 @@ class _MuxReader:
                     times[name.text] += 1
                     own = f"{name.text}_{times[name.text]}"
                 seen.add(own)
-                yield _Entry(own, name.span, fields)
+                yield _MuxEntry(own, name.span, fields)
             else:
                 begin = item.span._replace(end_line=item.span.line, end_column=item.span.column)
                 self.wrong(
@@ -261,7 +261,7 @@ class _MuxReader:
                     "add `name: NAME`",
                 )
 
-    def mapped(self, leaves: Sequence[_Leaf]) -> Iterator[_Entry]:
+    def mapped(self, leaves: Sequence[_Leaf]) -> Iterator[_MuxEntry]:
         """Yield what maps and dotted keys say, in the order of the file."""
         spans: dict[str, Span] = {}
         fields: dict[str, dict[str, tuple[Scalar, Node]]] = {}
@@ -293,9 +293,9 @@ class _MuxReader:
                 )
             found.setdefault(what, (key, value))
         for name, span in spans.items():
-            yield _Entry(name, span, fields[name])
+            yield _MuxEntry(name, span, fields[name])
 
-    def inputs(self, entries: Sequence[_Entry]) -> Iterator[Input]:
+    def inputs(self, entries: Sequence[_MuxEntry]) -> Iterator[MuxTopic]:
         """Yield the inputs of a mux, and note what is wrong with them."""
         for entry in entries:
             if read_name(written(entry.name)) is None:
@@ -316,9 +316,9 @@ class _MuxReader:
             priority = self.priority(entry)
             if topic is not None and hold is not None and priority is not None:
                 ranked = entry.fields["priority"][1].span
-                yield Input(entry.name, topic, hold, priority, entry.span, ranked)
+                yield MuxTopic(entry.name, topic, hold, priority, entry.span, ranked)
 
-    def warn_of_high(self, inputs: Sequence[Input]) -> None:
+    def warn_of_high(self, inputs: Sequence[MuxTopic]) -> None:
         """Note the inputs whose priority is more than twist_mux keeps."""
         high = [each for each in inputs if each.priority > _MOST_TWIST_MUX]
         if high:
@@ -330,7 +330,7 @@ class _MuxReader:
                 Diagnostic("mux", "warning", message, first.ranked, labels, help_text, kind="mux")
             )
 
-    def scalar(self, entry: _Entry, what: str, expected: str) -> Scalar | None:
+    def scalar(self, entry: _MuxEntry, what: str, expected: str) -> Scalar | None:
         """Return a field that is a scalar; note where it is none."""
         _, value = entry.fields.get(what, (None, None))
         if value is not None and not isinstance(value, Scalar):
@@ -338,7 +338,7 @@ class _MuxReader:
             return None
         return value
 
-    def mistyped(self, entry: _Entry, what: str, value: Node, expected: str) -> None:
+    def mistyped(self, entry: _MuxEntry, what: str, value: Node, expected: str) -> None:
         """Note a field that holds something else than expected."""
         match value:
             case Scalar(text, quoted):
@@ -355,7 +355,7 @@ class _MuxReader:
             f"write {expected}",
         )
 
-    def topic(self, entry: _Entry) -> str | None:
+    def topic(self, entry: _MuxEntry) -> str | None:
         """Return the topic of an input."""
         value = self.scalar(entry, "topic", "the name of a topic")
         if value is None:
@@ -365,7 +365,7 @@ class _MuxReader:
             return None
         return value.text
 
-    def hold(self, entry: _Entry) -> Hold | None:
+    def hold(self, entry: _MuxEntry) -> Hold | None:
         """Return how long a message of an input is in force."""
         expected = "a number of seconds"
         value = self.scalar(entry, "timeout", expected)
@@ -391,7 +391,7 @@ class _MuxReader:
             )
         return whole
 
-    def priority(self, entry: _Entry) -> int | None:
+    def priority(self, entry: _MuxEntry) -> int | None:
         """Return the priority of an input."""
         expected = f"a whole number from 0 to {MOST}"
         value = self.scalar(entry, "priority", expected)

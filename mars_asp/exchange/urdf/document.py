@@ -7,7 +7,7 @@ from decimal import Decimal
 from typing import TypeAlias
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
-from mars_asp.exchange.elements import Element, read_elements
+from mars_asp.exchange.elements import XmlElement, read_elements
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.urdf.angles import FARTHEST, OPEN
 from mars_asp.model.cycles import knots
@@ -24,7 +24,7 @@ _Three: TypeAlias = tuple[Decimal, Decimal, Decimal]
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class UrdfLink:
     """A link's name and place."""
 
     name: str
@@ -32,7 +32,7 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
+class UrdfJoint:
     """A joint: metres and radians, as they are written.
 
     `axis` is a direction in the child's frame; `lower`, `upper` and `rate` are `None` where they
@@ -54,18 +54,18 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class Document:
+class UrdfDocument:
     """Links and joints in the order in which they stand; the joints make trees of the links.
 
     `unread` is what stands beside them, such as `ros2_control`.
     """
 
-    links: tuple[Link, ...]
-    joints: tuple[Joint, ...]
+    links: tuple[UrdfLink, ...]
+    joints: tuple[UrdfJoint, ...]
     unread: tuple[Unread, ...] = ()
 
 
-def read_document(text: str, path: str) -> Document:
+def read_document(text: str, path: str) -> UrdfDocument:
     """Read a URDF document.
 
     Raises:
@@ -83,7 +83,7 @@ class _UrdfReader:
         self.links: set[str] = set()
         self.problems: list[Diagnostic] = []
 
-    def document(self, root: Element) -> Document:
+    def document(self, root: XmlElement) -> UrdfDocument:
         if root.name != "robot":
             self.note(
                 root, f"`<{root.name}>` is not a `<robot>`", "a URDF document is one `<robot>`"
@@ -103,18 +103,18 @@ class _UrdfReader:
         if self.problems:
             raise MarsError(self.problems)
         others = (each for each in root.children if each.name not in _READ)
-        return Document(
-            tuple(Link(e.attributes["name"], e.span) for e in links),
+        return UrdfDocument(
+            tuple(UrdfLink(e.attributes["name"], e.span) for e in links),
             read,
             tuple(Unread("elements besides links and joints", e.name, e.span) for e in others),
         )
 
-    def note(self, at: Element | Joint, message: str, help_text: str) -> None:
+    def note(self, at: XmlElement | UrdfJoint, message: str, help_text: str) -> None:
         excerpt = self.lines[at.span.line - 1]
         found = Diagnostic("urdf", "error", message, at.span, help=help_text, excerpt=excerpt)
         self.problems.append(found)
 
-    def names(self, elements: Iterable[Element]) -> set[str]:
+    def names(self, elements: Iterable[XmlElement]) -> set[str]:
         seen: set[str] = set()
         for element in elements:
             name = element.attributes.get("name", "")
@@ -125,7 +125,7 @@ class _UrdfReader:
             seen.add(name)
         return seen
 
-    def joint(self, element: Element) -> Joint:
+    def joint(self, element: XmlElement) -> UrdfJoint:
         """Read a joint; where something is wrong with it, that is noted and something returned."""
         name, kind = (element.attributes.get(key, "") for key in ("name", "type"))
         if kind not in KINDS:
@@ -139,7 +139,7 @@ class _UrdfReader:
         if kind != "fixed" and (limit := element.child("limit")) is not None:
             rate = self.rate(limit)
             lower, upper = (None, None) if kind == "continuous" else self.bounds(limit)
-        return Joint(
+        return UrdfJoint(
             name,
             kind,
             self.end(element, name, "parent"),
@@ -154,7 +154,7 @@ class _UrdfReader:
             element.span,
         )
 
-    def end(self, joint: Element, name: str, role: str) -> str:
+    def end(self, joint: XmlElement, name: str, role: str) -> str:
         element = joint.child(role)
         link = "" if element is None else element.attributes.get("link", "")
         if element is None:
@@ -170,7 +170,7 @@ class _UrdfReader:
             return f"did you mean `{near}`?"
         return f"write one of {', '.join(KINDS)}" if known is KINDS else "declare the link"
 
-    def three(self, element: Element | None, key: str, default: _Three) -> _Three:
+    def three(self, element: XmlElement | None, key: str, default: _Three) -> _Three:
         written = None if element is None else element.attributes.get(key)
         if element is None or written is None:
             return default
@@ -183,7 +183,7 @@ class _UrdfReader:
         self.note(element, found, f'write `{key}="{" ".join(map(str, default))}"` or similar')
         return default
 
-    def bounds(self, limit: Element) -> tuple[Decimal | None, Decimal | None]:
+    def bounds(self, limit: XmlElement) -> tuple[Decimal | None, Decimal | None]:
         """Return both bounds; of one that is not stated URDF says that it is 0."""
         stated = [key for key in ("lower", "upper") if key in limit.attributes]
         lower, upper = (self.stated(limit, key) for key in ("lower", "upper"))
@@ -194,14 +194,14 @@ class _UrdfReader:
             upper if stated and upper < OPEN else None,
         )
 
-    def rate(self, limit: Element) -> Decimal | None:
+    def rate(self, limit: XmlElement) -> Decimal | None:
         """Return the greatest velocity; 0, which could not move, says nothing."""
         found = self.stated(limit, "velocity")
         if found < 0:
             self.note(limit, f"the velocity {found} is below 0", "write its magnitude")
         return found if 0 < found < OPEN else None
 
-    def stated(self, limit: Element, key: str) -> Decimal:
+    def stated(self, limit: XmlElement, key: str) -> Decimal:
         written = limit.attributes.get(key, "0")
         found = _number(written) if len(written) < _MOST else None
         if found is None:
@@ -209,9 +209,9 @@ class _UrdfReader:
             self.note(limit, f"{shown} is not a number", "write one in metres or radians")
         return found or _NONE
 
-    def trees(self, joints: Sequence[Joint]) -> None:
+    def trees(self, joints: Sequence[UrdfJoint]) -> None:
         """Note where joints do not make trees of the links."""
-        above: dict[str, Joint] = {}
+        above: dict[str, UrdfJoint] = {}
         for joint in joints:
             first = above.setdefault(joint.child, joint)
             if first is not joint:

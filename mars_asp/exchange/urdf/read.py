@@ -20,7 +20,7 @@ from mars_asp.exchange.urdf.angles import (
     turns_to,
     writable,
 )
-from mars_asp.exchange.urdf.document import Joint, read_document
+from mars_asp.exchange.urdf.document import UrdfJoint, read_document
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
 from mars_asp.model.declarations import (
@@ -99,7 +99,9 @@ def import_urdfs(files: Sequence[tuple[str, str]]) -> Parsed:
     return Parsed(configuration, found.warnings, tuple(map(print_module, configuration.declared)))
 
 
-def _placements(joint: Joint, links: dict[str, str], movers: dict[str, str]) -> Iterator[_Placed]:
+def _placements(
+    joint: UrdfJoint, links: dict[str, str], movers: dict[str, str]
+) -> Iterator[_Placed]:
     turns = _written_turns(joint)
     child = Module(links[joint.child], joint.span)
     parent = links[joint.parent]
@@ -118,7 +120,7 @@ def _placements(joint: Joint, links: dict[str, str], movers: dict[str, str]) -> 
         yield _Placed(child, mover.name, back, (_NONE, _NONE, _NONE))
 
 
-def _written_turns(joint: Joint) -> Turns:
+def _written_turns(joint: UrdfJoint) -> Turns:
     # What is turned by more than a full turn stands as if turned by less.
     radians = (float(angle) for angle in joint.turns)
     angles = (degrees_of(a if abs(a) <= math.tau else math.remainder(a, math.tau)) for a in radians)
@@ -144,7 +146,7 @@ def _mount(placed: _Placed) -> tuple[Mount, Module]:
     return replace(mount, mounting_vertex=1), replace(module, vertices=(vertex,))
 
 
-def _functions(joint: Joint, letter: str) -> tuple[Function, ...]:
+def _functions(joint: UrdfJoint, letter: str) -> tuple[Function, ...]:
     """Return the motions of a joint whose axis has a letter in the child's frame."""
     match joint.kind:
         case "planar":
@@ -157,7 +159,7 @@ def _functions(joint: Joint, letter: str) -> tuple[Function, ...]:
             return (_function(joint, letter),)
 
 
-def _function(joint: Joint, letter: str) -> Function:
+def _function(joint: UrdfJoint, letter: str) -> Function:
     slides = joint.kind == "prismatic"
 
     def converted(value: Decimal | None) -> Decimal | None:
@@ -172,7 +174,7 @@ def _function(joint: Joint, letter: str) -> Function:
     return Function(name, joint.span, *bounds, converted(joint.rate) or None)
 
 
-def _remarks(joints: Sequence[Joint]) -> Iterator[Diagnostic]:
+def _remarks(joints: Sequence[UrdfJoint]) -> Iterator[Diagnostic]:
     """Yield what mounts do not say of joints, each sort once, as exporters repeat it."""
     following = [joint for joint in joints if joint.mimics is not None and joint.kind != "fixed"]
     if following:

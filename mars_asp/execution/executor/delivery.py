@@ -34,7 +34,7 @@ class Condition:
             self.link.send(message)
 
 
-class Grid:
+class TimeGrid:
     """Sends the latest message at each deadline of a rate, also one that came in that instant.
 
     With `again` a message that was sent before is repeated and counted as stale; until a first one
@@ -140,7 +140,7 @@ def open_link(
             return Poll(link, hz, schedule, rank, upstream).offer
         if hz is None or (carried.name == AT_FREQUENCY and hz == rate):
             return link.send
-        return Grid(link, hz, schedule, rank, again=carried.name != AT_FREQUENCY).offer
+        return TimeGrid(link, hz, schedule, rank, again=carried.name != AT_FREQUENCY).offer
     if asked.name == WHEN_READY or asked == carried:
         return link.send
     return Condition(link, asked).offer

@@ -13,7 +13,7 @@ from mars_asp.execution.scenario.functions import Clock, faulty
 from mars_asp.execution.scenario.read import Scenario
 from mars_asp.execution.simulator import (
     Body,
-    Joint,
+    JointDevice,
     bumper,
     joystick,
     lidar,
@@ -29,7 +29,7 @@ _CARRIED = ("sonar", "lidar", "bumper", "odometry", "marks")
 _JOINT = (("low", -inf), ("high", inf), ("rate", inf), ("value", 0.0))
 
 
-def make_joints(scenario: Scenario) -> dict[str, Joint]:
+def make_joints(scenario: Scenario) -> dict[str, JointDevice]:
     """Return the joints and grippers of a scenario by their module."""
     found = {}
     for name, table in scenario.devices.items():
@@ -37,7 +37,7 @@ def make_joints(scenario: Scenario) -> dict[str, Joint]:
             function = table.get("function", "Grasp" if table["kind"] == "gripper" else "Rotn_Y")
             numbers = [float(table.get(key, default)) for key, default in _JOINT]
             # A width stays as it is until another is commanded.
-            found[name] = Joint(function, *numbers)
+            found[name] = JointDevice(function, *numbers)
             found[name].wanted = numbers[-1] if function == "Grasp" else 0.0
     return found
 
@@ -46,7 +46,7 @@ def bind_devices(
     plan: Plan,
     scenario: Scenario,
     bodies: Mapping[str, Body],
-    joints: Mapping[str, Joint],
+    joints: Mapping[str, JointDevice],
     clock: Clock,
 ) -> dict[str, Behaviour]:
     """Return what reads or obeys for each module that a device or a robot itself runs.
@@ -103,7 +103,7 @@ def _loose(name: str, scenario: Scenario) -> Diagnostic:
     return Diagnostic("scenario", "error", message, place, (), help_text)
 
 
-def _jointed(joint: Joint, clock: Clock) -> Behaviour:
+def _jointed(joint: JointDevice, clock: Clock) -> Behaviour:
     return Behaviour(
         lambda command: joint.obey(command, clock()),
         position=lambda: {joint.function: joint.advance(clock())},
@@ -136,8 +136,8 @@ def _held(function: str, rate: float | None = None) -> tuple[str, float] | None:
 
 
 def _way(
-    plan: Plan, chain: Sequence[str], scenario: Scenario, joints: Mapping[str, Joint]
-) -> list[tuple[float, float, float, Joint | None]]:
+    plan: Plan, chain: Sequence[str], scenario: Scenario, joints: Mapping[str, JointDevice]
+) -> list[tuple[float, float, float, JointDevice | None]]:
     """Return the mounts from a robot out to a device, as the plane sees them.
 
     A turn about the up axis counts; tilts and the vertices of modules are left out.

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from mars_asp.behaviour.calls import Entry, Made, UnfitError, made, method_of, prepared
+from mars_asp.behaviour.calls import EntryPoint, Made, UnfitError, made, method_of, prepared
 from mars_asp.behaviour.context import Context
 from mars_asp.behaviour.imports import Folder, folder_of, place_of
 from mars_asp.behaviour.values import copied
@@ -162,22 +162,22 @@ def _seen_from_here(file: str) -> str:
     return path.relative_to(here).as_posix() if path.is_relative_to(here) else path.name
 
 
-def entries(plan: Plan, name: str) -> tuple[Entry, ...] | None:
+def entries(plan: Plan, name: str) -> tuple[EntryPoint, ...] | None:
     """Return the inputs of a module, or None where they are not known."""
     if name not in plan.names:
-        return (Entry("what it converts"),)
+        return (EntryPoint("what it converts"),)
     kind = plan.kind(name)
     if kind == "effector":
-        return (Entry("a command"),)
+        return (EntryPoint("a command"),)
     if kind == "data_transformer":
-        return (Entry("what it converts"),)
+        return (EntryPoint("what it converts"),)
     slots = plan.slots.get(name, ())
     if not (slots or plan.data_out[name] or plan.control_out[name]):
         return None  # it does not run
     if kind == "sensor":
         return ()
     return tuple(
-        Entry(
+        EntryPoint(
             " or ".join(dict.fromkeys(plan.origin_of(link) for link in slot.links)),
             _parameter_name(plan, name, slot),
             slot.place,

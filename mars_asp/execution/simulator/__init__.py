@@ -7,7 +7,7 @@ towards side, which is to the left. With y up these are z and x, with z up x and
 
 from mars_asp.execution.simulator.body import Body
 from mars_asp.execution.simulator.devices import (
-    Joint,
+    JointDevice,
     bumper,
     joystick,
     lidar,
@@ -16,7 +16,7 @@ from mars_asp.execution.simulator.devices import (
     sonar,
 )
 from mars_asp.execution.simulator.fleet import Fleet
-from mars_asp.execution.simulator.motion import Pose, Stretch, move
+from mars_asp.execution.simulator.motion import MotionSegment, Pose, move
 from mars_asp.execution.simulator.ramp import Ramp
 from mars_asp.execution.simulator.world import Circle, Mark, World, regular_polygon
 
@@ -24,11 +24,11 @@ __all__ = [
     "Body",
     "Circle",
     "Fleet",
-    "Joint",
+    "JointDevice",
     "Mark",
+    "MotionSegment",
     "Pose",
     "Ramp",
-    "Stretch",
     "World",
     "bumper",
     "joystick",

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mars_asp.execution.simulator.body import THING, Body
-from mars_asp.execution.simulator.motion import Point, Pose, Stretch
+from mars_asp.execution.simulator.motion import MotionSegment, Point, Pose
 from mars_asp.execution.simulator.world import World
 
 #: So much nearer (mm) than found it may have been.
@@ -79,7 +79,7 @@ def _robot(body: Body, name: str) -> Body | None:
     return next((other for other in others if other.name == name != THING), None)
 
 
-def _stretch(body: Body, seconds: float) -> Stretch:
+def _stretch(body: Body, seconds: float) -> MotionSegment:
     number = bisect_right(body.motion, seconds, key=lambda stretch: stretch.since) - 1
     return body.motion[max(number, 0)]
 

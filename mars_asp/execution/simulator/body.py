@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from mars_asp.execution.simulator.motion import Floats, Point, Pose, Stretch
+from mars_asp.execution.simulator.motion import Floats, MotionSegment, Point, Pose
 from mars_asp.execution.simulator.ramp import Ramp
 from mars_asp.execution.simulator.world import World
 
@@ -68,7 +68,7 @@ class Body:
     closest: tuple[float, float] = (0.0, 0.0)
     driven: float = 0.0
     both: float = 0.0
-    motion: list[Stretch] = field(default_factory=list)
+    motion: list[MotionSegment] = field(default_factory=list)
     contacts: list[float] = field(default_factory=list)
     #: With whom each contact was.
     struck: list[str] = field(default_factory=list)
@@ -82,7 +82,7 @@ class Body:
 
     def __post_init__(self) -> None:
         """Note how near things are where it starts."""
-        self.motion.append(Stretch(self.seconds, self.pose, 0.0, 0.0, 0.0))
+        self.motion.append(MotionSegment(self.seconds, self.pose, 0.0, 0.0, 0.0))
         self.measure()
 
     @property
@@ -101,7 +101,7 @@ class Body:
         return self.pose.forward, self.pose.side
 
     @property
-    def stretches(self) -> Iterator[tuple[Stretch, float]]:
+    def stretches(self) -> Iterator[tuple[MotionSegment, float]]:
         """Yield its motion up to now: each stretch, and until when (s) it lasted."""
         for stretch, following in pairwise(self.motion):
             yield stretch, following.since
@@ -180,10 +180,10 @@ class Body:
     def go(self, seconds: float, fastest: float) -> None:
         """Move on to a time, up to which nothing is near."""
         while self.seconds < seconds:
-            way = Stretch(self.seconds, self.pose, *self.rates())
+            way = MotionSegment(self.seconds, self.pose, *self.rates())
             self.take(way, min(seconds, self.until), fastest)
 
-    def take(self, way: Stretch, at: float, fastest: float) -> None:
+    def take(self, way: MotionSegment, at: float, fastest: float) -> None:
         """Go along a way to a time (s)."""
         spent, speed = at - self.seconds, way.speed
         self.driven += speed * spent
@@ -221,7 +221,7 @@ class Body:
         if other in self.on:
             self.touched[other] = self.seconds
 
-    def nearest(self, way: Stretch, step: float) -> float:
+    def nearest(self, way: MotionSegment, step: float) -> float:
         """Return the least gap (mm) to the world on a way of so many seconds, if it matters."""
 
         def gaps(edges: Floats) -> Floats:
@@ -231,7 +231,7 @@ class Body:
         return least_gap(gaps, bend(way), self.least, way.since, way.since + step)
 
 
-def bend(way: Stretch) -> float:
+def bend(way: MotionSegment) -> float:
     """Return by how much an arc leaves its chord: so many mm for the square of its seconds."""
     return way.speed * abs(radians(way.turn)) / 8
 

@@ -19,7 +19,7 @@ Place: TypeAlias = Callable[[float], Pose]
 
 
 @dataclass(slots=True)
-class Joint:
+class JointDevice:
     """A joint or gripper: obeys rates (degrees/s or mm/s), or a width, within its bounds."""
 
     function: str
@@ -57,7 +57,9 @@ class Joint:
         return self.value
 
 
-def mounted(body: Body, links: Sequence[tuple[float, float, float, Joint | None]] = ()) -> Place:
+def mounted(
+    body: Body, links: Sequence[tuple[float, float, float, JointDevice | None]] = ()
+) -> Place:
     """Return where a device is: links (forward, side, turn, joint) from the body outwards."""
 
     def place(seconds: float) -> Pose:

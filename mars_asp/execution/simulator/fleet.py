@@ -12,7 +12,7 @@ from math import dist, hypot, inf, nextafter
 import numpy as np
 
 from mars_asp.execution.simulator.body import APART, THING, TOUCH, Body, bend, least_gap
-from mars_asp.execution.simulator.motion import Floats, Point, Stretch
+from mars_asp.execution.simulator.motion import Floats, MotionSegment, Point
 from mars_asp.execution.simulator.world import origin_distances
 
 #: For so long (s) at most a robot that touches something goes on as it does.
@@ -99,7 +99,7 @@ class Fleet:
     def _step(self, seconds: float) -> None:
         """Go on until a time, a change of rates or a contact, whichever is first."""
         now = self.seconds
-        ways = [Stretch(now, body.pose, *body.rates()) for body in self.bodies]
+        ways = [MotionSegment(now, body.pose, *body.rates()) for body in self.bodies]
         fastest = self._fastest([way.speed for way in ways])
         until = min(seconds, *(body.until for body in self.bodies))
         near, pairs = self._look(ways, until, fastest)
@@ -138,7 +138,7 @@ class Fleet:
             search.note(gap)
 
     def _look(
-        self, ways: Sequence[Stretch], until: float, fastest: float
+        self, ways: Sequence[MotionSegment], until: float, fastest: float
     ) -> tuple[list[int], dict[tuple[int, int], float]]:
         """Return which robots may come near something, and the gaps of which to each other."""
         near, pairs = list[int](), dict[tuple[int, int], float]()
@@ -170,8 +170,8 @@ class Fleet:
         return gaps
 
     def _halted(
-        self, ways: Sequence[Stretch], held: Sequence[int], met: Sequence[tuple[int, int]]
-    ) -> list[Stretch]:
+        self, ways: Sequence[MotionSegment], held: Sequence[int], met: Sequence[tuple[int, int]]
+    ) -> list[MotionSegment]:
         """Return ways for a moment: a motion that leads into what is touched stays where it is.
 
         It is judged by the velocity at this instant. Each robot is judged by where the others are
@@ -182,7 +182,7 @@ class Fleet:
         def stay(k: int, rate: float) -> None:
             way = ways[k]
             if rate < -_ALONG * way.speed:
-                halted[k] = Stretch(way.since, way.pose, 0.0, 0.0, way.turn)
+                halted[k] = MotionSegment(way.since, way.pose, 0.0, 0.0, way.turn)
 
         for k in held:
             body = self.bodies[k]
@@ -197,7 +197,7 @@ class Fleet:
                 stay(k, ((x - p) * vx + (y - q) * vy) / (hypot(x - p, y - q) or 1.0))
         return halted
 
-    def _search(self, k: int, way: Stretch) -> _Search:
+    def _search(self, k: int, way: MotionSegment) -> _Search:
         """Return the search for the world on a way."""
         body = self.bodies[k]
 
@@ -209,7 +209,9 @@ class Fleet:
         closing = way.speed + body.world.fastest
         return _Search(partial(body.nearest, way), closing, note, *_ends(body.room))
 
-    def _search_pair(self, first: int, second: int, ways: Sequence[Stretch], now: float) -> _Search:
+    def _search_pair(
+        self, first: int, second: int, ways: Sequence[MotionSegment], now: float
+    ) -> _Search:
         """Return the search for each other on two ways, by chords of one seen from the other.
 
         `now` is the gap (mm) that there is.

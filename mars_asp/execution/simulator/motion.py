@@ -58,7 +58,7 @@ def move(pose: Pose, ahead: float, aside: float, turn: float, seconds: float) ->
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class MotionSegment:
     """A motion at constant rates (mm/s ahead and aside, degrees/s of turning) from `since` on."""
 
     since: float

@@ -85,7 +85,7 @@ def regular_polygon(centre: Point, radius: float, corners: int) -> list[Point]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Near:
+class _NearObstacle:
     """What is near a point at a time (s), and stays so while little has moved.
 
     `segments` (n, 4) from and to, `circles` (n, 3) centre and radius, `moving` by their numbers.
@@ -121,9 +121,9 @@ class World:
         self._radii: Floats = np.array([c.radius for c in self.moving], dtype=float)
         #: Of each moving circle x, y, their rates, and from when until when (s) these hold.
         self._legs: Floats = np.full((len(self.moving), 6), -inf)
-        self._seen: _Near | None = None
+        self._seen: _NearObstacle | None = None
         self._reach = -inf
-        self._beside: _Near | None = None
+        self._beside: _NearObstacle | None = None
 
     def beside(self) -> "World":
         """Return the same world for another robot, which is near to other things."""
@@ -236,7 +236,7 @@ class World:
         rates: Floats = (normals * passing).sum(axis=1) / lengths
         return rates
 
-    def _around(self, point: Point, seconds: float) -> _Near:
+    def _around(self, point: Point, seconds: float) -> _NearObstacle:
         """Return all that can be the nearest to points near this one."""
         near = self._beside
         if near is None or self._passed(near, point, seconds) > _SLACK / 2:
@@ -251,16 +251,16 @@ class World:
             self._renew(near.moving, seconds)
         return near
 
-    def _passed(self, near: _Near, point: Point, seconds: float) -> float:
+    def _passed(self, near: _NearObstacle, point: Point, seconds: float) -> float:
         """Return by how much (mm) a point and what moves have come nearer since, at most."""
         spent = seconds - near.seconds
         if spent < 0:
             return inf
         return dist(point, near.centre) + (self.fastest * spent if self.moving else 0.0)
 
-    def _gather(self, point: Point, seconds: float, reach: float) -> _Near:
+    def _gather(self, point: Point, seconds: float, reach: float) -> _NearObstacle:
         every = self._moved(tuple(range(len(self.moving))), seconds)
-        return _Near(
+        return _NearObstacle(
             point,
             seconds,
             self.segments[_segment_distances(point, self.segments) <= reach],

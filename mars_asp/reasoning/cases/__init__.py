@@ -12,7 +12,7 @@ A configuration is a case where lines of comments state what is expected of it:
     # expect order: Base: Drive < Avoid
 """
 
-from mars_asp.reasoning.cases.places import Found, cases_of, pack_of_case
+from mars_asp.reasoning.cases.places import FoundCase, cases_of, pack_of_case
 from mars_asp.reasoning.cases.run import run_case, stages_of
 
-__all__ = ["Found", "cases_of", "pack_of_case", "run_case", "stages_of"]
+__all__ = ["FoundCase", "cases_of", "pack_of_case", "run_case", "stages_of"]

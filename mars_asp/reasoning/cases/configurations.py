@@ -76,7 +76,7 @@ class ReportedFinding:
 
 
 @dataclass(frozen=True)
-class Line:
+class ExpectationLine:
     """A line that expects something: `what` it is about, and its text with the place of that."""
 
     what: str
@@ -235,7 +235,7 @@ class _Robot:
 # ---- What lines expect ---------------------------------------------------------------------------
 
 
-def _lines(text: str, robot: _Robot) -> tuple[Line, ...]:
+def _lines(text: str, robot: _Robot) -> tuple[ExpectationLine, ...]:
     """Return the lines that expect something.
 
     Raises:
@@ -258,23 +258,23 @@ def _lines(text: str, robot: _Robot) -> tuple[Line, ...]:
 
 def _line(
     what: str, before: str, text: str, span: Span, robot: _Robot, problems: list[Diagnostic]
-) -> Line:
+) -> ExpectationLine:
     if what in _KNOWN:
         known = tuple(robot.names.values()) if what == "expect nodes" else _KNOWN[what]
-        return Line(what, before, text, span, (), _counts(text, known, span, problems))
+        return ExpectationLine(what, before, text, span, (), _counts(text, known, span, problems))
     if what == "expect order":
-        return Line(what, before, text, span)
+        return ExpectationLine(what, before, text, span)
     if what not in ("expect", "never", "only"):
         near = nearest(what.partition(" ")[2], _NUMBERED) or "nodes"
         message = f"`{what}` is not an expectation"
         problems.append(_wrong(message, span, f"did you mean `expect {near}`?"))
-        return Line(what, before, text, span)
+        return ExpectationLine(what, before, text, span)
     if what == "expect" and text == _NONE:
-        return Line(what, before, text, span)
+        return ExpectationLine(what, before, text, span)
     # A list of kinds has commas, and so have the lines after `at`.
     texts = re.split(r",[ \t]*", text) if what == "only" else [text]
     wanted = (_finding(each, span, robot, problems) for each in texts)
-    return Line(what, before, text, span, tuple(filter(None, wanted)))
+    return ExpectationLine(what, before, text, span, tuple(filter(None, wanted)))
 
 
 def _finding(
@@ -323,7 +323,9 @@ def _start(path: str) -> Span:
 # ---- What they do not get ------------------------------------------------------------------------
 
 
-def _unmet(line: Line, lines: Iterable[Line], robot: _Robot) -> Iterator[Failure]:
+def _unmet(
+    line: ExpectationLine, lines: Iterable[ExpectationLine], robot: _Robot
+) -> Iterator[Failure]:
     if line.text == _NONE and line.what == "expect":
         if robot.is_realised:
             yield _failure(line.span, _NONE, [f"nodes {_listed(robot.nodes)}"])
@@ -355,13 +357,15 @@ def _unmet(line: Line, lines: Iterable[Line], robot: _Robot) -> Iterator[Failure
             yield _failure(line.span, f"no {line.text} that no line expects", extra)
 
 
-def _order_of(line: Line, robot: _Robot) -> str | None:
+def _order_of(line: ExpectationLine, robot: _Robot) -> str | None:
     """Return the order of the controllers of the module that a line names."""
     module = line.text.partition(":")[0]
     return next((each for each in robot.orders if each.partition(":")[0] == module), None)
 
 
-def _miscounted(line: Line, counts: Mapping[str, int], robot: _Robot) -> Iterator[Failure]:
+def _miscounted(
+    line: ExpectationLine, counts: Mapping[str, int], robot: _Robot
+) -> Iterator[Failure]:
     there = robot.counted_of(line.what)
     if there is None:
         yield _failure(line.span, line.text, [_NONE])
@@ -396,7 +400,7 @@ def _failure(span: Span, expected: str, found: Iterable[object], near: object = 
 # ---- What they would get -------------------------------------------------------------------------
 
 
-def _updated(text: str, lines: Sequence[Line], robot: _Robot) -> str:
+def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
     """Return a text whose lines expect what was found; where it has none, it gets some.
 
     What must not be found stays as it is, and so does what is expected and not found at all.
@@ -423,7 +427,7 @@ def _counted(robot: _Robot) -> list[str]:
     return [*found, f"# expect cost: {costs}"]
 
 
-def _told_instead(line: Line, robot: _Robot) -> str | None:
+def _told_instead(line: ExpectationLine, robot: _Robot) -> str | None:
     """Return what a line is to expect, where it is to expect something else."""
     if line.counts is not None:
         there = robot.counted_of(line.what)

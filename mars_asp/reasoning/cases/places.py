@@ -13,22 +13,22 @@ FOLDERS = ("cases", "tests")
 _SUFFIXES = (".lp", SUFFIX)
 
 
-class Found(NamedTuple):
+class FoundCase(NamedTuple):
     """A file of cases, and the pack that it is of; `None` where it is of none."""
 
     path: Path
     pack: Path | None
 
 
-def cases_of(paths: Iterable[Path], rules: Sequence[Path] = ()) -> tuple[Found, ...]:
+def cases_of(paths: Iterable[Path], rules: Sequence[Path] = ()) -> tuple[FoundCase, ...]:
     """Return the files of cases that paths name, those of folders in the order of their names.
 
     `rules` are packs given besides, whose files are no cases.
     """
-    found: dict[Path, Found] = {}
+    found: dict[Path, FoundCase] = {}
     for path in paths:
         for each in _of_folder(path, rules) if path.is_dir() else (path,):
-            found.setdefault(each, Found(each, pack_of_case(each)))
+            found.setdefault(each, FoundCase(each, pack_of_case(each)))
     return tuple(found.values())
 
 

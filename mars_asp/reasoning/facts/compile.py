@@ -5,7 +5,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple, get_args
 
-from mars_asp.annotations.representations import Names, canonical_names
+from mars_asp.annotations.representations import RepresentationNames, canonical_names
 from mars_asp.asp.fragments import Fragment, stated
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span, point
@@ -61,7 +61,7 @@ class TellsAs(NamedTuple):
 
     ends: Ends
     rates: Rates
-    names: Names
+    names: RepresentationNames
 
 
 def configuration_facts(
@@ -80,12 +80,14 @@ def configuration_facts(
     return Compiler(configuration, modules or {}, wanted, told_as).compile()
 
 
-def representation_names(configuration: Configuration, modules: Mapping[str, Module]) -> Names:
+def representation_names(
+    configuration: Configuration, modules: Mapping[str, Module]
+) -> RepresentationNames:
     """Return the representations that rules are told of, in the form in which they are told."""
     return _names(described_modules(configuration, modules))
 
 
-def _names(described: Mapping[str, Module]) -> Names:
+def _names(described: Mapping[str, Module]) -> RepresentationNames:
     return canonical_names(sorted(set(representations(described.values()))))
 
 
@@ -173,7 +175,7 @@ class Compiler:
         }
 
     @cached_property
-    def names(self) -> Names:
+    def names(self) -> RepresentationNames:
         """Return the representations that rules are told of."""
         if self._told_as is not None:
             return self._told_as.names

@@ -24,7 +24,7 @@ class Output(NamedTuple):
     service: Service | None
 
 
-class Entry(NamedTuple):
+class InputEnd(NamedTuple):
     """An input: its module, its port, and where that is described."""
 
     module: str
@@ -40,7 +40,7 @@ class Ends:
     """
 
     outputs: Mapping[str, Output]
-    entries: Mapping[str, Entry]
+    entries: Mapping[str, InputEnd]
     #: By module and port, and by module alone, the name of an output.
     _sources: Mapping[tuple[str, str | None], str]
     _clients: Mapping[tuple[str, str | None], str]
@@ -112,13 +112,13 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
                 text = _free(taken, name, output.port)
                 sources[name, output.port] = text
                 every[text] = output
-    entries: dict[str, Entry] = {}
+    entries: dict[str, InputEnd] = {}
     clients: dict[tuple[str, str | None], str] = {}
     for name, ports in sorted(entered.items()):
         known = inputs(described[name]) if name in described else {}
         for port in dict.fromkeys((*known, *ports)):
             text = clients[name, port] = _free(taken, name, port)
-            entries[text] = Entry(name, port, known.get(port))
+            entries[text] = InputEnd(name, port, known.get(port))
     return Ends(every, entries, sources, clients, stated)
 
 

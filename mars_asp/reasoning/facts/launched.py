@@ -7,7 +7,7 @@ from itertools import chain, count
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import FOREVER
-from mars_asp.model.graph import Endpoint, GivenFile, LaunchTree, Mux, Node, Relay
+from mars_asp.model.graph import Endpoint, GivenFile, GraphNode, LaunchTree, Mux, Relay
 from mars_asp.model.ranges import MOST
 from mars_asp.output import encodable
 from mars_asp.spelling import nearest
@@ -55,7 +55,7 @@ def launch_facts(trees: Iterable[LaunchTree]) -> tuple[Fact, ...]:
     return (*found, *_similar_names([node for tree in trees for node in tree.nodes]))
 
 
-def _similar_names(nodes: Sequence[Node]) -> Iterator[Fact]:
+def _similar_names(nodes: Sequence[GraphNode]) -> Iterator[Fact]:
     """Yield topics without a publisher beside topics and nodes that are named like them.
 
     These are the topics without a subscriber and the nodes that are not wholly read.
@@ -162,7 +162,7 @@ class _TreeFacts:
         yield _fact_at(span, name, number, *arguments)
         yield _fact_at(span, "place", number, span.path, span.line, span.column)
 
-    def of_start(self, started: Node | Mux | Relay, package: str) -> tuple[int, list[Fact]]:
+    def of_start(self, started: GraphNode | Mux | Relay, package: str) -> tuple[int, list[Fact]]:
         """Return the number of a node, mux or relay, and its facts."""
         found = list(self.with_place(started.span, "launched", self.tree.path, started.name))
         number = found[0].atom.arguments[0]
@@ -178,7 +178,7 @@ class _TreeFacts:
             found += (_fact_at(each.span, "test_reads", each.variable, of) for of in each.reads)
         return number, found
 
-    def of_node(self, node: Node) -> Iterator[Fact]:
+    def of_node(self, node: GraphNode) -> Iterator[Fact]:
         """Yield the facts of a node."""
         number, facts = self.of_start(node, node.package)
         yield from facts

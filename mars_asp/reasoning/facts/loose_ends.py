@@ -32,7 +32,7 @@ _MANY = 16
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W_A-Za-z0-9]+")
 
 
-class Port(NamedTuple):
+class PortEnd(NamedTuple):
     """An output or input: its annotation, its place there, its module, name and representation."""
 
     annotation: int
@@ -44,14 +44,14 @@ class Port(NamedTuple):
 
 
 def nearest(
-    inputs: Iterable[Port], outputs: Iterable[Port], free: Set[Port]
-) -> Iterator[tuple[Port, Port, int]]:
+    inputs: Iterable[PortEnd], outputs: Iterable[PortEnd], free: Set[PortEnd]
+) -> Iterator[tuple[PortEnd, PortEnd, int]]:
     """Yield inputs with the free outputs of other modules that are most like them, and their rank.
 
     Of parts that are alike (`left/...`, `right/...`) each has outputs of its own, so an input is
     compared with no output of another part that its own part has as well.
     """
-    by_representation: dict[str, list[Port]] = {}
+    by_representation: dict[str, list[PortEnd]] = {}
     for output in outputs:
         if output.representation is not None:
             by_representation.setdefault(output.representation, []).append(output)
@@ -70,7 +70,7 @@ def nearest(
 class _Pool:
     """Outputs of one representation; arrays have an entry for each free output."""
 
-    def __init__(self, outputs: Sequence[Port], free: Set[Port]) -> None:
+    def __init__(self, outputs: Sequence[PortEnd], free: Set[PortEnd]) -> None:
         # Few configurations have loose ends of one type.
         import numpy as np  # noqa: PLC0415
 
@@ -89,7 +89,7 @@ class _Pool:
             self._spaces.nearness
         )
 
-    def nearest(self, entry: Port) -> Iterator[Port]:
+    def nearest(self, entry: PortEnd) -> Iterator[PortEnd]:
         """Yield the outputs nearest to an input; of equally near ones the first by name."""
         scores = self._likeness(entry.port) + self._nearness(_namespace(entry.module))
         scores[self._of_module.get(entry.module, [])] = float("-inf")
@@ -116,7 +116,7 @@ class _Pool:
 class _Namespaces:
     """Where modules with outputs are in nested namespaces."""
 
-    def __init__(self, outputs: Sequence[Port], free: Sequence[Port]) -> None:
+    def __init__(self, outputs: Sequence[PortEnd], free: Sequence[PortEnd]) -> None:
         import numpy as np  # noqa: PLC0415
 
         spaces = [_namespace(output.module) for output in free]

@@ -11,7 +11,7 @@ from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.facts.ends import Ends
 from mars_asp.reasoning.facts.identifiers import annotation_numbers
-from mars_asp.reasoning.facts.loose_ends import Port, nearest
+from mars_asp.reasoning.facts.loose_ends import PortEnd, nearest
 
 #: What describes modules, by their names.
 Described: TypeAlias = Mapping[str, Module]
@@ -123,13 +123,13 @@ def _places(configuration: Configuration) -> Mapping[str, Span]:
 
 def _ports(
     described: Described, of: _PortsOf, numbers: _Numbers, canonical: Mapping[str, str]
-) -> Iterator[Port]:
+) -> Iterator[PortEnd]:
     """Yield ports of described modules."""
     for name, module in described.items():
         for called, service, place, representation in of(module):
             number, span = numbers[name, id(module.services[service])]
             known = canonical.get(representation) if representation is not None else None
-            yield Port(number, place, span, name, called, known)
+            yield PortEnd(number, place, span, name, called, known)
 
 
 def _outputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:

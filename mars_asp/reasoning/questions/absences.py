@@ -29,7 +29,7 @@ from mars_asp.reasoning.questions.why_not import (
     unrealised_answer,
 )
 from mars_asp.reasoning.session import Evidence, Reasoner
-from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 #: Of larger robots there would be more answers than anybody reads, and pages too large to open.
@@ -127,7 +127,7 @@ def _nodes(
 ) -> Iterator[tuple[tuple[str, str], Absence]]:
     """Yield the nodes at modules, or that resolve what is theirs, by kind and module."""
     specification = synthesis.specification
-    resolving: dict[tuple[str, str], Node] = {}
+    resolving: dict[tuple[str, str], IntroducedNode] = {}
     for node in specification.nodes:
         for topic in specification.resolves[node.name]:
             resolving.setdefault((node.kind, topic), node)

@@ -30,7 +30,7 @@ from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.reasoning.project import Project, has_mounts, identified
 from mars_asp.reasoning.questions.sharing import APART, apart
 from mars_asp.reasoning.session import Evidence
-from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.derived import decided_by
 
 #: The stage whose rules tell accounts.
@@ -75,7 +75,7 @@ class Account:
 
 
 @dataclass(frozen=True)
-class Names:
+class TermNames:
     """What terms in sentences stand for: the places of things, and the names of nodes.
 
     Things are relationships and annotations by their numbers, modules by their names, attributes by
@@ -171,15 +171,15 @@ class Names:
 
 
 #: How terms of one argument are written, by their names.
-_WORDS: Mapping[str, Callable[[Names, clingo.Symbol], str]] = {
-    "at": Names._at,
-    "node": Names._node,
-    "hz": Names._hz,
+_WORDS: Mapping[str, Callable[[TermNames, clingo.Symbol], str]] = {
+    "at": TermNames._at,
+    "node": TermNames._node,
+    "hz": TermNames._hz,
     "sends": lambda names, rate: f"delivers at {names.word(rate)}",
     "offers": lambda names, mode: f"offers {names.word(mode)}",
     "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
     "on_lines": lambda _, count: f" on {count.number} lines" if count.number else "",
-    "splitters_for": Names._splitters_for,
+    "splitters_for": TermNames._splitters_for,
     "itself": lambda names, module: f"`{names.word(module)}`",
     "inherits": lambda names, module: f"what `{names.word(module)}` inherits",
 }
@@ -249,7 +249,7 @@ def told(
     rules: Sequence[Rule],
     deciding: Sequence[Rule],
     atoms_of: Atoms,
-    names: Names,
+    names: TermNames,
     wanted: Set[Key],
 ) -> Explanations:
     """Return what rules tell of the things that are `wanted`.
@@ -296,7 +296,7 @@ def _inserts(each: RenderedMessage) -> bool:
     return INSERTED in each.rule.heads
 
 
-def _account(parts: Mapping[str, Sequence[RenderedMessage]], names: Names) -> Account:
+def _account(parts: Mapping[str, Sequence[RenderedMessage]], names: TermNames) -> Account:
     answers, notes = _in_order(parts.get("answer", ()), names), parts.get("notes", ())
     return Account(
         _sentence(answers[0], names) if answers else None,
@@ -306,7 +306,7 @@ def _account(parts: Mapping[str, Sequence[RenderedMessage]], names: Names) -> Ac
     )
 
 
-def _cited(cites: Sequence[RenderedMessage], names: Names) -> Iterator[Cited]:
+def _cited(cites: Sequence[RenderedMessage], names: TermNames) -> Iterator[Cited]:
     """Yield the lines in their order, each once, with all that is said beside it."""
     # Two things may be on one line.
     lines: dict[tuple[str, int], tuple[_Order, Span]] = {}
@@ -321,11 +321,11 @@ def _cited(cites: Sequence[RenderedMessage], names: Names) -> Iterator[Cited]:
         yield Cited(span, names.where(span), "; ".join(labels.get(line, ())))
 
 
-def _sentence(each: RenderedMessage, names: Names) -> str:
+def _sentence(each: RenderedMessage, names: TermNames) -> str:
     return each.filled(each.rule.because, names.written) or ""
 
 
-def _in_order(told: Sequence[RenderedMessage], names: Names) -> Sequence[RenderedMessage]:
+def _in_order(told: Sequence[RenderedMessage], names: TermNames) -> Sequence[RenderedMessage]:
     """Return what is told by its order, then by rules, then by values."""
     if len(told) < 2:
         return told
@@ -338,23 +338,23 @@ def _are_few(told: Sequence[RenderedMessage]) -> bool:
     return len({each.number for each in told}) == len(told)
 
 
-def key_of(thing: Consequence | Node) -> Key:
+def key_of(thing: Consequence | IntroducedNode) -> Key:
     """Return by what an account is found of a consequence or node."""
-    if isinstance(thing, Node):
+    if isinstance(thing, IntroducedNode):
         return as_term(clingo.Function(thing.kind)), _term_of(thing), as_term(_NODE)
     kind, _, subject, case = arguments(as_term(thing.atom))
     return kind, subject, case
 
 
-def _term_of(node: Node) -> TermId:
+def _term_of(node: IntroducedNode) -> TermId:
     return as_term(clingo.parse_term(node.term))
 
 
 def told_of(
     project: Project,
     evidence: Evidence,
-    nodes: Iterable[Node],
-    things: Sequence[Consequence | Node],
+    nodes: Iterable[IntroducedNode],
+    things: Sequence[Consequence | IntroducedNode],
 ) -> list[tuple[Account, str | None]]:
     """Return the accounts of consequences and nodes in their order, and the rule that gives each.
 
@@ -377,7 +377,7 @@ def told_of(
 
     # Of one node alone, for it takes a search of its own.
     price = None
-    if len(things) == 1 and isinstance(things[0], Node):
+    if len(things) == 1 and isinstance(things[0], IntroducedNode):
         price = apart(project, evidence, things[0], atoms_of)
     given: dict[Signature, Sequence[TermId]] = {} if price is None else {APART: (price,)}
     if OTHERWISE in reads(rules):
@@ -406,13 +406,13 @@ def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence
 
 
 def _told(
-    thing: Consequence | Node,
+    thing: Consequence | IntroducedNode,
     key: Key,
     found: Explanations,
-    names: Names,
+    names: TermNames,
 ) -> tuple[Account, str | None]:
     account = found.accounts.get(key, Account(None, (), ()))
-    if isinstance(thing, Node):
+    if isinstance(thing, IntroducedNode):
         because = found.sentences.get(key[1])
         if because is not None:
             answer = account.answer or ""
@@ -472,7 +472,7 @@ def true_atoms(
     return found
 
 
-def names_of(project: Project, nodes: Iterable[Node]) -> Names:
+def names_of(project: Project, nodes: Iterable[IntroducedNode]) -> TermNames:
     """Return what terms in sentences about a project and its nodes stand for."""
     configuration = project.configuration
     described = described_modules(configuration, project.modules)
@@ -493,4 +493,6 @@ def names_of(project: Project, nodes: Iterable[Node]) -> Names:
     }
     order = {name.text: place for place, name in enumerate(configuration.modules)}
     rates = rates_in(configuration, described)
-    return Names(places, configuration.span, {node.term: node.name for node in nodes}, order, rates)
+    return TermNames(
+        places, configuration.span, {node.term: node.name for node in nodes}, order, rates
+    )

@@ -16,18 +16,18 @@ from typing import NamedTuple, TypeAlias
 import clingo
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.solve.grounding import Answer, Part
+from mars_asp.asp.solve.grounding import ChosenAnswer, Part
 from mars_asp.asp.solve.optimum import COST_LEVEL, Optimum, disjoint_needs, others
 from mars_asp.asp.solve.optimum import Core as AtomNeed
 from mars_asp.language.print import print_configuration
 from mars_asp.model.declarations import Control, Data
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.needs import Reason, reasons
+from mars_asp.reasoning.questions.needs import NodeReason, reasons
 from mars_asp.reasoning.questions.subject import no_node
 from mars_asp.reasoning.rules import COSTS, NODES
 from mars_asp.reasoning.session import Evidence, Reasoner
-from mars_asp.reasoning.synthesis import Derived, Specification, specify
+from mars_asp.reasoning.synthesis import Specification, SpecifiedAtoms, specify
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 #: The levels that are a cost, highest first.
@@ -61,7 +61,7 @@ class CertificateEntry:
 
     nodes: tuple[str, ...]
     names: tuple[str, ...]
-    reasons: tuple[Reason, ...] = ()
+    reasons: tuple[NodeReason, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +116,11 @@ def alternatives(
     evidence, synthesis = reasoner.evidence(resolved=True), reasoner.synthesis
     if synthesis is None:
         return None
-    search = _Search(reasoner.project, evidence, synthesis, reasoner.rulebook, deadline)
+    search = _AlternativesSearch(reasoner.project, evidence, synthesis, reasoner.rulebook, deadline)
     return search.run(subject, most, shown)
 
 
-class _Choice(NamedTuple):
+class _OpenChoice(NamedTuple):
     """Another answer of one component, and what it costs more at each of `_LEVELS`."""
 
     extra: tuple[int, ...]
@@ -129,7 +129,7 @@ class _Choice(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Search:
+class _AlternativesSearch:
     project: Project
     evidence: Evidence
     synthesis: Synthesis
@@ -219,31 +219,31 @@ class _Search:
         found = self._reasons(applying[:MOST_CONVERSIONS])
         return tuple(reason.cost for reason in found.values() if reason.cost is not None)
 
-    def _reasons(self, asked: Sequence[str]) -> Mapping[str, Reason]:
+    def _reasons(self, asked: Sequence[str]) -> Mapping[str, NodeReason]:
         if not asked:
             return {}
         nodes = self.synthesis.specification.nodes
         found = reasons(self.project, self.evidence, nodes, asked)
         return {node: found[node] for node in asked if node in found}
 
-    def _choices(self, part: Part, most: int) -> list[_Choice]:
+    def _choices(self, part: Part, most: int) -> list[_OpenChoice]:
         """Return other answers of a component in the order of what they cost more."""
         return [
-            _Choice(
+            _OpenChoice(
                 tuple(other.cost.get(level, 0) - cost for level, cost in _costs(part)), part, other
             )
             for other in others(part.component, part.best, most, self.deadline)
         ]
 
     def _told(
-        self, extra: tuple[int, ...], chosen: Sequence[_Choice], own: Sequence[str]
+        self, extra: tuple[int, ...], chosen: Sequence[_OpenChoice], own: Sequence[str]
     ) -> Alternative:
         kept = set(self.synthesis.resolution.answer.decided)
         for choice in chosen:
             kept.difference_update(choice.part.decided(choice.part.best))
         changed = [atom for choice in chosen for atom in choice.part.decided(choice.other)]
-        answer = Answer(self.analysis.grounding, (*kept, *changed))
-        derived = Derived(self.rulebook, answer)
+        answer = ChosenAnswer(self.analysis.grounding, (*kept, *changed))
+        derived = SpecifiedAtoms(self.rulebook, answer)
         specification = specify(self.project, derived)
         changes = list(difflib.ndiff(own, _lines(specification)))
         return Alternative(
@@ -265,8 +265,8 @@ class _Search:
 
 
 def _combined(
-    parts: Sequence[Sequence[_Choice]],
-) -> Iterator[tuple[tuple[int, ...], tuple[_Choice, ...]]]:
+    parts: Sequence[Sequence[_OpenChoice]],
+) -> Iterator[tuple[tuple[int, ...], tuple[_OpenChoice, ...]]]:
     """Yield what choices cost together and the choices, one at most of each part, cheapest first.
 
     Each part's choices are in the order of their cost. A combination is found from one other alone:

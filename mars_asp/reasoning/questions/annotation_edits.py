@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from mars_asp.annotations.arguments import FUNCTIONS, parts
-from mars_asp.annotations.declarations import Declaration
+from mars_asp.annotations.declarations import SourceDeclaration
 from mars_asp.annotations.directives import OVERRIDES, Directive, directives
 from mars_asp.annotations.following import following
 from mars_asp.annotations.overrides import Overrides
@@ -109,7 +109,7 @@ class Annotations:
             return
         name, end = inside[0], inside[-1]
         behind = following(self._source, max(d.until for d in inside[:-1]), end.offset)
-        if isinstance(behind.found, Declaration):
+        if isinstance(behind.found, SourceDeclaration):
             declared = read_signature(behind.found, Overrides(), delivers=True).output
             lines += _output(word, declared, output)
             line, column = self._source.position(behind.place(behind.found.offset))

@@ -48,7 +48,7 @@ def at_module(kind: str, name: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
     return (clingo.Function("inserted_at", [clingo.Function(kind), name, hole()]),)
 
 
-class Question(NamedTuple):
+class AbsenceQuestion(NamedTuple):
     """What is asked: a kind of consequence or node of a module or any, or an atom."""
 
     shown: str
@@ -126,7 +126,7 @@ class Vocabulary:
             and subject not in self._modules
         )
 
-    def question(self, subject: str) -> Question:
+    def question(self, subject: str) -> AbsenceQuestion:
         """Return what a subject asks for."""
         call = _CALL.fullmatch(subject)
         if call is not None:
@@ -136,15 +136,15 @@ class Vocabulary:
             )
             if node is not None and subject not in self._modules:
                 about, title = self._about(name, self._nodes[node])
-                return Question(title, at_module(node, about), node, _module(about))
+                return AbsenceQuestion(title, at_module(node, about), node, _module(about))
             if call[1] in self._kinds or self._is_kind(call[1]):
                 about, title = self._about(name, call[1])
                 kind_term = clingo.Function(call[1])
                 pattern = clingo.Function("consequence", [kind_term, hole(), about, hole()])
-                return Question(title, (pattern,), call[1], _module(about))
+                return AbsenceQuestion(title, (pattern,), call[1], _module(about))
             if not self._is_predicate(call[1]):
                 raise self._unknown_predicate(call[1])
-        return Question(subject, (self._atom(subject),))
+        return AbsenceQuestion(subject, (self._atom(subject),))
 
     def _about(self, name: str | None, word: str) -> tuple[clingo.Symbol, str]:
         """Return the term of a name, or of any, and how what is asked is called."""

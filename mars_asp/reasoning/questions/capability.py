@@ -52,7 +52,7 @@ class Demand:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class CapabilityVerdict:
     """Whether a demand can be met, and why or why not: in words, and step by step."""
 
     demand: Demand
@@ -75,11 +75,11 @@ class Verdict:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class CapabilityAnswer:
     """The verdict on each demand of a query, in its order."""
 
     query: str
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[CapabilityVerdict, ...]
 
     @property
     def able(self) -> bool:
@@ -87,7 +87,7 @@ class Answer:
         return all(verdict.able for verdict in self.verdicts)
 
 
-def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
+def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAnswer:
     """Whether a robot can do what a query asks, all at one time.
 
     A query is `FUNCTION of MODULE`, more of them joined by `while`; `rulebook` holds the stages
@@ -115,10 +115,10 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
     evidence = Evidence(rulebook, facts, analysis, resolution)
     accounts = _accounts(project, evidence, len(demands))
     traces = evidence.explainer.why(found)
-    return Answer(
+    return CapabilityAnswer(
         query,
         tuple(
-            Verdict(
+            CapabilityVerdict(
                 demand,
                 any(s.name == "able" and s.arguments[0].number == number for s in found),
                 accounts[number - 1],

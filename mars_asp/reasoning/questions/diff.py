@@ -32,7 +32,7 @@ from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.reasoning.verification import mount_tuples
 
@@ -92,7 +92,7 @@ class Difference:
     added: tuple[Span, ...]
     removed: tuple[Span, ...]
     consequences: tuple[Change[Consequence], ...]
-    nodes: tuple[Change[Node], ...]
+    nodes: tuple[Change[IntroducedNode], ...]
     old: Synthesis | None
     new: Synthesis | None
     #: The sentences that no specification realises one of them, or each.
@@ -140,7 +140,7 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
 
 
 @dataclass(frozen=True, slots=True)
-class _Entry(Generic[Item]):
+class _DiffEntry(Generic[Item]):
     """An item; equal values are the same, equal keys may be the same one changed."""
 
     key: tuple[str, ...]
@@ -186,17 +186,17 @@ class _Side:
         """Return where changed lines differ from those of the other side."""
         return {self.shown[span] for span in spans if span in self.shown}
 
-    def consequences(self) -> Iterator[_Entry[Consequence]]:
+    def consequences(self) -> Iterator[_DiffEntry[Consequence]]:
         for c in self.analysis.consequences:
             key = (c.kind, c.subject, c.severity)
-            yield _Entry(key, (*key, c.message, *c.participants), c.atom, c)
+            yield _DiffEntry(key, (*key, c.message, *c.participants), c.atom, c)
 
-    def nodes(self) -> Iterator[_Entry[Node]]:
+    def nodes(self) -> Iterator[_DiffEntry[IntroducedNode]]:
         if self.synthesis is not None:
             resolves = self.synthesis.specification.resolves
             for node in self.synthesis.specification.nodes:
                 key = (node.kind, *resolves[node.name][:1])
-                yield _Entry(key, (node.term,), clingo.parse_term(node.term), node)
+                yield _DiffEntry(key, (node.term,), clingo.parse_term(node.term), node)
 
     def holds(self, symbol: clingo.Symbol) -> bool:
         atom = self.analysis.grounding.control.symbolic_atoms[symbol]
@@ -293,7 +293,7 @@ def _lines(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
 
 
 def _changes(
-    before: _Side, after: _Side, old: Iterable[_Entry[Item]], new: Iterable[_Entry[Item]]
+    before: _Side, after: _Side, old: Iterable[_DiffEntry[Item]], new: Iterable[_DiffEntry[Item]]
 ) -> Iterator[Change[Item]]:
     """Leave out what is the same, pair the rest by its keys, and find what caused each."""
     old, new = tuple(old), tuple(new)
@@ -347,11 +347,11 @@ def _with_lines(
 
 
 def _others(
-    entries: Iterable[_Entry[Item]], known: Iterable[_Entry[Item]]
-) -> dict[tuple[str, ...], list[_Entry[Item]]]:
+    entries: Iterable[_DiffEntry[Item]], known: Iterable[_DiffEntry[Item]]
+) -> dict[tuple[str, ...], list[_DiffEntry[Item]]]:
     """Return by their keys the entries that are not among those known, repetitions counted."""
     left = Counter(entry.value for entry in known)
-    found: dict[tuple[str, ...], list[_Entry[Item]]] = {}
+    found: dict[tuple[str, ...], list[_DiffEntry[Item]]] = {}
     for entry in entries:
         if left[entry.value] > 0:
             left[entry.value] -= 1

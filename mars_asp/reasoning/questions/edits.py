@@ -88,7 +88,7 @@ class MarsFile:
         return Draft(self.path, self.text)
 
 
-class Texts:
+class EditedTexts:
     """The texts of a project before any edit, read once for however many edits are tried."""
 
     def __init__(self, project: Project) -> None:
@@ -180,7 +180,7 @@ class Texts:
 
 
 def apply_edits(
-    texts: Texts, edits: Iterable[Symbol]
+    texts: EditedTexts, edits: Iterable[Symbol]
 ) -> tuple[tuple[LineEdit, ...], dict[str, str]]:
     """Return the lines that change, file by file, and the texts that come out, by path.
 
@@ -271,7 +271,7 @@ class _Drafts:
     relationships of its line.
     """
 
-    def __init__(self, texts: Texts) -> None:
+    def __init__(self, texts: EditedTexts) -> None:
         self.texts = texts
         self._drafts: dict[str, Draft] = {}
         self._lists: dict[tuple[str, Token], ListEdit] = {}

@@ -34,7 +34,7 @@ from mars_asp.reasoning.questions.subject import (
 )
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.session import Evidence, Reasoner
-from mars_asp.reasoning.synthesis import Node, Specification
+from mars_asp.reasoning.synthesis import IntroducedNode, Specification
 from mars_asp.reasoning.synthesis.synthesise import (
     Synthesis,
     is_resolved,
@@ -89,7 +89,7 @@ class Explanation:
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
+class _NamedThing:
     """What a subject names: a consequence, a node, or an atom of another kind.
 
     Of a node of which no trace is asked for nobody needs the `atom`.
@@ -97,7 +97,7 @@ class _Asked:
 
     title: str
     atom: clingo.Symbol | None
-    of: Consequence | Node | None = None
+    of: Consequence | IntroducedNode | None = None
     resolves: tuple[str, ...] = ()
 
 
@@ -160,7 +160,7 @@ def _asked(
     only: Sort | None,
     chosen: Sequence[Consequence],
     traced: bool,
-) -> list[_Asked]:
+) -> list[_NamedThing]:
     """Return the things that a subject names: consequences, nodes, or an atom.
 
     Consequences are those `chosen`, nodes those of the `synthesis`.
@@ -169,12 +169,12 @@ def _asked(
         MarsError: it names nothing.
     """
     specification = None if synthesis is None else synthesis.specification
-    asked: list[_Asked] = []
+    asked: list[_NamedThing] = []
     if only != "nodes":
-        asked += [_Asked(f"{c.kind}({c.subject})", c.atom, c) for c in chosen]
+        asked += [_NamedThing(f"{c.kind}({c.subject})", c.atom, c) for c in chosen]
     if only != "consequences" and specification is not None:
         asked += [
-            _Asked(
+            _NamedThing(
                 _node_title(node, specification),
                 _node_atom(node, evidence, synthesis) if traced else None,
                 node,
@@ -185,15 +185,15 @@ def _asked(
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis, evidence.analysis)
-        asked = [_Asked(*_asked_atom(subject, project, evidence, synthesis))]
+        asked = [_NamedThing(*_asked_atom(subject, project, evidence, synthesis))]
     return asked
 
 
 def _topics(
     project: Project,
     evidence: Evidence,
-    nodes: Sequence[Node],
-    asked: Sequence[_Asked],
+    nodes: Sequence[IntroducedNode],
+    asked: Sequence[_NamedThing],
     every: bool,
     traced: bool,
 ) -> tuple[Topic, ...]:
@@ -210,12 +210,14 @@ def _topics(
     return tuple(_topic(each, accounts, _trace_of(each, traces)) for each in asked)
 
 
-def _trace_of(asked: _Asked, traces: Mapping[clingo.Symbol, Trace]) -> Trace:
+def _trace_of(asked: _NamedThing, traces: Mapping[clingo.Symbol, Trace]) -> Trace:
     found = None if not traces or asked.atom is None else traces.get(asked.atom)
     return found or Unexplained(asked.title, "no trace was asked for")
 
 
-def _topic(asked: _Asked, accounts: Iterator[tuple[Account, str | None]], trace: Trace) -> Topic:
+def _topic(
+    asked: _NamedThing, accounts: Iterator[tuple[Account, str | None]], trace: Trace
+) -> Topic:
     match asked.of:
         case Consequence() as found:
             account, rule = next(accounts)
@@ -223,7 +225,7 @@ def _topic(asked: _Asked, accounts: Iterator[tuple[Account, str | None]], trace:
             return Topic(
                 asked.title, name, "consequence", severity, rule, (), account, trace, found.atom
             )
-        case Node() as node:
+        case IntroducedNode() as node:
             account, rule = next(accounts)
             return Topic(asked.title, node.name, "node", None, rule, asked.resolves, account, trace)
         case None:
@@ -302,7 +304,7 @@ def _consequences(
 
 def _nodes(
     specification: Specification, subject: str | None, chosen: Sequence[Consequence]
-) -> tuple[Node, ...]:
+) -> tuple[IntroducedNode, ...]:
     if subject is None:
         return specification.nodes
     named = tuple(
@@ -314,11 +316,13 @@ def _nodes(
     return tuple(n for n in specification.nodes if reasons & set(specification.resolves[n.name]))
 
 
-def _converter_of(node: Node) -> str | None:
+def _converter_of(node: IntroducedNode) -> str | None:
     return None if node.conversion is None else node.conversion.converter
 
 
-def _node_atom(node: Node, evidence: Evidence, synthesis: Synthesis | None) -> clingo.Symbol:
+def _node_atom(
+    node: IntroducedNode, evidence: Evidence, synthesis: Synthesis | None
+) -> clingo.Symbol:
     """Return what decides that there is a node: the atom by which it is called, if it is one."""
     term, grounding = clingo.parse_term(node.term), evidence.analysis.grounding
     if synthesis is None or grounding.control.symbolic_atoms[term] is not None:
@@ -327,7 +331,7 @@ def _node_atom(node: Node, evidence: Evidence, synthesis: Synthesis | None) -> c
     return clingo.Function("spec_node", [term, clingo.Function(node.kind)])
 
 
-def _node_title(node: Node, specification: Specification) -> str:
+def _node_title(node: IntroducedNode, specification: Specification) -> str:
     resolves = specification.resolves[node.name]
     return f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
 

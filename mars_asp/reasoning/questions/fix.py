@@ -9,8 +9,8 @@ from mars_asp.language.text_edits import LineEdit
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.project import Project, project_facts, revised
 from mars_asp.reasoning.questions.edits import (
+    EditedTexts,
     ImpossibleEditError,
-    Texts,
     UnknownEditError,
     apply_edits,
 )
@@ -25,7 +25,7 @@ from mars_asp.reasoning.questions.repair import (
 
 
 @dataclass(frozen=True, slots=True)
-class Fix:
+class AppliedFix:
     """Repairs that were applied together, and what they made of a project.
 
     `lines` are those of the files as they were, `texts` the files as they are then, by their paths.
@@ -70,7 +70,7 @@ def _line_of(repair: Repair) -> tuple[str, tuple[Span, ...]]:
     return repair.consequence.kind, repair.consequence.spans
 
 
-def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Fix | None:
+def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> AppliedFix | None:
     """Apply repairs, each of which has one mend; return what was applied, if anything could be.
 
     The result was parsed and analysed again. Where repairs do not go together, those that come
@@ -79,7 +79,7 @@ def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Fix | N
     Raises:
         MarsError: rules that clingo refuses.
     """
-    texts = Texts(project)
+    texts = EditedTexts(project)
     before = analyse(project_facts(project), rulebook, project.configuration.span)
     whole = _applied(texts, before, rulebook, sole)
     if whole is not None:
@@ -95,8 +95,8 @@ def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Fix | N
 
 
 def _applied(
-    texts: Texts, before: Analysis, rulebook: Rulebook, chosen: Sequence[Repair]
-) -> Fix | None:
+    texts: EditedTexts, before: Analysis, rulebook: Rulebook, chosen: Sequence[Repair]
+) -> AppliedFix | None:
     """Write, read and analyse; return nothing where a finding stays, or one comes unannounced."""
     edits = [edit for repair in chosen for edit in repair.mends[0].edits]
     terms = list(dict.fromkeys(part for edit in edits for part in edit.parts))
@@ -122,4 +122,4 @@ def _applied(
         or any(remark.message not in announced for remark in remarks)
     ):
         return None
-    return Fix(tuple(chosen), lines, changed, after)
+    return AppliedFix(tuple(chosen), lines, changed, after)

@@ -14,9 +14,9 @@ from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
 from mars_asp.diagnostic import Span
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.account import Names, names_of, reads, telling, true_atoms
+from mars_asp.reasoning.questions.account import TermNames, names_of, reads, telling, true_atoms
 from mars_asp.reasoning.session import Evidence
-from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis import IntroducedNode
 
 #: A node, a part of what is told of it, a clause or cost, an order and a thing.
 NEED = Signature("need", 5)
@@ -29,7 +29,7 @@ _MOST_NAMED, _MOST_STRETCHES = 2, 4
 
 
 @dataclass(frozen=True, slots=True)
-class Reason:
+class NodeReason:
     """What a node is, and why it is needed: the clause that would not hold, and lines.
 
     `why` is `None`, and there are no lines, where the specification does not have the node; `cost`
@@ -45,8 +45,8 @@ class Reason:
 
 
 def reasons(
-    project: Project, evidence: Evidence, nodes: Iterable[Node], asked: Iterable[str]
-) -> Mapping[str, Reason]:
+    project: Project, evidence: Evidence, nodes: Iterable[IntroducedNode], asked: Iterable[str]
+) -> Mapping[str, NodeReason]:
     """Return why nodes are needed, by the texts of their terms; nothing of what no rule tells.
 
     `nodes` are those of the specification, `asked` the terms of nodes that it has or may have.
@@ -68,7 +68,7 @@ def reasons(
     return {node: _reason(parts, names) for node, parts in found.items() if "what" in parts}
 
 
-def _reason(parts: Mapping[str, Sequence[RenderedMessage]], names: Names) -> Reason:
+def _reason(parts: Mapping[str, Sequence[RenderedMessage]], names: TermNames) -> NodeReason:
     lines: dict[Span, dict[str, None]] = {}
     ordered = sorted(parts.get("lines", ()), key=lambda each: _order(each, names))
     for each in ordered:
@@ -82,7 +82,7 @@ def _reason(parts: Mapping[str, Sequence[RenderedMessage]], names: Names) -> Rea
     first = min(whats, key=lambda each: each.number)
     why = min(whys, key=lambda each: each.number) if whys else None
     clause = as_symbol(arguments((first if why is None else why).head)[2]).number
-    return Reason(
+    return NodeReason(
         told(first),
         clause,
         None if why is None else told(why),
@@ -92,12 +92,12 @@ def _reason(parts: Mapping[str, Sequence[RenderedMessage]], names: Names) -> Rea
     )
 
 
-def _order(each: RenderedMessage, names: Names) -> tuple[object, ...]:
+def _order(each: RenderedMessage, names: TermNames) -> tuple[object, ...]:
     *_, order, thing = arguments(each.head)
     return names.order(order), names.place(thing), each.number
 
 
-def _written(term: TermId, names: Names, lines: Mapping[Span, Iterable[str]]) -> str:
+def _written(term: TermId, names: TermNames, lines: Mapping[Span, Iterable[str]]) -> str:
     """Return a term as a sentence shows it; members(W) are those on the lines."""
     symbol = as_symbol(term)
     if not symbol.match("members", 1):

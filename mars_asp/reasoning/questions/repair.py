@@ -25,8 +25,8 @@ from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, project_facts, revised
 from mars_asp.reasoning.questions.edits import (
+    EditedTexts,
     ImpossibleEditError,
-    Texts,
     UnknownEditError,
     apply_edits,
 )
@@ -51,7 +51,7 @@ _EDIT = Signature("edit", 5)
 
 
 @dataclass(frozen=True, slots=True)
-class Edit:
+class RepairEdit:
     """One edit that a rule proposes; `weight` is how much it changes, from 1.
 
     `parts` are the edits that it consists of, itself where it has no parts.
@@ -73,7 +73,7 @@ class Mend:
     `spent` is the cost of the least specification by level, `None` while errors are left.
     """
 
-    edits: tuple[Edit, ...]
+    edits: tuple[RepairEdit, ...]
     lines: tuple[LineEdit, ...]
     others: int
     warnings: tuple[Consequence, ...]
@@ -139,7 +139,7 @@ def repairs(
         return ()
     proposed = _proposals(analysis, rulebook)
     most = (MOST_FACTS if most_facts is None else most_facts) // (len(facts) + FACTS_OF_A_TRY)
-    search = _Search(project, rulebook, analysis.consequences, findings, deadline)
+    search = _EditSearch(project, rulebook, analysis.consequences, findings, deadline)
     return search.repairs(
         [proposed.get(_key_of(finding.atom), []) for finding in findings],
         max(LEAST_TRIED, most),
@@ -200,12 +200,12 @@ def _check_subject(subject: str, project: Project, rulebook: Rulebook) -> None:
 
 def _proposals(
     analysis: Analysis, rulebook: Rulebook
-) -> dict[tuple[clingo.Symbol, ...], list[Edit]]:
+) -> dict[tuple[clingo.Symbol, ...], list[RepairEdit]]:
     """Return the edits that the rules propose for each finding and do not withhold, least first."""
     speakers = [rule for rule in rulebook.rules if _EDIT in rule.heads]
     grounding = analysis.grounding
     grounding.derive([*rulebook.fragments("repair"), *saying(_STAGE, speakers)])
-    found: dict[tuple[clingo.Symbol, ...], dict[clingo.Symbol, Edit]] = {}
+    found: dict[tuple[clingo.Symbol, ...], dict[clingo.Symbol, RepairEdit]] = {}
     parts: dict[clingo.Symbol, list[clingo.Symbol]] = {}
     for symbol in sorted(grounding.symbols("part", 2)):
         whole, part = symbol.arguments
@@ -217,7 +217,7 @@ def _proposals(
         if term in spoiling:
             continue
         consists = tuple(parts.get(term, (term,)))
-        edit = Edit(term, consists, each.message or str(term), weight.number, each.rule)
+        edit = RepairEdit(term, consists, each.message or str(term), weight.number, each.rule)
         found.setdefault(tuple(key), {}).setdefault(term, edit)
     return {
         key: sorted(edits.values(), key=lambda edit: (edit.weight, edit.rule.span, edit.term))
@@ -246,7 +246,7 @@ class _Outcome:
     spent: Mapping[int, int] | None
 
 
-class _Search:
+class _EditSearch:
     """Tries sets of edits on one project, each once for all findings that it could mend."""
 
     def __init__(
@@ -258,7 +258,7 @@ class _Search:
         deadline: float | None,
     ) -> None:
         self._project = project
-        self._texts = Texts(project)
+        self._texts = EditedTexts(project)
         self._rulebook = rulebook
         self._deadline = deadline
         self._before = FindingCounts(before)
@@ -266,7 +266,7 @@ class _Search:
 
     def repairs(
         self,
-        proposed: Sequence[Sequence[Edit]],
+        proposed: Sequence[Sequence[RepairEdit]],
         most: int,
         longest: float,
         progress: Callable[[int, int], None] | None,
@@ -328,7 +328,7 @@ class _Search:
             for number, finding in enumerate(self._findings)
         )
 
-    def _try(self, edits: tuple[Edit, ...]) -> _Outcome | None:
+    def _try(self, edits: tuple[RepairEdit, ...]) -> _Outcome | None:
         """Write, read and solve; return nothing where no finding goes or an error comes."""
         terms = [part for edit in edits for part in edit.parts]
         try:
@@ -364,7 +364,7 @@ class _Search:
             return None
 
 
-def _mend(edits: tuple[Edit, ...], outcome: _Outcome) -> Mend:
+def _mend(edits: tuple[RepairEdit, ...], outcome: _Outcome) -> Mend:
     others = outcome.fewer - 1
     return Mend(
         edits,
@@ -378,13 +378,13 @@ def _mend(edits: tuple[Edit, ...], outcome: _Outcome) -> Mend:
 
 
 def _shared(
-    proposed: Mapping[int, Sequence[Edit]], size: int | None
-) -> list[dict[int, tuple[Edit, ...]]]:
+    proposed: Mapping[int, Sequence[RepairEdit]], size: int | None
+) -> list[dict[int, tuple[RepairEdit, ...]]]:
     """Return the sets of edits of a size, each with the findings that it is proposed for.
 
     Those of least weight for each finding come first, then those that stand first for one.
     """
-    found: dict[frozenset[clingo.Symbol], dict[int, tuple[Edit, ...]]] = {}
+    found: dict[frozenset[clingo.Symbol], dict[int, tuple[RepairEdit, ...]]] = {}
     rank: dict[frozenset[clingo.Symbol], int] = {}
     for number, edits in proposed.items():
         for place, chosen in enumerate(_by_weight(edits, size)):
@@ -400,7 +400,7 @@ def _shared(
     return [found[terms] for terms in sorted(found, key=order)]
 
 
-def _by_weight(edits: Sequence[Edit], size: int | None) -> Iterator[tuple[Edit, ...]]:
+def _by_weight(edits: Sequence[RepairEdit], size: int | None) -> Iterator[tuple[RepairEdit, ...]]:
     """Yield the sets of a size, those of least weight first; without a size, the heaviest edits."""
     if size is None:
         yield from ((edit,) for edit in edits if edit.weight > HEAVIEST)
@@ -481,7 +481,7 @@ def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> It
             yield remark
 
 
-def order_kept(before: Texts, after: Configuration, edits: Iterable[clingo.Symbol]) -> bool:
+def order_kept(before: EditedTexts, after: Configuration, edits: Iterable[clingo.Symbol]) -> bool:
     """Say whether controllers that ranked strictly above others of a module still do.
 
     A controller that is renamed keeps its rank; where an edit takes a priority away, that of all

@@ -21,7 +21,7 @@ from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import NODES
 from mars_asp.reasoning.session import Evidence
-from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis import IntroducedNode
 
 #: What is told of a node: how many there are, how many there would be apart, and which these are.
 APART = Signature("apart", 5)
@@ -44,7 +44,9 @@ class _Heard:
     stated: Mapping[Signature, Sequence[TermId]]
 
 
-def apart(project: Project, evidence: Evidence, node: Node, atoms_of: _Atoms) -> TermId | None:
+def apart(
+    project: Project, evidence: Evidence, node: IntroducedNode, atoms_of: _Atoms
+) -> TermId | None:
     """Return `apart(N, X, Y, K, L)` of a shared arbiter N; `None` where that is not told.
 
     Of what control connects with them there are X nodes, and Y where they share none: K arbiters
@@ -116,7 +118,9 @@ def _parted(sharing: Sequence[str], heard: _Heard) -> Sequence[TermId]:
     return tuple(stated.values())
 
 
-def _price(node: Node, project: Project, together: Resolution, alone: Resolution) -> clingo.Symbol:
+def _price(
+    node: IntroducedNode, project: Project, together: Resolution, alone: Resolution
+) -> clingo.Symbol:
     true = alone.answer.true_of([_ARBITER, _SPLITTER])
     copied = [as_symbol(arguments(atom)[0]) for atom in true[_SPLITTER]]
     names = {each.arguments[0].string for each in copied if each.match("base", 1)}

@@ -22,7 +22,7 @@ _WORD = re.compile(r"[^\W\d]\w*")
 _PLACE = re.compile(r"(.*):([1-9][0-9]{0,8})")
 
 
-class Stated(NamedTuple):
+class StatedRelationship(NamedTuple):
     """A relationship as a configuration states it, each end with its port where one is named."""
 
     keyword: str
@@ -46,7 +46,7 @@ def _argument(name: str) -> str:
     return name if _WORD.fullmatch(name) else quoted(name)
 
 
-def stated(subject: str, project: Project) -> Stated | None:
+def stated(subject: str, project: Project) -> StatedRelationship | None:
     """Return the relationship that a subject names in the words of a configuration, if it does.
 
     Raises:
@@ -54,7 +54,7 @@ def stated(subject: str, project: Project) -> Stated | None:
     """
     atom, words = _ATOM.fullmatch(subject), _STATED.fullmatch(subject)
     if atom is not None:
-        return Stated(atom[1], _end(atom[2]), _end(atom[3]))
+        return StatedRelationship(atom[1], _end(atom[2]), _end(atom[3]))
     if words is None or subject in {name.text for name in project.configuration.modules}:
         return None
     if words[2] not in _KEYWORDS:
@@ -63,7 +63,7 @@ def stated(subject: str, project: Project) -> Stated | None:
             return None
         message = f"`{words[2]}` is not a relationship"
         raise wrong_subject(project, message, f"did you mean `{near}`?")
-    return Stated(words[2], _end(words[1]), _end(words[3]))
+    return StatedRelationship(words[2], _end(words[1]), _end(words[3]))
 
 
 def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
@@ -106,18 +106,20 @@ def _end(text: str) -> str:
     return text if read is None else end(*read)
 
 
-def _said(line: Mount | Control | Data) -> Iterator[Stated]:
+def _said(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
     """Yield what states a relationship; ports may be left out."""
     match line:
         case Mount():
-            yield Stated("is_mounted_on", written(line.mounting), written(line.mounted))
+            yield StatedRelationship("is_mounted_on", written(line.mounting), written(line.mounted))
         case Control():
-            yield Stated("is_controlled_by", written(line.controlled), written(line.controller))
+            yield StatedRelationship(
+                "is_controlled_by", written(line.controlled), written(line.controller)
+            )
         case Data():
             for client in {None, line.client_port}:
                 for source in {None, line.source_port}:
                     left, right = end(line.client, client), end(line.source, source)
-                    yield Stated("uses_data_from", left, right)
+                    yield StatedRelationship("uses_data_from", left, right)
 
 
 def _places(project: Project) -> Iterator[Span]:

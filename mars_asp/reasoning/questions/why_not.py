@@ -24,7 +24,7 @@ from mars_asp.output import brief_repr, listing
 from mars_asp.reasoning.analysis import Analysis, read_consequences
 from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.project import Project, port_names
-from mars_asp.reasoning.questions.asked import RELATIONSHIPS, Question, Vocabulary, at_module
+from mars_asp.reasoning.questions.asked import RELATIONSHIPS, AbsenceQuestion, Vocabulary, at_module
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.connected import BY_TYPE, connected_part
 from mars_asp.reasoning.questions.near_miss import near_miss
@@ -127,7 +127,7 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     return replace(found, subject=plain(subject), answer=plain(found.answer))
 
 
-def _near(reasoner: Reasoner, question: Question) -> Reasoner:
+def _near(reasoner: Reasoner, question: AbsenceQuestion) -> Reasoner:
     """Return a reasoner about the part of the project that a question needs.
 
     Packs may bring together what no relationship does, and numbers are those of the whole.
@@ -144,7 +144,7 @@ def _near(reasoner: Reasoner, question: Question) -> Reasoner:
     return Reasoner(part, reasoner.rulebook, reasoner.budget)
 
 
-def _answer(reasoner: Reasoner, question: Question, depth: int) -> WhyNot:
+def _answer(reasoner: Reasoner, question: AbsenceQuestion, depth: int) -> WhyNot:
     pattern = question.patterns[0]
     choosable = is_resolved(reasoner.rulebook, signature_of(pattern))
     evidence = reasoner.evidence(resolved=choosable)
@@ -184,7 +184,9 @@ def _answer(reasoner: Reasoner, question: Question, depth: int) -> WhyNot:
     )
 
 
-def _excluded(question: Question, against: NoSpecificationError, evidence: Evidence) -> WhyNot:
+def _excluded(
+    question: AbsenceQuestion, against: NoSpecificationError, evidence: Evidence
+) -> WhyNot:
     """Return that constraints of rule packs keep every specification from having it."""
     first = against.diagnostics[0]
     return WhyNot(
@@ -209,7 +211,7 @@ def _sentences(found: Blame) -> str | None:
 
 
 def _held(
-    question: Question, evidence: Evidence, synthesis: Synthesis | None
+    question: AbsenceQuestion, evidence: Evidence, synthesis: Synthesis | None
 ) -> clingo.Symbol | None:
     """Return a true atom that a question asks for."""
     grounding = evidence.analysis.grounding
@@ -231,7 +233,7 @@ def _held(
 
 
 def _present(
-    question: Question, held: clingo.Symbol, evidence: Evidence, synthesis: Synthesis | None
+    question: AbsenceQuestion, held: clingo.Symbol, evidence: Evidence, synthesis: Synthesis | None
 ) -> WhyNot:
     """Return that it holds, and where to see why."""
     spans: tuple[Span, ...] = ()
@@ -284,7 +286,7 @@ def holds(shown: str, message: str = "") -> str:
     return f"{shown} holds{f': {message}' if message else ''}."
 
 
-def _is_meant(term: str, held: clingo.Symbol, question: Question) -> bool:
+def _is_meant(term: str, held: clingo.Symbol, question: AbsenceQuestion) -> bool:
     """Whether a node is the one that was found, or another that a module asks for."""
     if term == node_term(held, question.kind):
         return True
@@ -327,7 +329,7 @@ def unrealised_answer(title: str, evidence: Evidence, whole: Analysis) -> WhyNot
     )
 
 
-def _blame(reasoner: Reasoner, question: Question, evidence: Evidence) -> Blame:
+def _blame(reasoner: Reasoner, question: AbsenceQuestion, evidence: Evidence) -> Blame:
     project, rulebook = reasoner.project, reasoner.rulebook
 
     def tried(revised: Project) -> bool:
@@ -400,7 +402,7 @@ def _meant(
     node = next((each for each in names if each == kind), None)
     consequence = clingo.Function("consequence", [clingo.Function(kind), hole(), about, hole()])
     patterns = (consequence,) if node is None else at_module(node, about)
-    question = Question("", patterns, kind, about.string)
+    question = AbsenceQuestion("", patterns, kind, about.string)
     synthesis = None if node is None or not reasoner.is_resolved else reasoner.synthesis
     if node is not None and synthesis is None:
         return None, None
@@ -409,7 +411,7 @@ def _meant(
     return kind, about.string
 
 
-def _goes_round(question: Question, analysis: Analysis) -> bool:
+def _goes_round(question: AbsenceQuestion, analysis: Analysis) -> bool:
     """Return whether a module is part of a circle, wherever that begins."""
     return (question.kind, question.module) in set(circles(analysis))
 
@@ -434,7 +436,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
     for node in specification.nodes:
         if node.name == name:
             term = clingo.parse_term(node.term)
-            return _present(Question(name, (term,), kind), term, evidence, synthesis)
+            return _present(AbsenceQuestion(name, (term,), kind), term, evidence, synthesis)
     same = [node.name for node in specification.nodes if node.kind == kind]
     found = blame(reasoner.project, reasoner.rulebook, kind, None, _never)
     because = "the minimal specification has none" if found is None else found.because

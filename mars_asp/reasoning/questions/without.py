@@ -23,7 +23,7 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.reasoning.questions.subject import no_node
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.verification import (
     Violation,
     judge_specification,
@@ -148,7 +148,7 @@ def _joined(given: Relationship, taken: Relationship) -> Relationship:
 class _Ways:
     """The ways through the nodes of a specification, of data and of commands apart."""
 
-    def __init__(self, specification: Configuration, nodes: Mapping[str, Node]) -> None:
+    def __init__(self, specification: Configuration, nodes: Mapping[str, IntroducedNode]) -> None:
         self._lines = specification.relationships
         self._nodes = nodes
         self._stand_in = {node.stands_for: node.name for node in nodes.values()}

@@ -1,13 +1,13 @@
 """Answer sets of the resolution rules turned into specifications."""
 
-from mars_asp.reasoning.synthesis.derived import Derived
-from mars_asp.reasoning.synthesis.draft import Draft, Node
+from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
+from mars_asp.reasoning.synthesis.draft import IntroducedNode, SpecificationDraft
 from mars_asp.reasoning.synthesis.specify import Specification, specify
 
 __all__ = [
-    "Derived",
-    "Draft",
-    "Node",
+    "IntroducedNode",
     "Specification",
+    "SpecificationDraft",
+    "SpecifiedAtoms",
     "specify",
 ]

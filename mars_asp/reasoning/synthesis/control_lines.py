@@ -11,13 +11,13 @@ from clingo import String
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term, text
 from mars_asp.model.declarations import Allocation, Control
 from mars_asp.reasoning.facts.identifiers import hold_of
-from mars_asp.reasoning.synthesis.derived import Derived
-from mars_asp.reasoning.synthesis.draft import Draft
+from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
+from mars_asp.reasoning.synthesis.draft import SpecificationDraft
 
 _ALLOCATIONS: Mapping[str, Allocation] = {each: each for each in get_args(Allocation)}
 
 
-class _Line(NamedTuple):
+class _ControlLine(NamedTuple):
     """One control line and its place in the file."""
 
     line: TermId
@@ -29,13 +29,15 @@ class _Line(NamedTuple):
 class ControlLines:
     """Writes the lines into each module once, with all that leads there."""
 
-    def __init__(self, draft: Draft, derived: Derived, places: Mapping[TermId, int]) -> None:
+    def __init__(
+        self, draft: SpecificationDraft, derived: SpecifiedAtoms, places: Mapping[TermId, int]
+    ) -> None:
         """Index the lines by their ends; `places` are those of lines in the file."""
         self._draft, self._derived = draft, derived
-        self._into: dict[TermId, list[_Line]] = {}
-        self._out_of: dict[TermId, list[_Line]] = {}
+        self._into: dict[TermId, list[_ControlLine]] = {}
+        self._out_of: dict[TermId, list[_ControlLine]] = {}
         for line, controlled, controller in derived.rows("spec_is_controlled_by", 3):
-            each = _Line(line, controlled, controller, places.get(line, -1))
+            each = _ControlLine(line, controlled, controller, places.get(line, -1))
             self._into.setdefault(controlled, []).append(each)
             self._out_of.setdefault(controller, []).append(each)
         self._priorities = derived.of_each("spec_priority")
@@ -82,7 +84,7 @@ class ControlLines:
             for each in behind:
                 stack += self._opened_by(each.controller)
 
-    def _opened_by(self, node: TermId) -> list[_Line]:
+    def _opened_by(self, node: TermId) -> list[_ControlLine]:
         """Return the lines into a node that hands on what it hears, last first, once."""
         if not self._hands_on(node) or node in self._opened:
             return []
@@ -109,12 +111,12 @@ class ControlLines:
         for line in sorted(self._out_of[node], key=self._by_receiver):
             self._write_line(line)
 
-    def _by_receiver(self, line: _Line) -> tuple[int, bool, bool, str]:
+    def _by_receiver(self, line: _ControlLine) -> tuple[int, bool, bool, str]:
         """Return the order of outputs: of those at one place, lines to modules come first."""
         hands_on, is_node = self._hands_on(line.controlled), line.controlled in self._derived.kinds
         return line.place, hands_on, is_node, "" if hands_on else text(line.controlled)
 
-    def _write_line(self, line: _Line) -> None:
+    def _write_line(self, line: _ControlLine) -> None:
         if line.line in self._written:
             return
         self._written.add(line.line)
@@ -144,5 +146,5 @@ class ControlLines:
         )
 
 
-def _by_place(line: _Line) -> int:
+def _by_place(line: _ControlLine) -> int:
     return line.place

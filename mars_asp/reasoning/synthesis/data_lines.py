@@ -13,11 +13,11 @@ from clingo import String
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term
 from mars_asp.model.declarations import Data, Mode
 from mars_asp.reasoning.facts.identifiers import mode_of
-from mars_asp.reasoning.synthesis.derived import Derived
-from mars_asp.reasoning.synthesis.draft import Draft
+from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
+from mars_asp.reasoning.synthesis.draft import SpecificationDraft
 
 
-class _Line(NamedTuple):
+class _DataLine(NamedTuple):
     """One data line."""
 
     line: TermId
@@ -28,12 +28,14 @@ class _Line(NamedTuple):
 class DataLines:
     """Writes the lines of each source once."""
 
-    def __init__(self, draft: Draft, derived: Derived, places: Mapping[TermId, int]) -> None:
+    def __init__(
+        self, draft: SpecificationDraft, derived: SpecifiedAtoms, places: Mapping[TermId, int]
+    ) -> None:
         """Index the lines by what feeds them; `places` are those of lines in the file."""
         self._draft, self._derived, self._places = draft, derived, places
-        self._out_of: dict[TermId, list[_Line]] = {}
+        self._out_of: dict[TermId, list[_DataLine]] = {}
         for line, client, feeder in derived.rows("spec_uses_data_from", 3):
-            self._out_of.setdefault(feeder, []).append(_Line(line, client, feeder))
+            self._out_of.setdefault(feeder, []).append(_DataLine(line, client, feeder))
         self._modes = derived.of_each("spec_required_mode")
         self._rates = derived.of_each("spec_required_rate")
         self._inputs = derived.of_each("spec_into")
@@ -59,7 +61,7 @@ class DataLines:
             if line.client in self._derived.kinds:
                 stack += self._outputs(line.client, place)
 
-    def _outputs(self, feeder: TermId, place: Mapping[TermId, int]) -> list[_Line]:
+    def _outputs(self, feeder: TermId, place: Mapping[TermId, int]) -> list[_DataLine]:
         """Return what a source or node feeds, last first."""
         return sorted(self._out_of.get(feeder, ()), key=lambda line: place[line.line], reverse=True)
 
@@ -78,7 +80,7 @@ class DataLines:
             place[line.line] = own
         return place
 
-    def _write_line(self, line: _Line) -> None:
+    def _write_line(self, line: _DataLine) -> None:
         draft = self._draft
         client = draft.name(line.client, self._derived)
         mode, hz = self._service(line.line)

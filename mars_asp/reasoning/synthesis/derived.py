@@ -5,7 +5,7 @@ from functools import cache, cached_property
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.solve.grounding import Answer, Grounding
+from mars_asp.asp.solve.grounding import ChosenAnswer, Grounding
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, text
 from mars_asp.reasoning.rules import FOLLOWING
 
@@ -14,10 +14,10 @@ STAGE = FOLLOWING["resolve"]
 _NODE = Signature("spec_node", 2)
 
 
-class Derived:
+class SpecifiedAtoms:
     """The atoms that the rules of `STAGE` derive of what holds in an answer."""
 
-    def __init__(self, rulebook: Rulebook, answer: Answer) -> None:
+    def __init__(self, rulebook: Rulebook, answer: ChosenAnswer) -> None:
         """Ground the rules over what they read: what follows from an answer needs no search.
 
         Raises:

@@ -16,11 +16,11 @@ from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
 from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.synthesis.derived import Derived
+from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class IntroducedNode:
     """An introduced module: its name, its kind and the term by which the rules know it.
 
     An InheritanceNode stands for a module, a DataTransformer does a conversion.
@@ -33,7 +33,7 @@ class Node:
     stands_for: str | None = None
 
 
-class Draft:
+class SpecificationDraft:
     """Collects nodes and lines in the order in which they are printed."""
 
     def __init__(self, project: Project) -> None:
@@ -58,12 +58,12 @@ class Draft:
         self.place_of: dict[int, int] = {}
         self.described = described.keys()
         #: The nodes in the order in which they were named.
-        self.nodes: dict[TermId, Node] = {}
+        self.nodes: dict[TermId, IntroducedNode] = {}
         declared = {module.name for module in configuration.declared}
         self._taken = {name.text for name in configuration.modules} | set(modules) | declared
         self._next: dict[str, int] = {}
 
-    def name(self, term: TermId, derived: Derived) -> str:
+    def name(self, term: TermId, derived: SpecifiedAtoms) -> str:
         """Return the name of a module or of a node, introducing this where it is new."""
         if term not in self.nodes:
             kind = derived.kinds.get(term)
@@ -72,10 +72,10 @@ class Draft:
             name = self._free_name(kind)
             conversion = self._conversion(term, name, derived)
             stands_for = derived.stands_for.get(term)
-            self.nodes[term] = Node(name, kind, text(term), conversion, stands_for)
+            self.nodes[term] = IntroducedNode(name, kind, text(term), conversion, stands_for)
         return self.nodes[term].name
 
-    def places(self, derived: Derived) -> dict[TermId, int]:
+    def places(self, derived: SpecifiedAtoms) -> dict[TermId, int]:
         """Return the place of each line that stands for relationships: that of the first."""
         found: dict[TermId, int] = {}
         for line, relationship in derived.rows("written_at", 2):
@@ -102,7 +102,7 @@ class Draft:
                 named[id(line)] = replace(line, client_port=f"input{number}")
         self.lines = [named.get(id(line), line) for line in self.lines]
 
-    def _conversion(self, node: TermId, name: str, derived: Derived) -> Conversion | None:
+    def _conversion(self, node: TermId, name: str, derived: SpecifiedAtoms) -> Conversion | None:
         """Return what a transformer does: in the words of its annotation, where it has one."""
         if node not in derived.converts:
             return None

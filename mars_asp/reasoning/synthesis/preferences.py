@@ -6,7 +6,7 @@ from mars_asp.asp.messages import heard, predicate_of, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.solve.grounding import Answer, Grounding
+from mars_asp.asp.solve.grounding import ChosenAnswer, Grounding
 from mars_asp.asp.solve.term_ids import arguments, as_symbol, atoms
 from mars_asp.reasoning.findings import PREFERENCE
 
@@ -22,7 +22,7 @@ class Preference(NamedTuple):
     rule: Rule
 
 
-def preferences(rulebook: Rulebook, answer: Answer) -> tuple[Preference, ...]:
+def preferences(rulebook: Rulebook, answer: ChosenAnswer) -> tuple[Preference, ...]:
     """Return the preferences that an answer does not meet, the highest level first.
 
     Raises:

@@ -21,8 +21,8 @@ from mars_asp.model.declarations import (
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.control_lines import ControlLines
 from mars_asp.reasoning.synthesis.data_lines import DataLines
-from mars_asp.reasoning.synthesis.derived import Derived
-from mars_asp.reasoning.synthesis.draft import Draft, Node
+from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
+from mars_asp.reasoning.synthesis.draft import IntroducedNode, SpecificationDraft
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
 
@@ -30,12 +30,14 @@ from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 class Specification:
     """A configuration's resolution: the printed text, the nodes and what each resolves, by name."""
 
-    nodes: tuple[Node, ...]
+    nodes: tuple[IntroducedNode, ...]
     resolves: Mapping[str, tuple[str, ...]]
     configuration: Configuration
 
 
-def _write(draft: Draft, derived: Derived, relationships: Iterable[Relationship]) -> None:
+def _write(
+    draft: SpecificationDraft, derived: SpecifiedAtoms, relationships: Iterable[Relationship]
+) -> None:
     """Write relationships and the nodes between them, as derived by `rules/specify`."""
     places = draft.places(derived)
     data, control = DataLines(draft, derived, places), ControlLines(draft, derived, places)
@@ -49,9 +51,9 @@ def _write(draft: Draft, derived: Derived, relationships: Iterable[Relationship]
                 draft.lines.append(relationship)
 
 
-def specify(project: Project, derived: Derived) -> Specification:
+def specify(project: Project, derived: SpecifiedAtoms) -> Specification:
     """Build the specification that the rules derived."""
-    configuration, draft = project.configuration, Draft(project)
+    configuration, draft = project.configuration, SpecificationDraft(project)
     _write(draft, derived, configuration.relationships)
     draft.name_positions()
     nodes = tuple(draft.nodes.values())
@@ -77,7 +79,7 @@ def specify(project: Project, derived: Derived) -> Specification:
 
 
 def _at_arbiters(
-    muxes: Iterable[Muxed], lines: Iterable[Relationship], nodes: Iterable[Node]
+    muxes: Iterable[Muxed], lines: Iterable[Relationship], nodes: Iterable[IntroducedNode]
 ) -> Iterator[Muxed]:
     """Yield muxes, each with the new arbiter of its inputs as its module, if there is one."""
     new = {node.name for node in nodes if node.kind == "arbitration_node"}
@@ -92,7 +94,7 @@ def _at_arbiters(
 
 
 def _stand_ins(
-    nodes: Iterable[Node], printed: Configuration, modules: Mapping[str, Module]
+    nodes: Iterable[IntroducedNode], printed: Configuration, modules: Mapping[str, Module]
 ) -> Iterator[StandIn]:
     """Yield the module that each new InheritanceNode stands for; a comment says what is open."""
     read = InheritanceNodes(printed, modules)
@@ -102,7 +104,7 @@ def _stand_ins(
             yield StandIn(node.name, node.stands_for, printed.span, evident)
 
 
-def _states_architecture(configuration: Configuration, nodes: Iterable[Node]) -> bool:
+def _states_architecture(configuration: Configuration, nodes: Iterable[IntroducedNode]) -> bool:
     """Whether `flat` or `hierarchical` is printed."""
     if configuration.architecture == "hierarchical" or configuration.period_ms is not None:
         return True

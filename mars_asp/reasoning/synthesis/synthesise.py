@@ -15,8 +15,8 @@ from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import CONVERSION
 from mars_asp.reasoning.synthesis import (
-    Derived,
     Specification,
+    SpecifiedAtoms,
     specify,
 )
 from mars_asp.reasoning.synthesis.derived import STAGE
@@ -33,7 +33,7 @@ class Synthesis:
 
     specification: Specification
     resolution: Resolution
-    derived: Derived
+    derived: SpecifiedAtoms
     preferences: tuple[Preference, ...] = ()
 
     def cost(self, level: int) -> int:
@@ -60,7 +60,7 @@ def synthesise(
         resolution = _resolve(analysis, rulebook, budget)
         if resolution is None:
             return None
-        derived = Derived(rulebook, resolution.answer)
+        derived = SpecifiedAtoms(rulebook, resolution.answer)
         preferred = preferences(rulebook, resolution.answer)
     return Synthesis(specify(project, derived), resolution, derived, preferred)
 

@@ -9,7 +9,7 @@ import pytest
 from mars_asp.asp.lint import copies
 from mars_asp.asp.lint.clauses import Clause, clauses_of
 from mars_asp.asp.lint.copies import superfluous
-from mars_asp.asp.lint.found import Found
+from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.diagnostic import Diagnostic, point
 
@@ -74,7 +74,7 @@ def test_rules_with_one_head_are_compared_with_few_others(
     read = clauses([form.format(number) for number in range(200)])
     compared, compare = [], copies._compared
 
-    def counted(*each: Any) -> Found | None:
+    def counted(*each: Any) -> LintFinding | None:
         compared.append(each)
         return compare(*each)
 

@@ -4,7 +4,7 @@ import pytest
 
 from mars_asp.asp.lint.clauses import Clause, clauses_of
 from mars_asp.asp.lint.sorts import wrong_values
-from mars_asp.asp.lint.values import Known
+from mars_asp.asp.lint.values import KnownValue
 from mars_asp.asp.rules.read import read_rules
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic
@@ -33,7 +33,7 @@ def found_in(rules: str, replaced: frozenset[str] = frozenset()) -> list[str]:
     assert not problems
     declared = {each.signature: each for each in file.documented.declarations}
     clauses = [clause for of in clauses_of(file.rules).values() for clause in of]
-    known = Known(clauses, declared, {}, replaced)
+    known = KnownValue(clauses, declared, {}, replaced)
     found = (each for clause in clauses for each in wrong_values(clause, known, declared))
     first = DECLARED.count("\n")
     told = {
@@ -99,12 +99,12 @@ def test_a_long_chain_of_rules_takes_no_square_of_steps(monkeypatch: pytest.Monk
     count = 300
     chain = [f"p{n}(X) :- p{n - 1}(X)." for n in range(count, 0, -1)]
     steps: list[Clause] = []
-    own = Known._handed_on
+    own = KnownValue._handed_on
 
-    def counted(known: Known, clause: Clause) -> Iterator[Signature]:
+    def counted(known: KnownValue, clause: Clause) -> Iterator[Signature]:
         steps.append(clause)
         return own(known, clause)
 
-    monkeypatch.setattr(Known, "_handed_on", counted)
+    monkeypatch.setattr(KnownValue, "_handed_on", counted)
     assert found_in("\n".join([*chain, "p0(X) :- city(X)."])) == []
     assert len(steps) < 4 * count

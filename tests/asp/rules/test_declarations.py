@@ -1,8 +1,8 @@
 import pytest
 
 from mars_asp.asp.rules.declarations import (
-    Argument,
     Declaration,
+    PredicateArgument,
     declarations,
     docstrings,
     wrong_references,
@@ -33,9 +33,9 @@ joins: nothing
     (found,), problems = read(text)
     assert not problems
     assert found.arguments == (
-        Argument("M", frozenset({"module", "part"})),
-        Argument("W", frozenset({"grams"})),
-        Argument("K", constants=("net", "gross")),
+        PredicateArgument("M", frozenset({"module", "part"})),
+        PredicateArgument("W", frozenset({"grams"})),
+        PredicateArgument("K", constants=("net", "gross")),
     )
     assert found.words == "M weighs W, which says what it is worth: nothing."
     assert (found.origin, found.extensible, found.joins) == ("computed", True, False)

@@ -2,7 +2,7 @@
 
 from clingo import ast
 
-from mars_asp.asp.rules.trees import Node, below, extent_of, plain, public_reader, raw_reader
+from mars_asp.asp.rules.trees import SyntaxNode, below, extent_of, plain, public_reader, raw_reader
 
 PROGRAM = """\
 p(X+1, "a\\"b", f(_), (1,), (), 1..3; -2) :- not -q(X), X < Y <= 3, not not r(@g(X), |Y|).
@@ -14,11 +14,11 @@ a; b : c :- #count { X } = Y, &t(X) { u : v } < 3.
 """
 
 
-def shape(node: Node) -> list[object]:
+def shape(node: SyntaxNode) -> list[object]:
     own = {
         key: value
         for key, value in vars(node).items()
-        if key[0] != "_" and not isinstance(value, Node | tuple | list)
+        if key[0] != "_" and not isinstance(value, SyntaxNode | tuple | list)
     }
     extent = node.extent if "location" in node.tree.keys() else None  # noqa: SIM118
     return [node.ast_type, str(node), own, extent, list(map(shape, node.children))]

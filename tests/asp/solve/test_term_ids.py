@@ -2,12 +2,12 @@
 
 import clingo
 
-from mars_asp.asp.solve.term_ids import Reader, TermId, plain_reader, raw_reader
+from mars_asp.asp.solve.term_ids import TermId, TermReader, plain_reader, raw_reader
 
 PROGRAM = 'p(1..3,"a",f(X,-2)) :- X = (1,("b",#inf,()),-g). -p(c,d,#sup). q. r(X) :- p(X,_,_).'
 
 
-def shape(reader: Reader, term: TermId) -> list[object]:
+def shape(reader: TermReader, term: TermId) -> list[object]:
     symbol = reader.as_symbol(term)
     if symbol.type != clingo.SymbolType.Function:
         return [str(symbol)]

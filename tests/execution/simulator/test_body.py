@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mars_asp.execution.simulator import (
     Circle,
-    Joint,
+    JointDevice,
     Mark,
     Pose,
     World,
@@ -157,12 +157,12 @@ def test_noise_is_seeded_for_each_device() -> None:
 
 def test_joints_turn_what_is_mounted_on_them_within_their_bounds() -> None:
     body = alone(World(walls=[WALL]), Pose(0, 0, 0), 200)
-    joint = Joint("Rotn_Y", -60, 60, 30)
+    joint = JointDevice("Rotn_Y", -60, 60, 30)
     place = mounted(body, [(100, 0, 0, joint)])
     joint.obey({"Rotn_Y": 90}, 0.0)
     assert place(1.0) == Pose(100, 0, 30)
     assert place(9.0).heading == 60
-    gripper = Joint("Grasp", 0, 80, 20, value=80, wanted=80)
+    gripper = JointDevice("Grasp", 0, 80, 20, value=80, wanted=80)
     gripper.obey({"Grasp": 50}, 0.0)
     assert [gripper.advance(t) for t in (1.0, 2.0)] == [60, 50]
 

@@ -7,7 +7,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from mars_asp.execution.simulator import Circle, Pose, Stretch, World, regular_polygon
+from mars_asp.execution.simulator import Circle, MotionSegment, Pose, World, regular_polygon
 from mars_asp.execution.simulator.motion import Floats
 from tests.support.bodies import alone
 from tests.support.campaigns import seeds
@@ -15,15 +15,15 @@ from tests.support.campaigns import seeds
 SEEDS = seeds(20, 60)
 
 
-def drawn(random: Random) -> tuple[Stretch, float]:
+def drawn(random: Random) -> tuple[MotionSegment, float]:
     """Return a random stretch and how long it lasts: a few of them lines, some of many turns."""
     turn = random.choice((0.0, 1e-7, random.uniform(-40, 40), random.uniform(-400, 400)))
     rates = random.uniform(-500, 500), random.choice((0.0, random.uniform(-500, 500)))
     pose = Pose(random.uniform(-200, 200), random.uniform(-200, 200), random.uniform(-180, 180))
-    return Stretch(random.choice((0.0, 3.5)), pose, *rates, turn), random.uniform(0.5, 8)
+    return MotionSegment(random.choice((0.0, 3.5)), pose, *rates, turn), random.uniform(0.5, 8)
 
 
-def samples(way: Stretch, seconds: float, step: float = 2e-4) -> tuple[Floats, Floats]:
+def samples(way: MotionSegment, seconds: float, step: float = 2e-4) -> tuple[Floats, Floats]:
     """Return times (n,) and places (n, 2), added up in small steps by the midpoint rule."""
     count = ceil(seconds / step)
     width = seconds / count

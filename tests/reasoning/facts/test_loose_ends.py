@@ -6,16 +6,16 @@ from random import Random
 import pytest
 
 from mars_asp.diagnostic import point
-from mars_asp.reasoning.facts.loose_ends import MOST, Port, nearest
+from mars_asp.reasoning.facts.loose_ends import MOST, PortEnd, nearest
 
 HERE = point("c.mars", 1, 1)
 WORDS = ("left", "right", "image", "raw", "map", "in", "out", "7", "12")
 SPACES = ("", "", "a/", "b/", "a/c/", "b/c/", "/a/")
 
 
-def ports(random: Random, many: int, first: int) -> list[Port]:
+def ports(random: Random, many: int, first: int) -> list[PortEnd]:
     return [
-        Port(
+        PortEnd(
             first + number,
             0,
             HERE,
@@ -33,8 +33,8 @@ def features(name: str) -> Counter[str]:
     return Counter([*(f"{word} " for word in words * 4), *"".join(words), *pairs])
 
 
-def one_by_one(entry: Port, outputs: list[Port], free: list[Port]) -> list[Port]:
-    def is_of_another_part(output: Port) -> bool:
+def one_by_one(entry: PortEnd, outputs: list[PortEnd], free: list[PortEnd]) -> list[PortEnd]:
+    def is_of_another_part(output: PortEnd) -> bool:
         """Whether the part of the input has such an output as well."""
         own, other = entry.module.split("/"), output.module.split("/")
         shared = next(
@@ -46,13 +46,13 @@ def one_by_one(entry: Port, outputs: list[Port], free: list[Port]) -> list[Port]
         names = {(o.module, o.port, o.representation) for o in outputs}
         return (twin, output.port, output.representation) in names
 
-    def apart(output: Port) -> int:
+    def apart(output: PortEnd) -> int:
         own, other = entry.module.split("/")[:-1], output.module.split("/")[:-1]
         while own and other and own[0] == other[0]:
             own, other = own[1:], other[1:]
         return len(own) + len(other)
 
-    def likeness(output: Port) -> float:
+    def likeness(output: PortEnd) -> float:
         one, other = features(entry.port), features(output.port)
         return 2 * (one & other).total() / (one.total() + other.total()) - 0.25 * apart(output)
 
@@ -71,7 +71,7 @@ def test_the_nearest_of_all_free_outputs_are_found(seed: int) -> None:
     random = Random(seed)
     inputs, outputs = ports(random, 20, 0), ports(random, random.choice([8, 200]), 20)
     free = [output for output in outputs if random.random() < 0.7]
-    found: dict[Port, list[Port]] = {entry: [] for entry in inputs}
+    found: dict[PortEnd, list[PortEnd]] = {entry: [] for entry in inputs}
     for entry, output, rank in nearest(inputs, outputs, frozenset(free)):
         assert rank == len(found[entry])
         found[entry].append(output)
@@ -80,9 +80,9 @@ def test_the_nearest_of_all_free_outputs_are_found(seed: int) -> None:
 
 def test_common_words_count_more_than_letters_of_others() -> None:
     """`bias` and `compass` have `as` and `s` at the end in common, which brings them no nearer."""
-    entry = Port(0, 0, HERE, "M", "imu/data_compass", "A")
+    entry = PortEnd(0, 0, HERE, "M", "imu/data_compass", "A")
     outputs = [
-        Port(n, 0, HERE, "N", name, "A") for n, name in ((1, "imu/data/bias"), (2, "imu/data"))
+        PortEnd(n, 0, HERE, "N", name, "A") for n, name in ((1, "imu/data/bias"), (2, "imu/data"))
     ]
     found = [output.port for _, output, _ in nearest([entry], outputs, frozenset(outputs))]
     assert found == ["imu/data", "imu/data/bias"]

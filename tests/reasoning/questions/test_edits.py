@@ -18,8 +18,8 @@ from mars_asp.reasoning.facts.identifiers import numbered_annotations
 from mars_asp.reasoning.project import load_project, revised
 from mars_asp.reasoning.questions.annotation_edits import read
 from mars_asp.reasoning.questions.edits import (
+    EditedTexts,
     ImpossibleEditError,
-    Texts,
     UnknownEditError,
     apply_edits,
 )
@@ -37,7 +37,7 @@ def test_cases(folder: Path, monkeypatch: pytest.MonkeyPatch, update_golden: boo
     `{A verb B}` and `{A @Word}` are the identifiers of a relationship and of an annotation.
     """
     monkeypatch.chdir(folder)
-    texts = Texts(load_project("config.mars"))
+    texts = EditedTexts(load_project("config.mars"))
     expected = (folder / "edits.txt").read_text()
     edits = [line for line in expected.splitlines() if not line.startswith(" ")]
     found = "".join(f"{line}\n{''.join(_told(texts, line))}" for line in edits)
@@ -46,7 +46,7 @@ def test_cases(folder: Path, monkeypatch: pytest.MonkeyPatch, update_golden: boo
     assert found == expected
 
 
-def _told(texts: Texts, written: str) -> Iterator[str]:
+def _told(texts: EditedTexts, written: str) -> Iterator[str]:
     names = _identifiers(texts)
     terms = re.sub(r"\{(.*?)\}", lambda match: str(names[match[1]]), written)
     try:
@@ -65,7 +65,7 @@ def _told(texts: Texts, written: str) -> Iterator[str]:
         yield f"  cannot be read: {error.diagnostics[0].message}\n"
 
 
-def _identifiers(texts: Texts) -> Mapping[str, int]:
+def _identifiers(texts: EditedTexts) -> Mapping[str, int]:
     project, names = texts.project, {}
     for number, stated in texts.relationships.items():
         first, second = ends_of(stated)

@@ -15,7 +15,7 @@ from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project, load_project, project_facts
 from mars_asp.reasoning.questions import repair
-from mars_asp.reasoning.questions.edits import Texts, apply_edits
+from mars_asp.reasoning.questions.edits import EditedTexts, apply_edits
 from mars_asp.reasoning.questions.repair import (
     STAGES,
     FindingCounts,
@@ -60,7 +60,7 @@ def tries(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return a list of the names that each try of edits `name(N)` adds."""
     made: list[str] = []
 
-    def noted(texts: Texts, terms: Sequence[Symbol]) -> object:
+    def noted(texts: EditedTexts, terms: Sequence[Symbol]) -> object:
         made.append(" ".join(term.arguments[0].string for term in terms))
         return apply_edits(texts, terms)
 
@@ -183,7 +183,7 @@ def test_no_set_is_tried_that_may_outlast_the_limit(
     monkeypatch.setattr(repair, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     durations = iter(lasting)
 
-    def slowly(texts: Texts, terms: Sequence[Symbol]) -> object:
+    def slowly(texts: EditedTexts, terms: Sequence[Symbol]) -> object:
         clock[0] += next(durations)
         return apply_edits(texts, terms)
 
@@ -435,7 +435,7 @@ def test_who_ranked_strictly_above_another_still_does(
 ) -> None:
     terms = [parse_term(edit) for edit in edits.split(";") if edit]
     old, new = (_project(_controls(lines)) for lines in (before, after))
-    assert order_kept(Texts(old), new.configuration, terms) is kept
+    assert order_kept(EditedTexts(old), new.configuration, terms) is kept
 
 
 def _controls(lines: str) -> str:

@@ -45,7 +45,7 @@ def resolved(text: str, rulebook: Rulebook = RULEBOOK) -> tuple[Reasoner, Synthe
     return reasoner, reasoner.synthesis
 
 
-def derived_atoms(derived: of_rules.Derived) -> Iterator[clingo.Symbol]:
+def derived_atoms(derived: of_rules.SpecifiedAtoms) -> Iterator[clingo.Symbol]:
     grounding = Grounding(())
     derived.hand_to(grounding)
     for signature in derived.predicates:
