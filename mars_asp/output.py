@@ -218,12 +218,12 @@ class AtomicFile:
 
     def write(self, content: bytes) -> None:
         """Write more of it."""
-        with self._named():
+        with self._errors_name_path():
             self._file.write(content)
 
     def stage(self) -> None:
         """Have all of it on the disk, with the mode of what it replaces."""
-        with self._named():
+        with self._errors_name_path():
             self._file.flush()
             if self._temporary is None:
                 return
@@ -235,7 +235,7 @@ class AtomicFile:
     def replace(self) -> None:
         """Put it where the other file is."""
         self.stage()
-        with self._named():
+        with self._errors_name_path():
             if self._temporary is not None:
                 self._temporary.replace(self._target)
                 return
@@ -252,7 +252,7 @@ class AtomicFile:
                 self._temporary.unlink()
 
     @contextlib.contextmanager
-    def _named(self) -> Iterator[None]:
+    def _errors_name_path(self) -> Iterator[None]:
         """Have an error name the file that is asked for: the other name is never shown."""
         try:
             yield

@@ -22,7 +22,7 @@ from pathlib import Path
 from mars_asp.language import grammar, parse
 from mars_asp.reasoning import rules
 from mars_asp.asp.rules import statements
-grammar._tables = rules._read = rules._named = statements._statements = None
+grammar._tables = rules._read_rules = rules._declared_names = statements._statements = None
 parse.parse_file(Path("config.mars"))
 grammar.parsed("A is_controlled_by B, C\\n")
 texts = [rule.text for rule in rules.load_rulebook(stages=rules.STAGES).rules]

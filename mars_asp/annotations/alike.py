@@ -45,7 +45,7 @@ def read_alike(
         before, name = head.groups()
         around = before, text[head.end() :]
         if around not in known:
-            known[around] = _read(text, around)
+            known[around] = _read_block(text, around)
         module = known[around]
         if module is not None and len(name) <= MOST_CHARACTERS:
             read[first] = _placed(module, name, path, first - 1)
@@ -58,7 +58,7 @@ def is_closed(lines: Sequence[str], block: tuple[int, int]) -> bool:
     return lines[first - 1].strip(" \t") == _FIRST and lines[last - 1].strip(" \t") == _LAST
 
 
-def _read(text: str, around: _Around) -> Module | None:
+def _read_block(text: str, around: _Around) -> Module | None:
     """Return the module of a block by itself; `None` where anything is to be noted about it."""
     body, _, end = around[1].rpartition("\n")
     if end.strip(" \t") != _LAST or _STRANGE.search(body):

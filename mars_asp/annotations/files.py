@@ -170,8 +170,8 @@ def extract(
     """
     modules: list[Module] = []
     problems: list[Diagnostic] = []
-    for path, file, status in _files(paths, named_at, named_in):
-        found, wrong = _read(file, status)
+    for path, file, status in _source_files(paths, named_at, named_in):
+        found, wrong = _read_source(file, status)
         if not (found or wrong):
             continue  # most files have no annotations
         place = named_at.get(path)
@@ -196,7 +196,7 @@ def _hidden(file: Path, wrong: Sequence[Diagnostic], place: Span | None) -> Iter
         yield Diagnostic("MARS308", severity, message, at, help=help_text)
 
 
-def _files(
+def _source_files(
     paths: Iterable[Path], named_at: Mapping[Path, Span], named_in: str
 ) -> Iterator[tuple[Path, Path, os.stat_result | OSError]]:
     """Yield each file once, after the path that leads to it, and with its status.
@@ -207,7 +207,7 @@ def _files(
     seen: set[tuple[int, int]] = set()
     own, others = Entries(), Entries(named_in)
     for path in paths:
-        listed: Iterable[tuple[Path, os.stat_result | OSError]] = (_named(path),)
+        listed: Iterable[tuple[Path, os.stat_result | OSError]] = (_path_status(path),)
         try:
             if path.is_dir():
                 # A folder is listed before any of it is read.
@@ -227,7 +227,7 @@ def _files(
             yield path, file, status
 
 
-def _named(path: Path) -> tuple[Path, os.stat_result | OSError]:
+def _path_status(path: Path) -> tuple[Path, os.stat_result | OSError]:
     try:
         return path, path.stat()
     except OSError as error:
@@ -263,7 +263,7 @@ def _language(name: str) -> str | None:
     return LANGUAGES.get(name[dot:].lower()) if dot > 0 else None
 
 
-def _read(
+def _read_source(
     path: Path, status: os.stat_result | OSError
 ) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
     shown = str(path)
@@ -276,20 +276,24 @@ def _read(
         if path.suffix.lower() == ".mars":
             reason = "is a configuration, not a source"
             help_text = "`mars-asp check` and `mars-asp analyse` read it"
-        return (), (_about(shown, "MARS306", "error", reason, help_text),)
+        return (), (_file_diagnostic(shown, "MARS306", "error", reason, help_text),)
     try:
         if isinstance(status, OSError):
             raise status
         if not stat.S_ISREG(status.st_mode) or is_kernels(path):
-            return (), (_about(shown, "MARS305", "error", "is not a regular file", "name a file"),)
+            return (), (
+                _file_diagnostic(shown, "MARS305", "error", "is not a regular file", "name a file"),
+            )
         if status.st_size > MOST_BYTES:
             reason = f"is larger than {MOST_BYTES} bytes and was not read"
-            return (), (_about(shown, "MARS301", "error", reason, "split it, or leave it out"),)
+            return (), (
+                _file_diagnostic(shown, "MARS301", "error", reason, "split it, or leave it out"),
+            )
         raw = _raw(path, status.st_size)
         files_read.add((status.st_dev, status.st_ino))
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
-        return (), (_about(shown, "MARS300", "error", reason, "make it readable"),)
+        return (), (_file_diagnostic(shown, "MARS300", "error", reason, "make it readable"),)
     if not _is_marked(raw):
         return (), ()
     data, encoding, notes = _normalised(raw, shown)
@@ -342,15 +346,15 @@ def _normalised(raw: bytes, shown: str) -> tuple[bytes | None, str, tuple[Diagno
     encoding = "utf-8"
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         raw = raw.decode("utf-16", "replace").encode()
-        notes = (_about(shown, "MARS304", "note", "is UTF-16", "save it as UTF-8"),)
+        notes = (_file_diagnostic(shown, "MARS304", "note", "is UTF-16", "save it as UTF-8"),)
     elif b"\0" in raw:
         reason = "contains a NUL byte: it is binary and was skipped"
-        problem = _about(shown, "MARS302", "warning", reason, "save it as UTF-8 text")
+        problem = _file_diagnostic(shown, "MARS302", "warning", reason, "save it as UTF-8 text")
         return None, encoding, (problem,)
     elif not _is_utf8(raw):
         encoding = "latin-1"
         reason = "is not UTF-8 and was read as Latin-1"
-        notes = (_about(shown, "MARS303", "note", reason, "save it as UTF-8"),)
+        notes = (_file_diagnostic(shown, "MARS303", "note", reason, "save it as UTF-8"),)
     raw = raw.removeprefix(codecs.BOM_UTF8)
     if b"\r" in raw:
         raw = raw.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -374,7 +378,9 @@ def _is_utf8(raw: bytes) -> bool:
 _ENCODINGS = ("MARS302", "MARS303", "MARS304")
 
 
-def _about(shown: str, code: str, severity: Severity, reason: str, help_text: str) -> Diagnostic:
+def _file_diagnostic(
+    shown: str, code: str, severity: Severity, reason: str, help_text: str
+) -> Diagnostic:
     # The encoding of a file concerns it from its first line; that it is not read, no line.
     span = point(shown, 1, 1) if code in _ENCODINGS else whole_file(shown)
     return Diagnostic(code, severity, f"`{shown}` {reason}", span, help=help_text, excerpt="")

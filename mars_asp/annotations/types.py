@@ -184,7 +184,7 @@ class _TypeReader:
                     self.take()
                     break
                 if arguments is not None:
-                    words[-1] += _listed(arguments)
+                    words[-1] += _type_arguments(arguments)
                     arguments = None
                 continue
             break
@@ -314,7 +314,7 @@ def _sequence(name: str | None) -> str | None:
     return None if name is None else f"{name}[]" if name else ""
 
 
-def _listed(arguments: list[str | None]) -> str:
+def _type_arguments(arguments: list[str | None]) -> str:
     return f"<{','.join(argument or '?' for argument in arguments)}>"
 
 
@@ -348,4 +348,4 @@ def _applied(words: list[str], arguments: list[str | None] | None) -> str | None
     if last in SEQUENCES:
         return _sequence(first)
     kept = [argument for argument in arguments if argument != "..."]
-    return None if None in kept else name + _listed(kept)
+    return None if None in kept else name + _type_arguments(kept)

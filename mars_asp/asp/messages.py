@@ -156,7 +156,7 @@ def fill(
     """
     if text is None:
         return None
-    form, holes, sorts = _form(text)
+    form, holes, sorts = _message_form(text)
     if not holes:
         return text
     shown_values = [show(values[h]) if h in values else f"{{{h}}}" for h in holes]
@@ -167,7 +167,7 @@ def fill(
 
 
 @cache
-def _form(text: str) -> tuple[str, tuple[str, ...], tuple[tuple[int, str], ...]]:
+def _message_form(text: str) -> tuple[str, tuple[str, ...], tuple[tuple[int, str], ...]]:
     """Return a message for `%`, the names of its holes, and the sorts that some of these state."""
     found = HOLE.findall(text)
     sorts = tuple((at, sort) for at, (_, sort) in enumerate(found) if sort in UNITS)
@@ -185,14 +185,14 @@ def shown(symbol: clingo.Symbol) -> str:
     """Return a term as a message shows it: a string without its quotes, a list in words."""
     if symbol.type == clingo.SymbolType.String:
         return symbol.string
-    names, more = _listed(symbol)
+    names, more = _list_items(symbol)
     if not names:
         return str(symbol)
     *others, last = [*names, *([f"{more} more"] if more else [])]
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def _listed(symbol: clingo.Symbol) -> tuple[list[str], int]:
+def _list_items(symbol: clingo.Symbol) -> tuple[list[str], int]:
     """Return the names in a list `and("A",and("B",N))`, and how many more N says there are."""
     names: list[str] = []
     while symbol.match("and", 2):

@@ -124,14 +124,14 @@ class Program:
         )
 
     @cached_property
-    def _stated(self) -> tuple[Rule, ...]:
+    def _fact_rules(self) -> tuple[Rule, ...]:
         """Return the rules that state facts and say nothing of them."""
         return tuple(rule for rule in self.rulebook.rules if _states(rule))
 
     @cached_property
     def explained(self) -> Rulebook:
         """Return the rules by which atoms are explained: facts are leaves."""
-        stated = {id(rule) for rule in self._stated}
+        stated = {id(rule) for rule in self._fact_rules}
         rules = tuple(rule for rule in self.rulebook.rules if id(rule) not in stated)
         return replace(self.rulebook, rules=rules)
 
@@ -163,7 +163,7 @@ class Program:
         program = self.with_parts(parts)
         defined, given = _definitions(constants or {}), _externals(externals or {}, self._file_path)
         grounding = Grounding((), options=defined)
-        stated = program._stated
+        stated = program._fact_rules
         marked = (e.fragment(_EXTERNAL, at) for at, e in enumerate(program.externals))
         fragments = [*program.rulebook.fragments(_STAGE), *saying(_STAGE, stated), *marked]
         try:

@@ -55,7 +55,7 @@ def made(kind: type, context: Context) -> Made:
     signature = _signature(kind)
     if signature is None:
         return Made(kind(), knows=False)
-    shown, left = f"{kind.__name__}{_shown(signature)}", dict(context.parameters)
+    shown, left = f"{kind.__name__}{_parameter_list(signature)}", dict(context.parameters)
     given, first, named = _context_of(signature), [], {}
     for name, parameter in signature.parameters.items():
         if parameter.kind in _VARIABLE or (name not in left and parameter is not given):
@@ -171,7 +171,7 @@ def _parameter_order(
     ]
     if len(strangers) > 1:
         listed = ", ".join(f"`{name}`" for name in strangers)
-        message = f"`{shown}{_shown(signature)}` has no parameters {listed}"
+        message = f"`{shown}{_parameter_list(signature)}` has no parameters {listed}"
         known = ", ".join(f"`{each.name}`" for each in parameters)
         raise UnfitError(message, f"name the inputs in the lines like the parameters: {known}")
     further = [at for at in range(len(inputs)) if at not in filled.values()]
@@ -288,11 +288,11 @@ def _refuse_inputs(
     wants = f"{bound}{number} input{'s' * (number != 1)}" if number else "no inputs"
     sources = ", ".join(each.source for each in inputs)
     come = f"{len(inputs)} ({sources})" if inputs else "none"
-    message = f"`{shown}{_shown(signature)}` takes {wants}, and the module gets {come}"
+    message = f"`{shown}{_parameter_list(signature)}` takes {wants}, and the module gets {come}"
     raise UnfitError(message, "give it one parameter for each input, in the order of the lines")
 
 
-def _shown(signature: Signature) -> str:
+def _parameter_list(signature: Signature) -> str:
     """Return the parameters of a function without their types."""
     bare = [each.replace(annotation=Parameter.empty) for each in signature.parameters.values()]
     return str(Signature(bare))

@@ -64,7 +64,7 @@ def _alternative_lines(
     found: Alternatives, arguments: argparse.Namespace, width: int
 ) -> Iterator[str]:
     yield from wrapped(_head(found), width)
-    yield from _table(found.needs[:_MOST_NEEDS], width)
+    yield from _needs_table(found.needs[:_MOST_NEEDS], width)
     if len(found.needs) > _MOST_NEEDS:
         yield f"{_GAP}and {counted(len(found.needs) - _MOST_NEEDS, 'more need')}"
     told = " ".join(_levels(found))
@@ -107,7 +107,7 @@ def _head(found: Alternatives) -> str:
     return f"{are} the least. {searched} There {'is' if needs == 1 else 'are'} {have}:"
 
 
-def _table(needs: Sequence[CertificateEntry], width: int) -> Iterator[str]:
+def _needs_table(needs: Sequence[CertificateEntry], width: int) -> Iterator[str]:
     """Yield the needs in columns where these are narrow enough, else the reasons below."""
     rows = [_row(number, need) for number, need in enumerate(needs, 1)]
     margin = max((len(number) for number, *_ in rows), default=0)
@@ -154,7 +154,7 @@ def _levels(found: Alternatives) -> Iterator[str]:
     resolution = found.synthesis.resolution
     conversion, relationships = found.levels[CONVERSION], found.levels[RELATIONSHIPS]
     searched = "that less does not suffice was proved by search"
-    told = f"Conversion {conversion.cost}: {_conversions(found)}"
+    told = f"Conversion {conversion.cost}: {_conversion_list(found)}"
     if conversion.cost and resolution.proven:
         is_met = conversion.bound == conversion.cost
         told += f"; {'no specification of as few nodes needs less' if is_met else searched}"
@@ -174,7 +174,7 @@ def _levels(found: Alternatives) -> Iterator[str]:
         yield f"{counted(others, 'other specification')} cost{'s' * (others == 1)} the same."
 
 
-def _conversions(found: Alternatives) -> str:
+def _conversion_list(found: Alternatives) -> str:
     if not found.conversions:
         nodes = found.synthesis.specification.nodes
         is_abstract = any(node.kind == "data_transformer" for node in nodes)

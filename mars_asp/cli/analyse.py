@@ -71,7 +71,7 @@ def analysis_lines(
     """Yield the lines of the text of an analysis; of the findings alone if it is quiet."""
     coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
     has_summary = not (arguments.quiet or arguments.write_baseline)
-    yield from _text(analysis, selected, coloured, width, has_summary)
+    yield from _analysis_text(analysis, selected, coloured, width, has_summary)
     if has_summary:
         yield from _closing(project, analysis, selected, arguments, width)
 
@@ -140,7 +140,7 @@ def location_json(span: Span) -> dict[str, object]:
     return {"path": span.path, "line": span.line, "column": span.column}
 
 
-def _text(
+def _analysis_text(
     analysis: Analysis, selected: Selected, coloured: bool, width: int, has_summary: bool
 ) -> Iterator[str]:
     for consequence in selected.shown:

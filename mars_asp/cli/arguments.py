@@ -132,12 +132,12 @@ def help_text() -> str:
     parts.append("Options of every command:")
     for action in common.options():
         names = ", ".join(action.option_strings)
-        parts += _beside(f"  {names} {_value(action)}", action.help or "", width, 25)
+        parts += _beside(f"  {names} {_value_name(action)}", action.help or "", width, 25)
     parts += ["", "`mars-asp COMMAND --help` describes a command and the options of its own.", ""]
     return "\n".join(parts)
 
 
-def _value(action: argparse.Action) -> str:
+def _value_name(action: argparse.Action) -> str:
     """Return what the value of an option is called; nothing where it has none."""
     if action.nargs == 0:
         return ""
@@ -219,7 +219,7 @@ def parser_of(word: str) -> tuple[ModuleType, Parser]:
     own = len(parser.options())
     common_options(parser, getattr(module, "RESULT_FORMATS", FORMATS))
     common = parser.options()[own:]
-    names = [f"{option.option_strings[0]} {_value(option)}".rstrip() for option in common]
+    names = [f"{option.option_strings[0]} {_value_name(option)}".rstrip() for option in common]
     for option in common:
         option.help = argparse.SUPPRESS
     parser.epilog = "\n\n".join(

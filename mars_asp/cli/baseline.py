@@ -141,24 +141,24 @@ def read_baseline(path: str) -> Baseline:
     try:
         document = json.loads(text)
     except json.JSONDecodeError as error:
-        raise _wrong(
+        raise _baseline_error(
             path, f"the baseline is not JSON: {error.msg}", error.lineno, error.colno
         ) from None
     except RecursionError:
-        raise _wrong(path, "the JSON is nested too deep for a baseline") from None
+        raise _baseline_error(path, "the JSON is nested too deep for a baseline") from None
     except ValueError:  # more digits than Python reads
         place = long_number(text, path)
         message = "a number with more than 4300 digits"
-        raise _wrong(path, message, place.line, place.column) from None
+        raise _baseline_error(path, message, place.line, place.column) from None
     if not isinstance(document, dict) or document.get("format") != _FORMAT:
-        raise _wrong(path, f'a baseline begins with {{"format": "{_FORMAT}"')
+        raise _baseline_error(path, f'a baseline begins with {{"format": "{_FORMAT}"')
     version = document.get("version")
     if version != _VERSION:
         message = f"this baseline has version {json.dumps(version)}; only {_VERSION} is read"
-        raise _wrong(path, message)
+        raise _baseline_error(path, message)
     listed = document.get("findings")
     if not isinstance(listed, list):
-        raise _wrong(path, "`findings` must be a list")
+        raise _baseline_error(path, "`findings` must be a list")
     return Baseline(path, [_entry(path, number, each) for number, each in enumerate(listed, 1)])
 
 
@@ -175,10 +175,10 @@ def _entry(path: str, number: int, value: object) -> BaselineEntry:
         ):
             return BaselineEntry(file, kind, subject, tuple(participants))
     keys = ", ".join(f"`{key}`" for key in _KEYS)
-    raise _wrong(path, f"entry {number} of `findings` must be an object with {keys}")
+    raise _baseline_error(path, f"entry {number} of `findings` must be an object with {keys}")
 
 
-def _wrong(path: str, message: str, line: int = 1, column: int = 1) -> MarsError:
+def _baseline_error(path: str, message: str, line: int = 1, column: int = 1) -> MarsError:
     help_text = "name a file that `--write-baseline` wrote"
     place = point(path, line, column)
     return MarsError((Diagnostic("baseline", "error", message, place, help=help_text),))

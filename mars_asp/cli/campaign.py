@@ -53,7 +53,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--workers",
         metavar="N",
-        type=_count,
+        type=_positive_integer,
         default=1,
         help="carry out N runs at a time, each in a process of its own",
     )
@@ -86,7 +86,7 @@ def _seeds(text: str) -> tuple[int, ...]:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
-def _count(text: str) -> int:
+def _positive_integer(text: str) -> int:
     if not (text.isascii() and text.isdecimal() and 0 < int(text) <= 1024):
         raise argparse.ArgumentTypeError(f"`{text}` must be a whole number from 1 to 1024")
     return int(text)

@@ -60,7 +60,7 @@ def _client(address: str) -> "Iterator[Client]":
         client = Client(address, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:
         told = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
-        raise _wrong(f"no scheduler answers at `{address}`: {told}") from None
+        raise _cluster_error(f"no scheduler answers at `{address}`: {told}") from None
     with client:
         yield client
 
@@ -93,11 +93,11 @@ def _outcomes(
             future = ended.get(timeout=_GLANCE)
         except Empty:
             if client.status != "running":
-                raise _wrong(f"the scheduler of {shown} is gone") from None
+                raise _cluster_error(f"the scheduler of {shown} is gone") from None
             if client.scheduler_info()["workers"]:
                 seen = time.monotonic()
             elif time.monotonic() - seen > _PATIENCE:
-                raise _wrong(f"{shown} has had no worker for {_PATIENCE:g} s") from None
+                raise _cluster_error(f"{shown} has had no worker for {_PATIENCE:g} s") from None
             continue
         seen = time.monotonic()
         run, tries, _ = pending.pop(future.key)
@@ -107,7 +107,7 @@ def _outcomes(
         elif tries + 1 < _TRIES:
             submit(int(future.key.split("-")[-2]), run, tries + 1)
         else:
-            raise _wrong(f"the workers of {shown} were lost {_TRIES} times with one run")
+            raise _cluster_error(f"the workers of {shown} were lost {_TRIES} times with one run")
 
 
 def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
@@ -115,7 +115,7 @@ def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
     from distributed import KilledWorker
 
     if future.status in ("cancelled", "lost"):
-        raise _wrong(f"the scheduler of {shown} is gone")
+        raise _cluster_error(f"the scheduler of {shown} is gone")
     error = future.exception()
     if error is None:
         found: RunOutcome | None = future.result()
@@ -123,9 +123,11 @@ def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
     if isinstance(error, KilledWorker | RunnerLostError):
         return None
     if isinstance(error, ModuleNotFoundError) and (error.name or "").startswith("mars_asp"):
-        raise _wrong(f"a worker of {shown} cannot import mars-asp: install it there") from None
+        raise _cluster_error(
+            f"a worker of {shown} cannot import mars-asp: install it there"
+        ) from None
     told = f"{type(error).__name__}: {error}"[:300]
-    raise _wrong(f"a worker of {shown} cannot carry out runs: {told}") from None
+    raise _cluster_error(f"a worker of {shown} cannot carry out runs: {told}") from None
 
 
 def _task() -> Callable[[str, bytes, tuple[Any, ...]], RunOutcome | None]:
@@ -179,6 +181,6 @@ def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome
     return None
 
 
-def _wrong(message: str) -> MarsError:
+def _cluster_error(message: str) -> MarsError:
     help_text = "start the command again with the same -o to go on"
     return refusal("campaign", message, "--cluster", help_text)

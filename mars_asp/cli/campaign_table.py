@@ -38,7 +38,7 @@ def print_table(
     results: Sequence[_Result], commands: Sequence[Mapping[str, Any]], stream: TextIO
 ) -> None:
     """Print what runs show together; `commands` repeat the worst of them."""
-    for line in _table(results, columns(stream)):
+    for line in _shares_table(results, columns(stream)):
         print(line, file=stream)
     shown = worst(results)
     if not shown:
@@ -47,12 +47,12 @@ def print_table(
     among = f" of {failed}" if failed > MOST_WORST else ""
     print(f"the worst{among} that did not pass, each with its command:", file=stream)
     for result, command in zip(shown, commands, strict=True):
-        told = wrapped(visible(_told(result)), columns(stream), "  ", "    ")
+        told = wrapped(visible(_result_text(result)), columns(stream), "  ", "    ")
         print("\n".join(told), file=stream)
         print(f"    {command['command']}", file=stream)
 
 
-def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
+def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
     """Yield shares of each cell: runs that passed, requirements and controllers; then quantiles.
 
     Requirements that always held are one line, and so are controllers that always or never were in
@@ -156,7 +156,7 @@ def _label(cell: Cell, fixed: Mapping[str, Any]) -> str:
     return ", ".join(stated) or "-"
 
 
-def _told(result: _Result) -> str:
+def _result_text(result: _Result) -> str:
     """Return which run it was, and what became of it."""
     named = [f"seed {result['seed']}", *(written_change(*each) for each in result["vary"].items())]
     violated = [r["name"] for r in result["requirements"] if r["holds"] is False]

@@ -44,7 +44,7 @@ def measured(
             coverage.append({"pack": None if pack is None else str(pack), **entry})
             status = max(status, is_bad)
         if arguments.mutate:
-            files = tuple(_files(pack, rulebook))
+            files = tuple(_mutated_files(pack, rulebook))
             told, entry, is_bad = _mutants(of, files, rulebook, cases, arguments.jobs)
             lines += told
             mutation.append({"pack": None if pack is None else str(pack), **entry})
@@ -64,7 +64,7 @@ def _rules(pack: Path | None, rulebook: Rulebook) -> tuple[Rule, ...]:
     return tuple(rule for rule in rules if _is_of(rule.span.path, pack))
 
 
-def _files(pack: Path | None, rulebook: Rulebook) -> Iterator[MutatedFile]:
+def _mutated_files(pack: Path | None, rulebook: Rulebook) -> Iterator[MutatedFile]:
     packs = rulebook.packs
     texts = zip(rulebook.texts, rulebook.paths, strict=True)
     for (stage, text), path in list(texts)[len(rulebook.texts) - packs if packs else 0 :]:
@@ -79,8 +79,10 @@ def _coverage(
     fire = len(found.rules) - len(found.silent)
     near = len(found.rules) - len(found.silent) - len(found.never_near)
     lines = [f"coverage of {of}: {fire} of {len(found.rules)} rules fire in a case"]
-    lines += [f"  fires in no case: {_named(rule)}" for rule in found.silent]
-    lines += [f"  never fails by one premise alone: {_named(rule)}" for rule in found.never_near]
+    lines += [f"  fires in no case: {_rule_location(rule)}" for rule in found.silent]
+    lines += [
+        f"  never fails by one premise alone: {_rule_location(rule)}" for rule in found.never_near
+    ]
     entry: dict[str, object] = {
         "rules": len(found.rules),
         "fired": fire,
@@ -91,7 +93,7 @@ def _coverage(
     return lines, entry, int(bool(found.silent))
 
 
-def _named(rule: Rule) -> str:
+def _rule_location(rule: Rule) -> str:
     return visible(f"{rule.span.path}:{rule.span.line}: {rule.id}")
 
 
@@ -111,8 +113,10 @@ def _mutants(
     killed = len(mutants) - len(alive)
     lines = [f"mutants of {of}: {killed} of {len(mutants)} are noticed by a case"]
     for mutant in alive:
-        lines += [f"  survives: {visible(f'{mutant.path}:{mutant.line}')}: {_shown(mutant.change)}"]
-        lines += [f"    - {_shown(mutant.before)}", f"    + {_shown(mutant.after)}"]
+        lines += [
+            f"  survives: {visible(f'{mutant.path}:{mutant.line}')}: {_visible_rule(mutant.change)}"
+        ]
+        lines += [f"    - {_visible_rule(mutant.before)}", f"    + {_visible_rule(mutant.after)}"]
     entry: dict[str, object] = {
         "tried": len(mutants),
         "killed": killed,
@@ -142,7 +146,7 @@ def _order(mutant: Mutant) -> tuple[str, int, str]:
     return mutant.path, mutant.line, mutant.change
 
 
-def _shown(text: str) -> str:
+def _visible_rule(text: str) -> str:
     return visible(plain(text))
 
 

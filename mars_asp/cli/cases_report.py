@@ -42,7 +42,7 @@ def print_outcomes(
     for outcome, check in checks:
         if not check.passed:
             print(f"FAILED {visible(_name(outcome, check))}")
-            for line in _told(check):
+            for line in _failure_lines(check):
                 print(line)
     updated = sum(outcome.updated is not None for outcome in outcomes) if arguments.update else 0
     files = f"{updated} file{'s' * (updated != 1)}"
@@ -55,13 +55,13 @@ def _name(outcome: Outcome, check: Check) -> str:
     return str(outcome.path) if check.title is None else f"{outcome.path}: {check.title}"
 
 
-def _told(check: Check) -> Iterator[str]:
+def _failure_lines(check: Check) -> Iterator[str]:
     for failure in check.failures:
-        yield f"  {visible(_place(failure.span))}: expected {visible(failure.expected)}"
+        yield f"  {visible(_location_text(failure.span))}: expected {visible(failure.expected)}"
         yield from map(visible, failure.lines)
 
 
-def _place(span: Span) -> str:
+def _location_text(span: Span) -> str:
     return f"{span.path}:{span.line}:{span.column}"
 
 
@@ -115,7 +115,7 @@ def _cases(suite: ElementTree.Element, ran: CaseFileResult) -> None:
             suite, "testcase", name=visible(ran.path.name), classname=classname, file=path
         )
         for problem in ran.problems:
-            told = f"{_place(problem.span)}: {problem.message}"
+            told = f"{_location_text(problem.span)}: {problem.message}"
             ElementTree.SubElement(case, "error", message=visible(told))
         return
     for check in ran.outcome.checks:
@@ -131,6 +131,6 @@ def _cases(suite: ElementTree.Element, ran: CaseFileResult) -> None:
         )
         if not check.passed:
             first = check.failures[0]
-            message = f"{_place(first.span)}: expected {first.expected}"
+            message = f"{_location_text(first.span)}: expected {first.expected}"
             failure = ElementTree.SubElement(case, "failure", message=visible(message))
-            failure.text = "\n".join(_told(check))
+            failure.text = "\n".join(_failure_lines(check))

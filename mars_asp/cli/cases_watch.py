@@ -35,14 +35,14 @@ def watched(run: Callable[[argparse.Namespace], int], arguments: argparse.Namesp
 def _stamps(arguments: argparse.Namespace) -> Mapping[Path, tuple[int, int]]:
     """Return when each file was changed, and its size."""
     found: dict[Path, tuple[int, int]] = {}
-    for path in _files(arguments):
+    for path in _watched_files(arguments):
         with suppress(OSError):
             state = path.stat()
             found[path] = state.st_mtime_ns, state.st_size
     return found
 
 
-def _files(arguments: argparse.Namespace) -> Iterator[Path]:
+def _watched_files(arguments: argparse.Namespace) -> Iterator[Path]:
     for path in map(Path, (*arguments.paths, *arguments.rules)):
         pack = pack_of_case(path) or pack_of_case(path / "any.lp")
         for folder in (path, *((pack,) if pack else ())):

@@ -357,7 +357,7 @@ def _fix(
         try:
             old = raw if raw is not None and is_input else Path(path).read_bytes()
             new = edited_bytes(old, [line for line in fixed.lines if line.path == path])
-            if _plain(new) != text.rstrip("\n"):
+            if _decoded(new) != text.rstrip("\n"):
                 raise ConflictError
         except (OSError, ConflictError):
             problems.append(_unfixed(path, "it is not what was analysed"))
@@ -384,7 +384,7 @@ def _fix(
     return fixed
 
 
-def _plain(raw: bytes) -> str:
+def _decoded(raw: bytes) -> str:
     for codec in (
         ("utf-16",) if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8", "latin-1")
     ):

@@ -66,7 +66,7 @@ def _verbs() -> Iterator[_CommandWords]:
 
 
 def _options_of(actions: Iterable[argparse.Action]) -> Iterator[_Option]:
-    common = {name: each.help for each in _described() for name in each.option_strings}
+    common = {name: each.help for each in _common_options() for name in each.option_strings}
     for action in actions:
         about = common.get(action.option_strings[0]) or action.help or ""
         values = tuple(map(str, action.choices or ()))
@@ -83,7 +83,7 @@ def _kinds() -> list[str]:
     return sorted(consequence_kinds(load_rulebook(stages=STAGES)).union(INPUT_WARNINGS))
 
 
-def _described() -> list[argparse.Action]:
+def _common_options() -> list[argparse.Action]:
     """Return the common options with their help, which a verb leaves to that of the command."""
     from mars_asp.cli.arguments import common_options
 
@@ -97,7 +97,7 @@ def _described() -> list[argparse.Action]:
 
 def _bash(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
     commands = tuple(name for verb in verbs for name in verb.names[:1])
-    common = tuple(_options_of(_described()))
+    common = tuple(_options_of(_common_options()))
     before = _CommandWords(("",), "", (_HELP, *common), (*commands, "help"))
     verbs = (before, _CommandWords(("help",), "", (), commands), *verbs)
     yield f"# Completion of {_COMMAND} for bash."
@@ -156,7 +156,7 @@ def _zsh(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
     yield "    local -a verbs"
     yield "    verbs=("
     for verb in verbs:
-        yield f"        {_quoted(f'{verb.names[0]}:{verb.about}')}"
+        yield f"        {_shell_word(f'{verb.names[0]}:{verb.about}')}"
     yield "    )"
     yield "    if (( CURRENT == 2 )) || [[ $words[2] == help ]]; then"
     yield "        _describe command verbs"
@@ -176,9 +176,9 @@ def _zsh(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
                 value = f":value:_values -s , kind {kinds}"
             value = value if option.takes else ""
             for name in option.names:
-                yield f"                {_quoted(f'*{name}[{about}]{value}')} \\"
+                yield f"                {_shell_word(f'*{name}[{about}]{value}')} \\"
         words = f"'*:word:(({' '.join(verb.words)}))'" if verb.words else ""
-        yield f"                {words or _quoted('*:file:_files')} ;;"
+        yield f"                {words or _shell_word('*:file:_files')} ;;"
     yield "    esac"
     yield "}"
     yield f"compdef _mars_asp {_COMMAND}"
@@ -189,7 +189,7 @@ def _fish(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
     yield f"# Completion of {_COMMAND} for fish."
     shown = "-n '__fish_use_subcommand; or __fish_seen_subcommand_from help'"
     for verb in verbs:
-        about = _quoted(verb.about)
+        about = _shell_word(verb.about)
         yield f"complete -c {_COMMAND} -f {shown} -a {verb.names[0]} -d {about}"
     for verb in verbs:
         seen = f"-n '__fish_seen_subcommand_from {' '.join(verb.names)}'"
@@ -202,11 +202,11 @@ def _fish(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
             )
             values = kinds if not _LISTS.isdisjoint(option.names) else " ".join(option.values)
             value = f" -xa '{values}'" if values else " -r"
-            said = f"{forms}{value if option.takes else ''} -d {_quoted(option.about)}"
+            said = f"{forms}{value if option.takes else ''} -d {_shell_word(option.about)}"
             yield f"complete -c {_COMMAND} {seen} {said}"
 
 
-def _quoted(text: str) -> str:
+def _shell_word(text: str) -> str:
     """Return a text as one word of a shell."""
     return "'" + text.replace("'", "'\\''") + "'"
 

@@ -103,7 +103,7 @@ def difference_lines(found: Difference, coloured: bool, quiet: bool, width: int)
         count = len({(span.path, span.line) for span in (*found.added, *found.removed)})
         lines = f"{count} line{'s' * (count > 1)} changed, but"
         yield f"{lines} no consequence and no node" if count else "nothing changed"
-    yield from _costs(found)
+    yield from _cost_line(found)
 
 
 def _causes(change: Change[Any]) -> Iterator[str]:
@@ -118,7 +118,7 @@ def _causes(change: Change[Any]) -> Iterator[str]:
         yield visible(f"    = {path}:{line}: {text}  (unchanged, {now})")
 
 
-def _costs(found: Difference) -> Iterator[str]:
+def _cost_line(found: Difference) -> Iterator[str]:
     if found.old is None or found.new is None:
         yield visible(f"{'; '.join(found.unrealised)}, so no nodes are compared")
         return

@@ -114,7 +114,7 @@ def run(arguments: argparse.Namespace) -> int:
     configuration = project.configuration
     picture = _part(project, kind in _PAINTED, arguments)
     if picture.remark:
-        report([_told(picture, whole_file(configuration.path))], arguments)
+        report([_left_out_note(picture, whole_file(configuration.path))], arguments)
     content = _drawn(picture, kind, arguments.layout, whole_file(configuration.path))
     if arguments.output != "-":
         write_file(arguments.output, content)
@@ -155,7 +155,7 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
     whole = marked(depict(configuration, project.modules, classes=arguments.classes), found)
     shown, name, port = whole, arguments.about, None
     if name is not None:
-        name, port = _named(name, whole, project)
+        name, port = _box_and_port(name, whole, project)
     if arguments.only is not None:
         shown = of_kinds(shown, arguments.only, name)
     if name is not None:
@@ -166,7 +166,7 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
     return replace(shown, remark=left_out(whole, shown) or "")
 
 
-def _named(written: str, picture: "Picture", project: "Project") -> tuple[str, str | None]:
+def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple[str, str | None]:
     """Return the name of a box, and the port of it that is meant, as a configuration writes them.
 
     Raises:
@@ -182,7 +182,7 @@ def _named(written: str, picture: "Picture", project: "Project") -> tuple[str, s
             return name, None
     # What nothing describes has the ports that lines name.
     named = (each for each in project.configuration.relationships if isinstance(each, Data))
-    ends = {at for each in named for at in _ends(each)}.union(port_names(project).values())
+    ends = {at for each in named for at in _named_ports(each)}.union(port_names(project).values())
     ports = {end(*each): each for each in sorted(ends)}
     if (module, port) in ports.values() and visible(module) in names:
         return visible(module), port
@@ -201,14 +201,14 @@ def _named(written: str, picture: "Picture", project: "Project") -> tuple[str, s
     raise MarsError((Diagnostic("draw", "error", what, span, help=help_text, excerpt=""),))
 
 
-def _ends(line: Data) -> Iterator[tuple[str, str]]:
+def _named_ports(line: Data) -> Iterator[tuple[str, str]]:
     """Yield the ports that a line names, with their modules."""
     for module, port in ((line.source, line.source_port), (line.client, line.client_port)):
         if port is not None:
             yield module, port
 
 
-def _told(picture: "Picture", span: "Span") -> Diagnostic:
+def _left_out_note(picture: "Picture", span: "Span") -> Diagnostic:
     help_text = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
     return Diagnostic("draw", "note", picture.remark, span, help=help_text, excerpt="")
 

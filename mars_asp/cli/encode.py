@@ -14,10 +14,10 @@ def encoded(value: object) -> str:
     try:
         return json.dumps(value)
     except RecursionError:
-        return "".join(_parts(value))
+        return "".join(_encoded_parts(value))
 
 
-def _parts(value: object) -> list[str]:
+def _encoded_parts(value: object) -> list[str]:
     parts: list[str] = []
     stack: list[object] = [value]
     while stack:

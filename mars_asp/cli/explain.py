@@ -95,7 +95,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--alternatives",
         nargs="?",
         const=5,
-        type=_count,
+        type=_alternatives_count,
         metavar="N",
         help="other realisations, in the order of their cost (default 5), and why none costs less",
     )
@@ -267,7 +267,7 @@ def explanation_text(found: Explained, arguments: argparse.Namespace) -> Iterato
         ]
         if arguments.quiet and not is_answer:
             closing = []
-        lines = chain(_told(found.topics, found.is_traced, arguments), closing)
+        lines = chain(_topic_lines(found.topics, found.is_traced, arguments), closing)
         yield from (f"{line}\n" for line in lines)
         return
     from mars_asp.cli.trace_document import topics_text
@@ -502,7 +502,7 @@ def _price(extra: Mapping[int, int]) -> str:
     return f"A specification with it{'' if price.startswith('costs') else ':'} {price}."
 
 
-def _count(text: str) -> int:
+def _alternatives_count(text: str) -> int:
     if text.isdigit() and 0 < int(text) <= MOST_ALTERNATIVES:
         return int(text)
     raise argparse.ArgumentTypeError(
@@ -534,7 +534,9 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
         yield unrealised(answer.analysis)
 
 
-def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) -> Iterator[str]:
+def _topic_lines(
+    topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace
+) -> Iterator[str]:
     """Yield the lines of topics: accounts, or traces where these are wanted or all there is."""
     coloured = colours(arguments, sys.stdout)
     if traced or any(topic.account is None for topic in topics):

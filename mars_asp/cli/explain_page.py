@@ -88,7 +88,7 @@ def explanation_page(
     title = sources.name(project.configuration.path)
     body = Template(_part("html")).substitute(
         title=escape(title),
-        summary="\n".join(f"<p>{_words(line)}</p>" for line in closing),
+        summary="\n".join(f"<p>{_code_html(line)}</p>" for line in closing),
         counts=_counts(Counter(severities)),
         findings="\n".join((*page.sections(_SORTS), *_messages("About the files", grave, sources))),
         picture=_figure(picture, drawn.kind, _targets(picture, page, asked)),
@@ -107,7 +107,7 @@ def _part(ending: str) -> str:
     return part.read_text(encoding="utf-8")
 
 
-def _words(text: str) -> str:
+def _code_html(text: str) -> str:
     """Return a text as HTML, in which names stand between backticks."""
     return re.sub("`([^`]*)`", r"<code>\1</code>", escape(visible(text)))
 
@@ -183,8 +183,8 @@ def _messages(heading: str, messages: Sequence[Diagnostic], sources: _Sources) -
         yield f'<section aria-labelledby="{name}"><h2 id="{name}">{heading}</h2><ul>'
         for each in messages:
             place = sources.link(each.span, f"{sources.name(each.span.path)}:{each.span.line}")
-            help_text = f"; {_words(each.help)}" if each.help else ""
-            yield f"<li>{place} {each.severity}: {_words(each.message)}{help_text}</li>"
+            help_text = f"; {_code_html(each.help)}" if each.help else ""
+            yield f"<li>{place} {each.severity}: {_code_html(each.message)}{help_text}</li>"
         yield "</ul></section>"
 
 
@@ -230,7 +230,7 @@ class _Topics(NamedTuple):
             sign += f'<span class="severity">{topic.severity}</span> '
         account = topic.account
         answer = account.answer if account is not None else None
-        text = f": {_words(answer.rstrip('.'))}." if answer else ""
+        text = f": {_code_html(answer.rstrip('.'))}." if answer else ""
         name = f"<b>{escape(visible(topic.name))}</b>"
         if topic.name in self.muxes:
             name += f", which <code>{escape(visible(self.muxes[topic.name]))}</code> realises"
@@ -242,12 +242,12 @@ class _Topics(NamedTuple):
         if account is not None:
             yield '<ul class="lines">'
             for cited in account.cites:
-                label = f" {_words(cited.label)}" if cited.label else ""
+                label = f" {_code_html(cited.label)}" if cited.label else ""
                 line = escape(visible(line_at(cited.span)))
                 link = self.sources.link(cited.span, cited.place)
                 yield f"<li>{link} <code>{line}</code>{label}</li>"
             yield "</ul>"
-            yield from (f"<p>{_words(note)}</p>" for note in account.notes)
+            yield from (f"<p>{_code_html(note)}</p>" for note in account.notes)
         elif not isinstance(topic.trace, Unexplained):
             lines = traces_text([(topic.title, topic.trace)], line_at)
             shown = "\n".join(escape(visible(line)) for line in list(lines)[1:])

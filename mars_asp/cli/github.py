@@ -33,10 +33,10 @@ def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
                 properties["endLine"] = span.end_line
         properties["title"] = found.kind or found.code
         told = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
-        yield f"::{_COMMANDS[found.severity]} {told}::{_message(_text(result))}"
+        yield f"::{_COMMANDS[found.severity]} {told}::{_message(_annotation_text(result))}"
 
 
-def _text(result: Result) -> str:
+def _annotation_text(result: Result) -> str:
     found = result.diagnostic
     place = "" if result.has_file else f"{found.span.path}: "
     help_text = found.help and f"help: {found.help}"

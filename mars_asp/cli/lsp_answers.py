@@ -120,7 +120,7 @@ def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespa
 # ---- Robots --------------------------------------------------------------------------------------
 
 
-def _check(question: Question, options: argparse.Namespace) -> CheckedFile:
+def _answer_check(question: Question, options: argparse.Namespace) -> CheckedFile:
     """Answer what `mars-asp check` finds."""
     arguments = _call("check", question.path, options)
     # So that findings are kept, and no repairs are looked for.
@@ -137,7 +137,7 @@ def _check(question: Question, options: argparse.Namespace) -> CheckedFile:
         for each in results
         if each.hidden is None
     )
-    return CheckedFile(findings, _robot(seen[0], files) if seen else None)
+    return CheckedFile(findings, _editor_robot(seen[0], files) if seen else None)
 
 
 def _source(question: Question, options: argparse.Namespace) -> CheckedFile:
@@ -147,11 +147,11 @@ def _source(question: Question, options: argparse.Namespace) -> CheckedFile:
     findings = tuple(files.finding(each) for each in found.diagnostics)
     text = files.text(question.path)
     own = OpenFile(question.path, "", outline(question.path, text.written).mentions if text else ())
-    described = {each.name: _described(each, files) for each in found.modules}
+    described = {each.name: _module_description(each, files) for each in found.modules}
     return CheckedFile(findings, EditorRobot(question.path, (own,), described))
 
 
-def _robot(project: Project, files: EditorFiles) -> EditorRobot:
+def _editor_robot(project: Project, files: EditorFiles) -> EditorRobot:
     configuration = project.configuration
     described = {**project.modules, **{each.name: each for each in configuration.declared}}
     own = tuple(_configurations(configuration.path, "", files))
@@ -162,7 +162,7 @@ def _robot(project: Project, files: EditorFiles) -> EditorRobot:
         text = files.text(path) if path not in read else None
         if text is not None:
             found.append(OpenFile(path, "", outline(path, text.written).mentions))
-    modules = {name: _described(module, files) for name, module in described.items()}
+    modules = {name: _module_description(module, files) for name, module in described.items()}
     return EditorRobot(os.path.abspath(configuration.path), (*own, *found), modules)  # noqa: PTH100
 
 
@@ -177,7 +177,7 @@ def _configurations(path: str, prefix: str, files: EditorFiles) -> Iterator[Open
         yield from _configurations(inner, behind(prefix, each.name) if each.name else prefix, files)
 
 
-def _described(module: Module, files: EditorFiles) -> Described:
+def _module_description(module: Module, files: EditorFiles) -> Described:
     lines = tuple(module_lines(module))
     services = [files.place(each.span) for each in module.services]
     nowhere = Place(files.root, _START)
@@ -247,10 +247,10 @@ def _survey(question: Question, options: argparse.Namespace) -> Survey | Failed:
                 subject = title.partition("(")[2].removesuffix(")")
                 subject = ports.get(subject, subject)
                 nodes.setdefault(subject, {})[node] = None
-    return Survey(_listed(about), None if nodes is None else _listed(nodes))
+    return Survey(_as_tuples(about), None if nodes is None else _as_tuples(nodes))
 
 
-def _listed(found: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
+def _as_tuples(found: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
     return {name: tuple(each) for name, each in found.items()}
 
 
@@ -343,7 +343,7 @@ def _format(question: Question, options: argparse.Namespace) -> str | Failed:
 
 
 _ANSWERS: Mapping[Sort, Callable[[Question, argparse.Namespace], Any]] = {
-    "check": _check,
+    "check": _answer_check,
     "source": _source,
     "survey": _survey,
     "trace": _trace,

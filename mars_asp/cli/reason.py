@@ -194,7 +194,7 @@ def _parse(
     Raises:
         MarsError: what is wrong with the file.
     """
-    files = [_read(arguments, path, text), *(_read(arguments, each) for each in further)]
+    files = [_read_file(arguments, path, text), *(_read_file(arguments, each) for each in further)]
     first = files[0]
     ours = [file for file in files if file.format == "mars"]
     if not ours:
@@ -213,7 +213,7 @@ def _parse(
     return parse_text(first.text, path), first.text, None
 
 
-def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> ForeignFile:
+def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None) -> ForeignFile:
     """Read a file, if that was not done, and see which format it is in.
 
     Raises:
@@ -385,7 +385,7 @@ def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
     if not os.path.exists(path):  # noqa: PTH110 -- never raises
         return False
     try:
-        return _read(arguments, path).format != "mars"
+        return _read_file(arguments, path).format != "mars"
     except MarsError:
         return False
 

@@ -57,7 +57,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
         print(encoded({"subject": subject, "repairs": [repair_json(r) for r in found]}))
     else:
         coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
-        for line in _text(found, coloured, width, foreign=is_foreign):
+        for line in _repair_text(found, coloured, width, foreign=is_foreign):
             print(line)
     if any(repair.late for repair in found):
         print("mars-asp: the time limit ended the search", file=sys.stderr)
@@ -65,7 +65,9 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     return int(any(consequence.severity == "error" for consequence in shown))
 
 
-def _text(found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: bool) -> Iterator[str]:
+def _repair_text(
+    found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: bool
+) -> Iterator[str]:
     if not found:
         yield "nothing to repair"
     printed: dict[tuple[LineEdit, ...], str] = {}
@@ -129,12 +131,12 @@ def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> It
         are = "is" if mend.errors == 1 else "are"
         yield f"{_BELOW}{counted(mend.errors, 'other error')} {are} left"
     elif mend.spent is not None:
-        costs = spent(_costs(mend.spent))
+        costs = spent(_costs_by_name(mend.spent))
         told = f"then there is a specification of {costs}" if costs else _NOTHING_LEFT
         yield from wrapped(told, width, _BELOW, _BELOW)
 
 
-def _costs(spent: Mapping[int, int]) -> dict[str, int]:
+def _costs_by_name(spent: Mapping[int, int]) -> dict[str, int]:
     return {name: spent.get(level, 0) for name, level in COSTS.items()}
 
 
@@ -160,7 +162,7 @@ def mend_json(mend: Mend) -> dict[str, object]:
             *(_remark_json(remark) for remark in mend.remarks),
         ],
         "errors_left": mend.errors,
-        "cost": None if mend.spent is None else _costs(mend.spent),
+        "cost": None if mend.spent is None else _costs_by_name(mend.spent),
     }
 
 

@@ -241,8 +241,8 @@ def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[s
     """Yield the lines of files that a diagnostic is about, each marked where that is."""
     most = _MOST_UNREAD if diagnostic.code == NOT_READ else _MOST_PLACES
     places = [(diagnostic.span, ""), *diagnostic.labels[:most]]
-    shown = [_quoted(diagnostic.span, diagnostic.excerpt)]
-    shown += [_quoted(span) for span, _ in places[1:]]
+    shown = [_quote_line(diagnostic.span, diagnostic.excerpt)]
+    shown += [_quote_line(span) for span, _ in places[1:]]
     numbers = [span.line for (span, _), line in zip(places, shown, strict=True) if line]
     margin = len(str(max(numbers, default=0)))
     last = (diagnostic.span.path, 0)
@@ -291,7 +291,7 @@ def _mark(
             yield f"{gutter} {paint(text, style, coloured)}"
 
 
-def _quoted(span: Span, excerpt: str | None = None) -> _QuotedLine | None:
+def _quote_line(span: Span, excerpt: str | None = None) -> _QuotedLine | None:
     """Return the line at a place as it is shown; nothing where it is empty or cannot be read."""
     line = (whole_line(span) if excerpt is None else excerpt).rstrip("\r\n")
     if not line.strip():

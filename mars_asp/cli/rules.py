@@ -146,7 +146,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(encoded([rule_json(rule) for rule in found_rules]))
     else:
         installed = () if arguments.stage else _listed_packs()
-        print("\n\n".join([*(_listed(rulebook, stage) for stage in stages), *installed]))
+        print("\n\n".join([*(_stage_list(rulebook, stage) for stage in stages), *installed]))
     return 0
 
 
@@ -203,7 +203,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
     Raises:
         MarsError: there is none of these.
     """
-    found = _named(rulebook, name)
+    found = _find_named(rulebook, name)
     if isinstance(found, InputCode):
         hint = "`--ignore` hides it." if found.can_be_ignored else "It cannot be ignored."
         return f"## {name}\n\n{found.meaning}\n\n{hint}"
@@ -251,7 +251,7 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
     Raises:
         MarsError: there is no such rule, predicate or file.
     """
-    found = _named(rulebook, name)
+    found = _find_named(rulebook, name)
     if isinstance(found, InputCode):
         return {"code": name, **asdict(found)}
     if isinstance(found, Rule):
@@ -293,7 +293,7 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
     return None
 
 
-def _named(
+def _find_named(
     rulebook: Rulebook, name: str
 ) -> Rule | Kind | InputCode | tuple[Declaration, ...] | str:
     """Return the rule of an id, a kind, predicates, the path of a file, or a code of the input.
@@ -333,7 +333,7 @@ def _near(name: str, known: Collection[str]) -> str | None:
     return next(behind, None) or nearest(name, known)
 
 
-def _listed(rulebook: Rulebook, stage: str) -> str:
+def _stage_list(rulebook: Rulebook, stage: str) -> str:
     rules = tuple(speaking(rulebook, stage))
     width = max((len(rule.id) for rule in rules), default=0)
     lines = [

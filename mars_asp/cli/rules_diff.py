@@ -61,7 +61,7 @@ def print_changes(pack: str, files: Sequence[str], arguments: argparse.Namespace
         listed = [{"path": each.path, **difference_json(each.found)} for each in compared]
         print(encoded({"pack": pack, "configurations": listed}))
     else:
-        for line in _text(compared):
+        for line in _difference_text(compared):
             print(visible(line))
     return max(status, int(any(each.found.has_new_errors for each in compared)))
 
@@ -77,10 +77,10 @@ def _examples() -> tuple[str, ...]:
     return tuple(str(p.relative_to(here) if p.is_relative_to(here) else p) for p in found)
 
 
-def _text(compared: Iterable[_Compared]) -> Iterator[str]:
+def _difference_text(compared: Iterable[_Compared]) -> Iterator[str]:
     same = 0
     for each in compared:
-        lines = [*_changes(each.found), *_costs(each.found)]
+        lines = [*_changes(each.found), *_cost_lines(each.found)]
         same += not lines
         if lines:
             yield f"{each.path}:"
@@ -97,7 +97,7 @@ def _changes(found: Difference) -> Iterator[str]:
         yield f"{node.how} {node.item.name}"
 
 
-def _costs(found: Difference) -> Iterator[str]:
+def _cost_lines(found: Difference) -> Iterator[str]:
     if found.old is None or found.new is None:
         if found.old is not found.new:
             yield f"a specification {'appeared' if found.old is None else 'vanished'}"

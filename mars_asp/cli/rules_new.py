@@ -116,11 +116,15 @@ def new_pack(topic: str, rulebook: Rulebook) -> tuple[str, ...]:
     kind = topic.replace("-", "_")
     folder = Path(topic)
     if not _TOPIC.fullmatch(topic):
-        raise _refused(topic, f"`{topic}` cannot be a name", "write small letters, digits and `-`")
+        raise _topic_error(
+            topic, f"`{topic}` cannot be a name", "write small letters, digits and `-`"
+        )
     if folder.exists() or folder.is_symlink():
-        raise _refused(topic, f"`{topic}` is there already", "choose another name, or remove it")
+        raise _topic_error(
+            topic, f"`{topic}` is there already", "choose another name, or remove it"
+        )
     if kind in consequence_kinds(rulebook) or topic == "mars-asp":
-        raise _refused(topic, f"`{kind}` is a name of ours", "choose another name")
+        raise _topic_error(topic, f"`{kind}` is a name of ours", "choose another name")
     names = {"topic": topic, "kind": kind, "title": topic.replace("-", " ").capitalize()}
     written = []
     try:
@@ -131,10 +135,10 @@ def new_pack(topic: str, rulebook: Rulebook) -> tuple[str, ...]:
             written.append(str(place))
     except OSError as error:
         told = f"`{topic}` cannot be written: {error.strerror or error}"
-        raise _refused(topic, told, "choose a folder that you may write to") from None
+        raise _topic_error(topic, told, "choose a folder that you may write to") from None
     return tuple(written)
 
 
-def _refused(topic: str, message: str, advice: str) -> MarsError:
+def _topic_error(topic: str, message: str, advice: str) -> MarsError:
     place = whole_file(topic)
     return MarsError((Diagnostic("usage", "error", message, place, help=advice),))

@@ -35,9 +35,9 @@ def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | 
     )
     title = f"{title}: {run['verdict']}"
     body = Template(page).substitute(
-        title=_shown(title),
+        title=_html_text(title),
         verdict=_verdict(run),
-        summary=_shown(_summary(run)),
+        summary=_html_text(_summary(run)),
         replay=f'<p><a href="{escape(replay)}">Play it</a></p>' if replay else "",
         sections="\n".join(_sections(run)),
         picture=picture,
@@ -62,7 +62,7 @@ def _verdict(run: Mapping[str, Any]) -> str:
     )
     if not state:
         which += f": {', '.join(names)}"
-    return f'<p class="verdict {kind}">{sign} {kind.capitalize()}: {_shown(which)}</p>'
+    return f'<p class="verdict {kind}">{sign} {kind.capitalize()}: {_html_text(which)}</p>'
 
 
 def _summary(run: Mapping[str, Any]) -> str:
@@ -77,9 +77,9 @@ def _summary(run: Mapping[str, Any]) -> str:
 
 def _sections(run: Mapping[str, Any]) -> Iterator[str]:
     requirements = [(_HOLDS[r["holds"]], r["name"], r["message"]) for r in run["requirements"]]
-    yield from _table("Requirements", ("", "requirement", ""), requirements)
+    yield from _html_table("Requirements", ("", "requirement", ""), requirements)
     warnings = [(each["kind"], each["message"]) for each in run["warnings"]]
-    yield from _table("Warnings", ("kind", ""), warnings)
+    yield from _html_table("Warnings", ("kind", ""), warnings)
     shares = sorted(run["control_time"].items(), key=lambda share: -share[1])
     times = [
         (name, f"{seconds:.2f} s", f"{100 * seconds / run['seconds']:.1f} %")
@@ -87,23 +87,25 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
     ]
     if len(run["robots"]) > 1:
         heads = ("robot", "contacts", "least clearance", "driven", "place to reach", "obeyed")
-        yield from _table("Robots", heads, [_robot(each, run["seconds"]) for each in run["robots"]])
-    yield from _table("In control", ("controller", "time", "share"), times)
+        yield from _html_table(
+            "Robots", heads, [_robot_cells(each, run["seconds"]) for each in run["robots"]]
+        )
+    yield from _html_table("In control", ("controller", "time", "share"), times)
     winners: dict[str, list[Row]] = {}
     for held in run["control"]:
         row = held["seconds"], held["holder"] or "no controller", held["why"]
         winners.setdefault(held["node"], []).append(row)
     for node, rows in winners.items():
         told = [(f"{since:.3f} s", holder, why) for since, holder, why in in_turn(rows)]
-        yield from _table(f"Who won at {node}", ("from", "winner", "because"), told)
+        yield from _html_table(f"Who won at {node}", ("from", "winner", "because"), told)
     failures = [
         (each["name"], f"{each['count']} times", f"first at {each['seconds']:g} s: {each['first']}")
         for each in run["failures"]
     ]
-    yield from _table("Failures", ("behaviour", "", ""), failures)
+    yield from _html_table("Failures", ("behaviour", "", ""), failures)
 
 
-def _robot(robot: Mapping[str, Any], seconds: float) -> tuple[str, ...]:
+def _robot_cells(robot: Mapping[str, Any], seconds: float) -> tuple[str, ...]:
     """Return the cells of a robot: what it touched, and whom it obeyed for which share of time."""
     struck = robot["collisions"]
     contacts = f"{len(struck)}, first at {struck[0]['seconds']:.2f} s" if struck else "none"
@@ -119,19 +121,19 @@ def _robot(robot: Mapping[str, Any], seconds: float) -> tuple[str, ...]:
     return robot["name"], contacts, near, f"{robot['driven_mm']:.0f} mm", place, obeyed
 
 
-def _table(title: str, heads: Iterable[str], rows: Sequence[Iterable[str]]) -> Iterator[str]:
+def _html_table(title: str, heads: Iterable[str], rows: Sequence[Iterable[str]]) -> Iterator[str]:
     if not rows:
         return
-    yield f"<section><h2>{_shown(title)}</h2><table><thead><tr>"
+    yield f"<section><h2>{_html_text(title)}</h2><table><thead><tr>"
     yield "".join(f'<th scope="col">{head}</th>' if head else "<td></td>" for head in heads)
     yield "</tr></thead><tbody>"
     for row in rows[:MOST_ROWS]:
-        yield f"<tr>{''.join(f'<td>{_shown(cell)}</td>' for cell in row)}</tr>"
+        yield f"<tr>{''.join(f'<td>{_html_text(cell)}</td>' for cell in row)}</tr>"
     yield "</tbody></table>"
     if len(rows) > MOST_ROWS:
         yield f"<p>These are the first {MOST_ROWS} of {len(rows)}; `--format json` has all.</p>"
     yield "</section>"
 
 
-def _shown(text: str) -> str:
+def _html_text(text: str) -> str:
     return escape(visible(str(text)))

@@ -127,7 +127,7 @@ def _links(trial: "Trial") -> "Table":
         )
         for link in links_json(trial)
     )
-    return _table(("link", "asked Hz", "got Hz", "oldest ms", "dropped"), rows)
+    return _text_table(("link", "asked Hz", "got Hz", "oldest ms", "dropped"), rows)
 
 
 def _controllers(trial: "Trial") -> "Table":
@@ -140,10 +140,10 @@ def _controllers(trial: "Trial") -> "Table":
         (name, f"{100 * times.get(name, 0.0) / duration:.1f} %", str(suppressed[name]))
         for name in sorted({*times, *suppressed})
     )
-    return _table(("controller", "in control", "suppressed"), rows)
+    return _text_table(("controller", "in control", "suppressed"), rows)
 
 
-def _table(heads: tuple[str, ...], rows: Any) -> "Table":
+def _text_table(heads: tuple[str, ...], rows: Any) -> "Table":
     from rich.table import Table
     from rich.text import Text
 

@@ -57,7 +57,7 @@ def _invocation(results: Iterable[Result], status: int) -> _Json:
     wrong = [
         {
             "level": each.diagnostic.severity,
-            "message": {"text": _marked(_told(each))},
+            "message": {"text": _marked(_message_text(each))},
             "descriptor": {"id": each.diagnostic.code},
         }
         for each in results
@@ -72,7 +72,7 @@ def _descriptor(code: str, first: Result) -> _Json:
     level = {"defaultConfiguration": {"level": first.diagnostic.severity}}
     if first.consequence is None:
         # GitHub asks for a description and for help of each.
-        short, advice = plain_text(_words(code)), first.diagnostic.help or _HELP_OF_CHECKS
+        short, advice = plain_text(_spaced_words(code)), first.diagnostic.help or _HELP_OF_CHECKS
         return {
             "id": code,
             "shortDescription": {"text": short},
@@ -84,8 +84,8 @@ def _descriptor(code: str, first: Result) -> _Json:
     return {
         "id": code,
         "name": kind,
-        "shortDescription": {"text": plain_text(_words(kind))},
-        "fullDescription": {"text": plain_text(rule.why or _words(kind))},
+        "shortDescription": {"text": plain_text(_spaced_words(kind))},
+        "fullDescription": {"text": plain_text(rule.why or _spaced_words(kind))},
         "help": _help(kind, rule),
         **level,
         "properties": {"kind": kind, "command": f"mars-asp rules show {kind}"},
@@ -94,7 +94,7 @@ def _descriptor(code: str, first: Result) -> _Json:
 
 def _help(kind: str, rule: Rule) -> _Json:
     """Return what to do, as text and as Markdown, with the words that it fills in left open."""
-    what = _unfilled(rule.because) or _words(kind)
+    what = _unfilled(rule.because) or _spaced_words(kind)
     advice = _unfilled(rule.help)
     show = f"`mars-asp rules show {rule.id}` explains it."
     hide = f"To hide it: `mars: ignore[{kind}] reason` in a comment at the end of its line."
@@ -109,7 +109,7 @@ def _unfilled(text: str | None) -> str | None:
     return text and HOLE.sub(lambda match: match[1] or "...", text)
 
 
-def _words(name: str) -> str:
+def _spaced_words(name: str) -> str:
     return re.sub("[-_/]", " ", name)
 
 
@@ -119,7 +119,7 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
         "ruleId": found.code,
         "ruleIndex": numbers[found.code],
         "level": found.severity,
-        "message": {"text": _marked(_told(result))},
+        "message": {"text": _marked(_message_text(result))},
         "locations": [_location(found.span)] if result.has_file else [],
     }
     if found.labels and result.has_file:
@@ -153,7 +153,7 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
     return entry
 
 
-def _told(result: Result) -> str:
+def _message_text(result: Result) -> str:
     """Return what was found, what will happen and what to do, after what it is about."""
     found = result.diagnostic
     text = plain_text(found.message, found.effect, found.help and f"help: {found.help}")

@@ -37,20 +37,20 @@ class _Schema(argparse.Action):
 
 def explain_schema(written: str) -> str:
     """Return the JSON Schema of one of the `FORMATS`."""
-    return _text(f"explain.{written}")
+    return _schema_text(f"explain.{written}")
 
 
 def check_schema() -> str:
     """Return the JSON Schema of the document of `check`."""
-    return _text("check")
+    return _schema_text("check")
 
 
 def campaign_schema() -> str:
     """Return the JSON Schema of a line of a campaign."""
-    return _text("campaign")
+    return _schema_text("campaign")
 
 
-def _text(name: str) -> str:
+def _schema_text(name: str) -> str:
     from importlib.resources import files
 
     schema = files("mars_asp.cli") / f"{name}.schema.json"

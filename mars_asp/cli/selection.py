@@ -242,7 +242,7 @@ class Selection:
         """
         path = Path(project.configuration.path)
         choice = self._choice(path if path.is_dir() else path.parent)
-        files = _files(project)
+        files = _files_of_project(project)
         self._read |= files
         return choice, tuple(_ignores(project, files))
 
@@ -451,7 +451,7 @@ def _remark(message: str, span: Span, advice: str) -> Diagnostic:
     return Diagnostic("unused-ignore", "warning", message, span, help=advice)
 
 
-def _files(project: Project) -> set[str]:
+def _files_of_project(project: Project) -> set[str]:
     """Return the files of which something is in a project."""
     configuration = project.configuration
     placed = (

@@ -66,7 +66,9 @@ class Settings(NamedTuple):
             check_walls(named, self.path)
         except WallError as error:
             message = f"`{named}`: {error.strerror}"
-            raise MarsError([_wrong(self, message, *key, help_text=error.advice)]) from None
+            raise MarsError(
+                [_settings_error(self, message, *key, help_text=error.advice)]
+            ) from None
 
     def packs(self) -> list[Path]:
         """Return the rule packs, paths or installed ones.
@@ -116,7 +118,7 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
         return settings_for(folder)
     file = Path(arguments.config)
     table = _TABLE if file.name == _SHARED else ()
-    return _read(os.path.relpath(file), _settings_text(file), table)
+    return _read_settings(os.path.relpath(file), _settings_text(file), table)
 
 
 def settings_for(folder: Path) -> Settings:
@@ -129,10 +131,10 @@ def settings_for(folder: Path) -> Settings:
     for place in (here, *here.parents):
         own, shared = place / _OWN, place / _SHARED
         if os.path.isfile(own):  # noqa: PTH113 -- false where a folder may not be entered
-            return _read(os.path.relpath(own), _settings_text(own), ())
+            return _read_settings(os.path.relpath(own), _settings_text(own), ())
         # Most projects have one, and few say anything of robots.
         if os.path.isfile(shared) and re.search(_NAMED, text := _settings_text(shared)):  # noqa: PTH113
-            found = _read(os.path.relpath(shared), text, _TABLE)
+            found = _read_settings(os.path.relpath(shared), text, _TABLE)
             if found is not NO_SETTINGS:
                 return found
     return NO_SETTINGS
@@ -144,7 +146,7 @@ def _settings_text(path: Path) -> str:
 
 
 @lru_cache(maxsize=8)
-def _read(path: str, text: str, table: tuple[str, ...]) -> Settings:
+def _read_settings(path: str, text: str, table: tuple[str, ...]) -> Settings:
     """Return the settings of a text; `path` is relative, as people know their files."""
     from mars_asp.language.toml_text import read_tables
 
@@ -155,7 +157,7 @@ def _read(path: str, text: str, table: tuple[str, ...]) -> Settings:
         return NO_SETTINGS
     where = Settings(path=path, text=text, table=table)
     if not isinstance(values, Mapping):
-        raise MarsError([_wrong(where, "`tool.mars-asp` must be a table")])
+        raise MarsError([_settings_error(where, "`tool.mars-asp` must be a table")])
     problems = list(_problems(where, values))
     if problems:
         raise MarsError(problems)
@@ -177,19 +179,23 @@ def _problems(where: Settings, values: Mapping[str, Any]) -> Iterator[Diagnostic
         if key not in _KEYS:
             near = nearest(key, _KEYS)
             known = f"did you mean `{near}`?" if near else f"one of {', '.join(_KEYS)}"
-            yield _wrong(where, f"`{key}` is not a key of the settings", key, help_text=known)
+            yield _settings_error(
+                where, f"`{key}` is not a key of the settings", key, help_text=known
+            )
         elif key == "baseline":
             if not isinstance(value, str) or not value or "\0" in value:
-                yield _wrong(where, "`baseline` must be the path of a file", key)
+                yield _settings_error(where, "`baseline` must be the path of a file", key)
         elif not isinstance(value, list):
-            yield _wrong(where, f"`{key}` must be a list of {_LISTED[key]}", key)
+            yield _settings_error(where, f"`{key}` must be a list of {_LISTED[key]}", key)
         else:
             for number, each in enumerate(value):
                 if not isinstance(each, str) or "\0" in each:
-                    yield _wrong(where, f"`{key}` lists {_LISTED[key]} as texts", key, number)
+                    yield _settings_error(
+                        where, f"`{key}` lists {_LISTED[key]} as texts", key, number
+                    )
 
 
-def _wrong(
+def _settings_error(
     where: Settings, message: str, *key: str | int, help_text: str | None = None
 ) -> Diagnostic:
     return Diagnostic("settings", "error", message, where.place(*key), help=help_text)

@@ -166,20 +166,20 @@ class _Answer(BaseHTTPRequestHandler):
         ours = self.headers.get("Host") == host
         ours = ours and self.headers.get("Origin", f"http://{host}") == f"http://{host}"
         if ours and secrets.compare_digest(asked, self.server.path.encode()):
-            self._begin("text/html; charset=utf-8", len(self.server.page))
+            self._begin_response("text/html; charset=utf-8", len(self.server.page))
             self.wfile.write(self.server.page)
         elif ours and secrets.compare_digest(asked, f"{self.server.path}events".encode()):
             with self.server.stage.watched() as room:
                 if not room:
                     self.send_error(503)
                     return
-                self._begin("text/event-stream")
+                self._begin_response("text/event-stream")
                 for scene in self.server.stage.scenes():
                     self.wfile.write(b"data: %b\n\n" % scene if scene else b":\n\n")
         else:
             self.send_error(404)
 
-    def _begin(self, kind: str, length: int | None = None) -> None:
+    def _begin_response(self, kind: str, length: int | None = None) -> None:
         self.send_response(200)
         self.send_header("Content-Type", kind)
         if length is not None:

@@ -100,7 +100,7 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing
     order_layers(layers, pairs, [each for each in ranks.values() if len(set(each.values())) > 1])
     place = {vertex: index for layer in layers for index, vertex in enumerate(layer)}
     widths = [width for width, _ in split.sizes]
-    ports = _ports(chains, place, widths)
+    ports = _port_offsets(chains, place, widths)
     pulls: dict[int, list[Pull]] = defaultdict(list)
     for chain, (leaving, arriving) in zip(chains, ports, strict=True):
         last = len(chain) - 2
@@ -197,7 +197,7 @@ def _distance(u: int, v: int, widths: Sequence[float], boxes: int) -> float:
     return (widths[u] + widths[v]) / 2 + (LINES if thin else NEAR)
 
 
-def _ports(
+def _port_offsets(
     chains: Sequence[Sequence[int]], place: Mapping[int, int], widths: Sequence[float]
 ) -> list[tuple[float, float]]:
     """Return, for each chain, how far from the centre it leaves its first and reaches its last."""

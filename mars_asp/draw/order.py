@@ -34,7 +34,7 @@ def order_layers(
     ways = list(product((below, above), (False, True)))
     for begin, turning in ways if sum(map(len, layers)) <= _MOST_SWAPPED else ways[:1]:
         start = [list(layer) for layer in (layers if begin is below else layers[::-1])]
-        _begin(start, begin)
+        _initial_order(start, begin)
         start = start if begin is below else start[::-1]
         tried.append((_sweep(start, below, above, turning, kept), start))
         if not tried[-1][0]:
@@ -79,7 +79,7 @@ def _sweep(
     return fewest
 
 
-def _begin(layers: list[list[int]], below: Mapping[int, list[int]]) -> None:
+def _initial_order(layers: list[list[int]], below: Mapping[int, list[int]]) -> None:
     """Order each layer as a depth-first search from the first layers meets it."""
     met: dict[int, int] = {}
     for layer in list(layers):

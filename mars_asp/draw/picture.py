@@ -121,13 +121,13 @@ def depict(
     conversions = {found.transformer: found for found in configuration.conversions}
     names = dict.fromkeys(name.text for name in configuration.modules)
     for relationship in configuration.relationships:
-        names |= dict.fromkeys(_ends(relationship))
+        names |= dict.fromkeys(_relationship_ends(relationship))
     introduces = configuration.kind == "specification"
-    joined = {name for line in configuration.relationships for name in _ends(line)}
+    joined = {name for line in configuration.relationships for name in _relationship_ends(line)}
     unread = {name.text for name in configuration.opaque}
     boxes = [
         Box(
-            _shown(name),
+            _one_line(name),
             _note(described.get(name), conversions.get(name), classes),
             *(
                 _node(name, configuration)
@@ -153,7 +153,7 @@ def _node(name: str, configuration: Configuration) -> tuple[str | None, str | No
     return kind, None, kind and ("data" if kind.startswith("data") else "control")
 
 
-def _ends(relationship: Relationship) -> tuple[str, str]:
+def _relationship_ends(relationship: Relationship) -> tuple[str, str]:
     match relationship:
         case Mount(mounting, mounted):
             return mounting, mounted
@@ -167,7 +167,7 @@ def _line(
     relationship: Relationship, number: Mapping[str, int], described: Mapping[str, Module]
 ) -> Line:
     outlet = inlet = rank = None
-    tail, head = (number[name] for name in _ends(relationship))
+    tail, head = (number[name] for name in _relationship_ends(relationship))
     kind: LineKind
     match relationship:
         case Mount():
@@ -193,11 +193,11 @@ def _line(
             inlet = ports[1] or _only_port(described.get(relationship.client), inputs)
             label = [" → ".join(dict.fromkeys(port for port in ports if port is not None))]
             if relationship.hz is not None:
-                label.append(_rate(relationship.hz))
+                label.append(_rate_label(relationship.hz))
             elif relationship.mode is not None:
                 label.append(relationship.mode.text)
-    text = _shown(print_relationship(relationship))
-    shown = "\n".join(filter(None, map(_shown, label)))
+    text = _one_line(print_relationship(relationship))
+    shown = "\n".join(filter(None, map(_one_line, label)))
     return Line(kind, tail, head, shown, text, outlet, inlet, rank, relationship.span)
 
 
@@ -232,17 +232,17 @@ def _only_port(
 
 def _note(module: Module | None, conversion: Conversion | None, classes: bool) -> str:
     if conversion is not None:
-        return _shown(f"{conversion.source} → {conversion.target}")
+        return _one_line(f"{conversion.source} → {conversion.target}")
     if module is None:
         return ""
     words = [name.replace("_", " ") for name in module_classes(module)] if classes else []
     return ", ".join([*words, *(["guard"] if module.guard is not None else [])])
 
 
-def _shown(text: str) -> str:
+def _one_line(text: str) -> str:
     return visible(" ".join(text.split()))
 
 
-def _rate(hz: Fraction) -> str:
+def _rate_label(hz: Fraction) -> str:
     words = as_written(hz)
     return words if words.startswith("every") else f"{words} Hz"

@@ -22,7 +22,7 @@ def png_bytes(svg: str, span: Span) -> bytes:
     try:
         from resvg_py import svg_to_bytes  # noqa: PLC0415 -- of the extra `png`
     except ImportError:
-        raise _refused(
+        raise _png_error(
             span,
             "a PNG needs the package `resvg_py`, which is not installed",
             "`pip install 'mars-asp[png]'`, or write an `.svg`",
@@ -30,7 +30,7 @@ def png_bytes(svg: str, span: Span) -> bytes:
     # Without a font that it knows, resvg leaves out text without a word.
     with_letter = svg_to_bytes(svg_string=_LETTER.format(_TEXT))
     if with_letter == svg_to_bytes(svg_string=_LETTER.format("")):
-        raise _refused(
+        raise _png_error(
             span,
             "a PNG needs a sans-serif font, and no known one is installed",
             "install one, such as DejaVu Sans, or write an `.svg`",
@@ -40,5 +40,5 @@ def png_bytes(svg: str, span: Span) -> bytes:
     return bytes(svg_to_bytes(svg_string=svg, zoom=min(_ZOOM, sqrt(_MOST_PIXELS / area))))
 
 
-def _refused(span: Span, message: str, advice: str) -> MarsError:
+def _png_error(span: Span, message: str, advice: str) -> MarsError:
     return MarsError((Diagnostic("png", "error", message, span, help=advice),))

@@ -63,7 +63,7 @@ def _through_muxes(
         arbiters[mux.module] = name
         lines.append(Control(mux.module, name, mux.span, topic=mux.topic))
         if mux.numbers:
-            places[mux.module] = dict(_places(mux, name, name_inner, lines))
+            places[mux.module] = dict(_arbiter_lines(mux, name, name_inner, lines))
     for line in configuration.relationships:
         if isinstance(line, Control) and line.controlled in arbiters:
             here = arbiters[line.controlled], line.priority
@@ -73,7 +73,7 @@ def _through_muxes(
     return lines
 
 
-def _places(
+def _arbiter_lines(
     mux: Muxed | Inner,
     arbiter: str,
     name_inner: Callable[[Inner], str],
@@ -85,7 +85,7 @@ def _places(
     for each in mux.inner:
         within = name_inner(each)
         lines.append(Control(arbiter, within, each.span, each.priority, topic=each.topic))
-        yield from _places(each, within, name_inner, lines)
+        yield from _arbiter_lines(each, within, name_inner, lines)
 
 
 def _with_ends(lines: Iterable[Relationship], names: Mapping[str, str]) -> Iterator[Relationship]:

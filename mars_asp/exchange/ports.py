@@ -18,7 +18,7 @@ def output(name: str, representation: str | None, span: Span, hz: Fraction | Non
     return Service(
         "DataOut",
         span,
-        function=_function("send", name),
+        function=_function_name("send", name),
         output=representation,
         modes=(Mode(mode, text=mode),),
         hz=hz,
@@ -31,7 +31,7 @@ def taken(name: str, representation: str | None, span: Span) -> Service:
     return Service(
         "DataIn",
         span,
-        function=_function("take", name),
+        function=_function_name("take", name),
         inputs=(representation,),
         parameters=(name,),
     )
@@ -39,10 +39,10 @@ def taken(name: str, representation: str | None, span: Span) -> Service:
 
 def commands(name: str, span: Span) -> Service:
     """Return what makes a module one that commands flow through."""
-    return Service("ControlOut", span, function=_function("command", name))
+    return Service("ControlOut", span, function=_function_name("command", name))
 
 
-def _function(verb: str, name: str) -> str:
+def _function_name(verb: str, name: str) -> str:
     """Return a function's name; the verb keeps it from being a word of C++."""
     return f"{verb}_{_OTHER.sub('_', name).strip('_')}"
 

@@ -102,12 +102,12 @@ def configuration_of(graph: Graph) -> MappedGraph:
         for relay in relays
         if relay.hz is not None and relay.source in wiring.commands
     )
-    controls, muxed, ends = _commands(wiring)
+    controls, muxed, ends = _control_lines(wiring)
     modules: dict[str, Name] = {node.name: Name(node.name, node.span) for node in nodes}
     for name in chain(ends, (Name(c.controller, c.span) for c in controls)):
         modules.setdefault(name.text, name)
     loose = _loose_commands(wiring)
-    described = (_described(node, wiring, loose) for node in nodes)
+    described = (_module_of_node(node, wiring, loose) for node in nodes)
     configuration = Configuration(
         graph.path,
         whole_file(graph.path),
@@ -277,7 +277,7 @@ def _dropped(topic: str) -> str | None:
     return "debug topics" if _DEBUG.search(topic) else None
 
 
-def _commands(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[Name]]:
+def _control_lines(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[Name]]:
     """Return who commands whom, the muxes on the way, and the modules that no node is."""
     found: dict[tuple[str, str, int], Control] = {}
     muxed: list[Muxed] = []
@@ -377,7 +377,7 @@ def _loose_commands(wiring: _Wiring) -> _Loose:
     )
 
 
-def _described(node: GraphNode, wiring: _Wiring, loose: _Loose) -> Module | None:
+def _module_of_node(node: GraphNode, wiring: _Wiring, loose: _Loose) -> Module | None:
     """Return the module that a node is, as far as it exchanges data or sends commands.
 
     What only obeys stays undescribed, as no graph says how it moves.

@@ -105,7 +105,13 @@ def read_yaml(
     """
     allows_copies = repeated is not None
     read = partial(
-        _read, text, path, MOST_NODES, begins=begins, allows_copies=allows_copies, merges=merges
+        _read_yaml,
+        text,
+        path,
+        MOST_NODES,
+        begins=begins,
+        allows_copies=allows_copies,
+        merges=merges,
     )
     try:
         root, found = read(yaml.SafeLoader)
@@ -129,16 +135,16 @@ def read_dump(text: str, path: str) -> Node:
     """
     if len(text) > MOST_BYTES_OF_DUMP:
         message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
-        raise _wrong(whole_file(path), message, "give the file of the graph alone")
+        raise _yaml_error(whole_file(path), message, "give the file of the graph alone")
     # The same events some ten times as fast, where PyYAML was built with libyaml.
     loader = _LIBYAML or yaml.SafeLoader
-    root, found = _read(text, path, MOST_NODES_OF_DUMP, loader)
+    root, found = _read_yaml(text, path, MOST_NODES_OF_DUMP, loader)
     if found:
         raise MarsError(map(_twice, found))
     return root
 
 
-def _read(
+def _read_yaml(
     text: str,
     path: str,
     most_nodes: int,
@@ -156,7 +162,7 @@ def _read(
         line, column = before.count("\n"), len(before) - (before.rfind("\n") + 1)
         place = point(path, *reader.at(line, column))
         message = f"character U+{ord(strange[0]):04X} is not allowed in YAML"
-        raise _wrong(place, message, "is this a text file? if so, save it as UTF-8")
+        raise _yaml_error(place, message, "is this a text file? if so, save it as UTF-8")
     try:
         for event in yaml.parse(text, Loader=loader):
             reader.take(event)
@@ -165,11 +171,11 @@ def _read(
         line, column = (0, 0) if mark is None else (mark.line, mark.column)
         place = point(path, *reader.at(line, column))
         said = error.problem or error.context or "it cannot be read"
-        raise _wrong(
+        raise _yaml_error(
             place, f"this is not YAML: {said}", "fix the line, or what is above it"
         ) from None
     if reader.root is None:
-        raise _wrong(point(path, *begins), "the file is empty", "give a file with content")
+        raise _yaml_error(point(path, *begins), "the file is empty", "give a file with content")
     return reader.root, reader.repeated
 
 
@@ -209,14 +215,14 @@ class _YamlReader:
                 self.documents += 1
                 # The parser of parameters of ROS 2 does not mind where a document begins.
                 if self.documents > 1 and not (self.merges and isinstance(self.root, Pairs)):
-                    raise _wrong(
+                    raise _yaml_error(
                         span, "a second document begins here", "give each a file of its own"
                     )
             case yaml.AliasEvent():
                 found = self.anchored.get(event.anchor or "")
                 if found is None:
                     message = f"alias `*{event.anchor}` has no complete anchor above it"
-                    raise _wrong(
+                    raise _yaml_error(
                         span, message, f"write `&{event.anchor}` before the value that it repeats"
                     )
                 self.add(*found, span)
@@ -227,7 +233,7 @@ class _YamlReader:
             case yaml.SequenceStartEvent() | yaml.MappingStartEvent():
                 if len(self.open) == MOST_DEPTH:
                     message = f"lists and maps are nested deeper than {MOST_DEPTH}"
-                    raise _wrong(span, message, "no file of parameters needs that")
+                    raise _yaml_error(span, message, "no file of parameters needs that")
                 is_map = isinstance(event, yaml.MappingStartEvent)
                 self.open.append(_OpenYamlNode(span, is_map, event.anchor))
             case yaml.SequenceEndEvent() | yaml.MappingEndEvent():
@@ -254,7 +260,9 @@ class _YamlReader:
         """Raise for a tag that asks for more than plain values."""
         tag = getattr(event, "tag", None)
         if tag is not None and tag != "!" and tag not in _TAGS | _ANGLES:
-            raise _wrong(span, f"tag `{tag}` is not read", "write the plain value, without a tag")
+            raise _yaml_error(
+                span, f"tag `{tag}` is not read", "write the plain value, without a tag"
+            )
 
     def keep(self, anchor: str | None, node: Node, size: int) -> None:
         """Keep what aliases may stand for."""
@@ -276,7 +284,7 @@ class _YamlReader:
         around.size += size
         if around.size > self.most_nodes:
             message = f"with its aliases the file has more than {self.most_nodes} nodes"
-            raise _wrong(
+            raise _yaml_error(
                 span, message, "write values out instead of aliases, as far as they are needed"
             )
 
@@ -288,7 +296,7 @@ class _YamlReader:
         merged: list[tuple[Scalar, Node]] = []
         for key, value in zip(of.nodes[::2], of.nodes[1::2], strict=True):
             if not isinstance(key, Scalar):
-                raise _wrong(key.span, "a key is a list or a map", "write a word as the key")
+                raise _yaml_error(key.span, "a key is a list or a map", "write a word as the key")
             if key.text == "<<" and not key.quoted:
                 merged += _merged(value)
                 continue
@@ -348,7 +356,7 @@ def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:
     """Yield what a merge key brings in."""
     for each in value.nodes if isinstance(value, Items) else (value,):
         if not isinstance(each, Pairs):
-            raise _wrong(each.span, "`<<` expects a map", "name a map after `<<`")
+            raise _yaml_error(each.span, "`<<` expects a map", "name a map after `<<`")
         yield from each.pairs
 
 
@@ -372,5 +380,5 @@ WHOLE = re.compile(r"[-+]?(?:0|[1-9][0-9]*)")
 DECIMAL = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
 
-def _wrong(span: Span, message: str, help_text: str) -> MarsError:
+def _yaml_error(span: Span, message: str, help_text: str) -> MarsError:
     return MarsError((Diagnostic("yaml", "error", message, span, help=help_text),))

@@ -149,7 +149,7 @@ def _stated_in(rulebook: Rulebook) -> frozenset[Signature]:
     return frozenset((*GIVEN_TO_RUNS, *own))
 
 
-def _stated(trial: Trial, rulebook: Rulebook) -> tuple[Fact, ...]:
+def _configuration_facts(trial: Trial, rulebook: Rulebook) -> tuple[Fact, ...]:
     """Return the facts of the configuration that rules on a run are given."""
     plan = trial.executor.plan
     project = with_brought(Project(plan.configuration, plan.modules, ()), rulebook.brought)
@@ -159,8 +159,8 @@ def _stated(trial: Trial, rulebook: Rulebook) -> tuple[Fact, ...]:
 def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
     """Return every requirement with its verdict."""
     rulebook = rulebook or run_rulebook()
-    facts = (*run_facts(trial), *_stated(trial, rulebook))
-    return judge_facts(facts, tuple(_asked(trial)), rulebook, trial.scenario.span)
+    facts = (*run_facts(trial), *_configuration_facts(trial, rulebook))
+    return judge_facts(facts, tuple(_judged_parts(trial)), rulebook, trial.scenario.span)
 
 
 def judge_facts(
@@ -188,7 +188,7 @@ def run_facts(trial: Trial) -> Iterator[Fact]:
     """Yield what `rules/run` is given about a run: what was stated, and what was observed."""
     facts = tuple(_facts(trial))
     yield from facts
-    yield from _written(facts)
+    yield from _written_numbers(facts)
 
 
 def _facts(trial: Trial) -> Iterator[Fact]:
@@ -201,7 +201,7 @@ def _facts(trial: Trial) -> Iterator[Fact]:
         yield _seen("failed", name, failures.count, *first)
     scenario = trial.scenario
     asked = scenario.requirements
-    for name in _asked(trial):
+    for name in _judged_parts(trial):
         place = next(
             (r.places["reach"] for r in scenario.robots if name in r.places), scenario.span
         )
@@ -213,10 +213,10 @@ def _facts(trial: Trial) -> Iterator[Fact]:
             if trial.is_active(function):
                 yield _seen("active", function)
         seconds, since = trial.together(first, second)
-        yield _seen("together", first, second, _whole(seconds * 1000), _whole(since * 1000))
+        yield _seen("together", first, second, _rounded(seconds * 1000), _rounded(since * 1000))
     if "coverage" in asked:
-        at_start, covered = (_whole(share * 1000) for share in trial.coverages)
-        yield _seen("coverage", covered, _whole(asked["coverage"] * 1000))
+        at_start, covered = (_rounded(share * 1000) for share in trial.coverages)
+        yield _seen("coverage", covered, _rounded(asked["coverage"] * 1000))
         yield _seen("covered_at_start", at_start)
 
 
@@ -254,7 +254,7 @@ def _robots(trial: Trial) -> Iterator[Fact]:
                 told.add(pair)
                 least, asked = least_approach(body), scenario.requirements["clearance"]
                 numbers = body.clearance, asked, least.at if least else 0.0
-                told_so = (_whole(number * 1000) for number in numbers)
+                told_so = (_rounded(number * 1000) for number in numbers)
                 yield _seen("clearance", body.name, body.beside, *told_so)
     for robot in scenario.robots:
         if robot.reach is not None:
@@ -270,7 +270,7 @@ def _place_facts(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -
     if dist((x, y), robot.start[:2]) <= radius:
         yield _fact(place, "starts_there", robot.name, _place_text(x, y))
     gap = trial.bodies[0].world.without_moving().distance((x, y), 0.0)
-    lengths = (_whole(length * 1000) for length in (gap, radius, robot.radius))
+    lengths = (_rounded(length * 1000) for length in (gap, radius, robot.radius))
     yield _fact(place, "place_gap", robot.name, _place_text(x, y), *lengths)
 
 
@@ -278,13 +278,13 @@ def _missed(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -> Ite
     """Yield by when a robot was to come to its place, and how near it came."""
     scenario = trial.scenario
     within = reach.get("within", scenario.duration)
-    yield _fact(_reach_span(trial, robot), "deadline", robot.name, _whole(within * 1000))
-    ended = _whole(min(within, scenario.duration) * 1000)
+    yield _fact(_reach_span(trial, robot), "deadline", robot.name, _rounded(within * 1000))
+    ended = _rounded(min(within, scenario.duration) * 1000)
     yield _seen("never_reached", robot.name, ended)
     x, y = reach["at"]
     distance, at = trial.nearest(robot)
     # Whole millimetres are as much as a reader wants.
-    told = _whole(round(distance) * 1000), _whole(at * 1000)
+    told = _rounded(round(distance) * 1000), _rounded(at * 1000)
     yield _seen("came_nearest", robot.name, _place_text(x, y), *told)
 
 
@@ -296,7 +296,7 @@ def _place_text(x: float, y: float) -> str:
     return f"({x:g}, {y:g})"
 
 
-def _written(facts: Iterable[Fact]) -> Iterator[Fact]:
+def _written_numbers(facts: Iterable[Fact]) -> Iterator[Fact]:
     """Yield how the numbers of facts are written of which no sort says the unit."""
     numbers: dict[tuple[str, int], None] = {}
     for fact in facts:
@@ -321,17 +321,17 @@ def in_words(unit: str, number: int) -> str:
         return {1: "once", 2: "twice"}.get(number, f"{number} times")
     if unit == GRASP:
         return measured(number, "micrometres")
-    return f"{_plain(number, 3)} {'degrees/s' if unit.startswith('Rotn') else 'mm/s'}"
+    return f"{_decimal_text(number, 3)} {'degrees/s' if unit.startswith('Rotn') else 'mm/s'}"
 
 
-def _plain(number: int, decimals: int) -> str:
+def _decimal_text(number: int, decimals: int) -> str:
     """Return an integer with its point moved to the left, and no zeros at its end."""
     return f"{Decimal(number).scaleb(-decimals).normalize():f}"
 
 
 def failure_text(failures: Failures) -> str:
     """Return the first exception of a module: what, in which line, when, and with what inputs."""
-    told = [f"at {_plain(failures.at // 1000, 6)} s"]
+    told = [f"at {_decimal_text(failures.at // 1000, 6)} s"]
     if failures.raised is not None:
         told.insert(0, "{}:{}".format(*raised_at(failures)))
     if failures.inputs:
@@ -350,7 +350,7 @@ def raised_at(failures: Failures) -> tuple[str | None, int | None]:
     return (shown.name if shown.is_absolute() else shown.as_posix()), line
 
 
-def _asked(trial: Trial) -> Iterator[str]:
+def _judged_parts(trial: Trial) -> Iterator[str]:
     for name, value in trial.scenario.requirements.items():
         if value is not False:
             yield name
@@ -360,11 +360,11 @@ def _asked(trial: Trial) -> Iterator[str]:
 
 def _services(trial: Trial) -> Iterator[Fact]:
     for each in promises(trial):
-        yield _seen("delivered", each.number, _whole(each.delivered))
+        yield _seen("delivered", each.number, _rounded(each.delivered))
         if each.promised is not None:
             link, plan = each.link, trial.executor.plan
             clients = " and ".join(plan.targets_of(link)) or link.client
-            ends = plan.origin_of(link), clients, _whole(each.promised)
+            ends = plan.origin_of(link), clients, _rounded(each.promised)
             yield _fact(link.span, "promised", each.number, *ends)
 
 
@@ -412,14 +412,14 @@ def _contacts(trial: Trial, robot: ScenarioRobot, body: Body) -> Iterator[Fact]:
     commands = tuple(trial.commands(robot))
     starts = [since for since, *_ in commands]
     for at, other in zip(body.contacts, body.struck, strict=True):
-        instant = _whole(at * 1000)
+        instant = _rounded(at * 1000)
         yield _seen("collided", robot.name, other, instant)
         number = bisect_left(starts, at) - 1
         if number < 0:
             continue
         since, until, origin, command = commands[number]
         for function in command:
-            told = _whole(since * 1000), _whole(until * 1000)
+            told = _rounded(since * 1000), _rounded(until * 1000)
             yield _seen("obeyed", robot.name, instant, origin, function, *told)
 
 
@@ -436,10 +436,10 @@ def _limits(trial: Trial) -> Iterator[Fact]:
                 if function not in peaks or abs(rate) > peaks[function][0]:
                     peaks[function] = abs(rate), at // MILLISECOND
         for function, (rate, at) in peaks.items():
-            yield _seen("peak", name, function, _whole(rate * 1000), at)
+            yield _seen("peak", name, function, _rounded(rate * 1000), at)
         for function, rate in trial.limits.get(name, {}).items():
             place = places.get((name, function), trial.scenario.span)
-            yield _fact(place, "limit", name, function, _whole(rate * 1000))
+            yield _fact(place, "limit", name, function, _rounded(rate * 1000))
 
 
 def _functions(trial: Trial) -> Iterator[Fact]:
@@ -453,10 +453,10 @@ def _functions(trial: Trial) -> Iterator[Fact]:
 
 
 def _milliseconds(time: int) -> int:
-    return _whole(time // MILLISECOND)
+    return _rounded(time // MILLISECOND)
 
 
-def _whole(number: float) -> int:
+def _rounded(number: float) -> int:
     """Round to what clingo can hold: beyond 32 bits the greatest stands for more."""
     return int(max(-_MOST, min(_MOST, round(number) if abs(number) < _MOST else number)))
 

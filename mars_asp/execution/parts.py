@@ -32,7 +32,7 @@ def in_parts(
     if not split:
         return replace(specification, declared=()), every
     lines = tuple(
-        each for line in specification.relationships for each in _apart(line, every, split)
+        each for line in specification.relationships for each in _split_lines(line, every, split)
     )
     used = {end for line in lines for end in ends_of(line)}
     parts = dict(every)
@@ -62,7 +62,7 @@ def _has_parts(module: Module) -> bool:
     )
 
 
-def _apart(
+def _split_lines(
     line: Relationship, every: Mapping[str, Module], split: Mapping[str, Mapping[str, int]]
 ) -> Iterator[Relationship]:
     """Yield the lines between parts that a line is split into."""

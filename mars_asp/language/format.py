@@ -113,10 +113,10 @@ class _FormattedLines:
                 if len(gap) == 1:
                     line += space + token.text
                     continue
-                yield _behind(line, gap[0])
+                yield _with_comment(line, gap[0])
                 yield from filter(None, gap[1:])
                 line = token.text
-        yield _behind(line, behind)
+        yield _with_comment(line, behind)
 
     def _gap(self, begin: int, end: int) -> Iterator[str]:
         """Yield what stands between two tokens, line by line; the last line is the token's own."""
@@ -163,7 +163,7 @@ def _filled(tokens: list[Token], spaces: list[str]) -> Iterator[str]:
     return fill(head, [parts[0].removeprefix(head).lstrip(" "), *parts[1:]])
 
 
-def _behind(line: str, comment: str) -> str:
+def _with_comment(line: str, comment: str) -> str:
     return f"{line}  {comment}" if comment else line
 
 
@@ -178,7 +178,7 @@ def _block_line(text: str) -> str:
     verbatim = _VERBATIM.search(code)
     end = verbatim.start() if verbatim else len(code)
     words = " ".join(_WORD.findall(code[:end])) + code[end:].rstrip()
-    return _behind(words, comment[0] if comment else "")
+    return _with_comment(words, comment[0] if comment else "")
 
 
 def _spaced(lines: list[FormattedLine]) -> Iterator[str]:

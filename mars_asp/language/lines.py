@@ -56,7 +56,7 @@ def read_lines(text: str) -> tuple[list[Read], str | None]:
 
     Offsets are those of the text, which is `None` where nothing is left of it.
     """
-    read = [_read(match) for match in _LINE.finditer(text)]
+    read = [_read_match(match) for match in _LINE.finditer(text)]
     at = 0
     pieces: list[str] = []
     for begin, end, _ in read:
@@ -66,7 +66,7 @@ def read_lines(text: str) -> tuple[list[Read], str | None]:
     return read, "".join(pieces) if any(piece.strip() for piece in pieces[::2]) else None
 
 
-def _read(match: re.Match[str]) -> Read:
+def _read_match(match: re.Match[str]) -> Read:
     assert match.lastindex is not None
     rule, groups = _BY_GROUP[match.lastindex]
     begin, end = match.span()

@@ -177,7 +177,7 @@ def parse_text(text: str, path: str) -> Parsed:
     problems += islice(_control_characters(text, path, wrong), MOST_ERRORS)
     if problems:
         raise MarsError(problems)
-    said = _conversions(layout, blocks) if configuration.kind == "specification" else ()
+    said = _read_conversions(layout, blocks) if configuration.kind == "specification" else ()
     configuration = _with_origin(configuration, layout, blocks)
     warnings += tuple(_about_nobody(configuration, stand_ins))
     configuration = replace(
@@ -267,7 +267,7 @@ def _given_up(layout: Layout, base: int) -> Diagnostic:
     )
 
 
-def _conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
+def _read_conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
     """Return what comments of transformers say; those in module blocks are about something else."""
     return tuple(
         Conversion(

@@ -188,7 +188,7 @@ def _block(module: Module) -> Iterator[str]:
         yield "@Guard"
     yield from map(print_attribute, module.attributes)
     for function in module.functions:
-        yield _function(function)
+        yield _function_line(function)
     for vertex in module.vertices:
         yield _vertex(vertex)
     for service in module.services:
@@ -196,7 +196,7 @@ def _block(module: Module) -> Iterator[str]:
     yield "@module_end"
 
 
-def _function(function: Function) -> str:
+def _function_line(function: Function) -> str:
     words = [
         "_" if value is None else print_number(value)
         for value in (function.min, function.max, function.rate)

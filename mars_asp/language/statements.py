@@ -158,7 +158,7 @@ class Builder:
             self._note_word(kind, message, "keep one of the two")
             return
         self._header = (kind, architecture)
-        self._period = self._whole(period, PERIOD)
+        self._period = self._read_integer(period, PERIOD)
         self._header_span = self._span(kind, kind)
 
     def _add_modules(self, children: list["Word | Raw"]) -> None:
@@ -227,8 +227,8 @@ class Builder:
                 str(mounting),
                 str(mounted),
                 self._span(mounting, last),
-                self._whole(vertex, VERTEX),
-                self._whole(on, VERTEX),
+                self._read_integer(vertex, VERTEX),
+                self._read_integer(on, VERTEX),
                 value,
             )
         )
@@ -253,7 +253,7 @@ class Builder:
             assert isinstance(name, Word)
             last = next(t for t in (allocation, hold, priority, name) if isinstance(t, Word))
             begin = controlled if len(controllers) == 1 else name
-            rank = self._whole(priority, PRIORITY)
+            rank = self._read_integer(priority, PRIORITY)
             if len(controllers) > 1:
                 if isinstance(priority, Word):
                     self._note_word(
@@ -291,7 +291,7 @@ class Builder:
                 self._note_offset(written, read)
             else:
                 mode = read
-        hz, stated = self._rate(number)
+        hz, stated = self._read_rate(number)
         if stated is not None and written is None:
             mode = Mode(PERIODIC, text=PERIODIC)
         if stated is not None and mode is not None and mode.name != PERIODIC:
@@ -313,12 +313,12 @@ class Builder:
                 begin, end, f"a blank before `.{port}`", "write `MODULE.PORT` without a blank"
             )
 
-    def _rate(self, child: "Word | Raw | None") -> tuple[Fraction | None, Word | None]:
+    def _read_rate(self, child: "Word | Raw | None") -> tuple[Fraction | None, Word | None]:
         """Return the rate that is stated, and the number that stands there."""
         if isinstance(child, tuple):
             number, unit = child[1]
             assert isinstance(number, Word)
-            period = self._whole(number, PERIODS[str(unit)])
+            period = self._read_integer(number, PERIODS[str(unit)])
             return (None if period is None else every(period, str(unit))), number
         if child is None:
             return None, None
@@ -339,9 +339,9 @@ class Builder:
         return found
 
     def _hold(self, word: "Word | Raw | None") -> Hold | None:
-        return FOREVER if word == FOREVER else self._whole(word, HOLD)
+        return FOREVER if word == FOREVER else self._read_integer(word, HOLD)
 
-    def _whole(self, word: "Word | Raw | None", wanted: NumberRange) -> int | None:
+    def _read_integer(self, word: "Word | Raw | None", wanted: NumberRange) -> int | None:
         found = self._number(word, wanted)
         return None if found is None else int(found)
 

@@ -131,7 +131,7 @@ class Draft:
         for number, others in behind.items():
             if others:
                 self._inserted.setdefault((number, "behind"), [])[:0] = others
-        return tuple(sorted(self._with_inserted(edits), key=_place))
+        return tuple(sorted(self._with_inserted(edits), key=_edit_order))
 
     def _pieces(self) -> dict[int, list[tuple[int, int, str]]]:
         """Return for each line the columns, from 0, that are put otherwise, in their order."""
@@ -225,5 +225,5 @@ def _codec(raw: bytes) -> str:
     return "utf-8"
 
 
-def _place(edit: LineEdit) -> tuple[int, int]:
+def _edit_order(edit: LineEdit) -> tuple[int, int]:
     return edit.line, ("before", None, "behind").index(edit.where)

@@ -39,22 +39,24 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
     deep = _DEEP.search(text)
     if deep is not None:
         line = text.count("\n", 0, deep.start()) + 1
-        raise _wrong(point(path, line, 1), "a key with more than 100 parts", code)
+        raise _toml_error(point(path, line, 1), "a key with more than 100 parts", code)
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
         found = str(error).split(" (at")[0]
-        raise _wrong(point(path, line, column), found, code, "this file is read as TOML") from None
+        raise _toml_error(
+            point(path, line, column), found, code, "this file is read as TOML"
+        ) from None
     except RecursionError:
         where = _match_span(text, _NESTED, path)
-        raise _wrong(where, "its lists and tables are nested too deep", code) from None
+        raise _toml_error(where, "its lists and tables are nested too deep", code) from None
     except ValueError:  # more digits than Python reads
         where = long_number(text, path)
-        raise _wrong(where, "a number with more than 4300 digits", code) from None
+        raise _toml_error(where, "a number with more than 4300 digits", code) from None
     if (unusable := unusable_part(tables)) is not None:
-        raise _wrong(Places(text, path).of(*unusable[0]), unusable[1], code)
+        raise _toml_error(Places(text, path).of(*unusable[0]), unusable[1], code)
     return tables
 
 
@@ -105,7 +107,7 @@ class Places:
         self._pairs(root, ())
         for table in root.named_children:
             if table.type in _TABLES:
-                self._table(table)
+                self._read_table(table)
 
     def of(self, *path: str | int) -> Span:
         """Return the location of a key or list entry; else of the table that would hold it."""
@@ -119,10 +121,10 @@ class Places:
         for count in range(1, len(path)):
             value = self._closed.pop(path[:count], None)
             if value is not None:
-                self._value(value, path[:count])
+                self._read_value(value, path[:count])
         return path in self._stands
 
-    def _value(self, value: "Node", under: Path) -> None:
+    def _read_value(self, value: "Node", under: Path) -> None:
         if value.type == "inline_table":
             self._pairs(value, under)
         entries = value.named_children if value.type == "array" else ()
@@ -135,7 +137,7 @@ class Places:
                 key, value, *_ = pair.named_children  # a comment may follow
                 self._closed[self._keys(key, under)] = value
 
-    def _table(self, table: "Node") -> None:
+    def _read_table(self, table: "Node") -> None:
         """Read a table with a header, which may be one more of its name."""
         under = self._keys(table.named_children[0], ())
         if table.type == "table_array_element":
@@ -147,7 +149,7 @@ class Places:
     def _keys(self, written: "Node", under: Path) -> Path:
         """Return the path of a key below a table; the first location of each part is noted."""
         path = under
-        for part in _parts(written):
+        for part in _key_parts(written):
             # What is below a name of several tables is in the last of them.
             path = (*path, self._begun[path]) if path in self._begun else path
             path = (*path, _meant(part))
@@ -161,7 +163,7 @@ class Places:
         return point(self._path, line + 1, len(before) + 1)
 
 
-def _parts(key: "Node") -> Iterable["Node"]:
+def _key_parts(key: "Node") -> Iterable["Node"]:
     """Return the first parts of a key, whose node holds all but the last in another node."""
     found: list[Node] = []
     while key.type == "dotted_key":
@@ -184,5 +186,5 @@ def _unescaped(match: re.Match[str]) -> str:
     return chr(int(code, 16)) if code else _CONTROL.get(match[3], match[3])
 
 
-def _wrong(span: Span, message: str, code: str, help_text: str | None = None) -> MarsError:
+def _toml_error(span: Span, message: str, code: str, help_text: str | None = None) -> MarsError:
     return MarsError([Diagnostic(code, "error", message, span, help=help_text)])

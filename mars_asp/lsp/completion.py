@@ -140,7 +140,7 @@ def _statement(scene: DocumentContext, before: str) -> Iterator[Completion]:
     done = words if is_ended else words[:-1]
     port = _PORT.search(code)
     if port is not None:
-        yield from _ports(scene, plain(port["module"]), any(verb in done for verb in VERBS))
+        yield from _port_items(scene, plain(port["module"]), any(verb in done for verb in VERBS))
     elif not done:
         yield from _keywords("@configuration", "@specification", "@modules", "@sources", "@include")
         yield from _keywords(*ANNOTATED_BLOCK, of=ANNOTATIONS)
@@ -211,7 +211,7 @@ def _within(prefix: str, name: str) -> str | None:
     return None
 
 
-def _ports(scene: DocumentContext, module: str, is_output: bool) -> Iterator[Completion]:
+def _port_items(scene: DocumentContext, module: str, is_output: bool) -> Iterator[Completion]:
     for robot in scene.robots:
         for file in robot.files:
             if file.path == scene.here.text.path:

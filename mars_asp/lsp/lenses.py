@@ -32,14 +32,14 @@ def lenses(scene: DocumentContext) -> Iterator[Lens]:
                 if each.role not in ("listed", "annotated"):
                     continue
                 name = file.name_of(each)
-                title = _told(robot, name)
+                title = _lens_title(robot, name)
                 if title:
                     yield Lens(f"{each.name}: {title}", each.range, robot.path, name)
             # A file that is included twice has its names once.
             break
 
 
-def _told(robot: EditorRobot, name: str) -> str:
+def _lens_title(robot: EditorRobot, name: str) -> str:
     parts = []
     about = len(robot.consequences.get(name, ()))
     if about:

@@ -140,7 +140,7 @@ def _of_configuration(text: Text) -> DocumentOutline:
     begin = 0
     for piece in layout.grammatical.split("\n"):
         if piece and not piece.isspace():
-            found += (_mention(text, layout, begin, each) for each in _named(piece))
+            found += (_mention(text, layout, begin, each) for each in _modules_of_statement(piece))
             match = _HEADER.match(piece) if header is None else None
             if match is not None:
                 header = _range(text, layout, begin + match.start(1), begin + match.end(1))
@@ -183,7 +183,7 @@ def _in_comments(text: Text, layout: Layout) -> Iterator[Occurrence]:
 
 
 @lru_cache(maxsize=1 << 14)
-def _named(statement: str) -> tuple[_Named, ...]:
+def _modules_of_statement(statement: str) -> tuple[_Named, ...]:
     """Return the modules of a statement; an edit leaves nearly all statements as they are."""
     layout = Layout("", statement, statement, (0,))
     tokens = tokens_of(layout, 0, len(statement))

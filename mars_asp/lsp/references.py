@@ -23,7 +23,7 @@ def definition(scene: DocumentContext, position: Position) -> tuple[Place, ...]:
         return tuple(_file_at(scene, position))
     port = mention.port
     if port is not None and port.range.holds(position):
-        return tuple(dict.fromkeys(_ports(scene, mention)))
+        return tuple(dict.fromkeys(_port_places(scene, mention)))
     same = references(scene, position)
     for role in ("annotated", "listed"):
         found = tuple(place for place, each in same if each.role == role)
@@ -92,7 +92,7 @@ def _alone(scene: DocumentContext) -> EditorRobot:
     return EditorRobot(here.text.path, (OpenFile(here.text.path, "", here.mentions),), {})
 
 
-def _ports(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]:
+def _port_places(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]:
     assert mention.port is not None
     for robot in scene.robots:
         for file in robot.files:

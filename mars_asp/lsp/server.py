@@ -67,17 +67,17 @@ def serve(workers: Workers) -> None:
     logging.getLogger("pygls").setLevel(logging.CRITICAL)
     server = _Server(workers)
     for method, handler in server.handlers().items():
-        server.feature(method)(_function(handler))
+        server.feature(method)(_unmarked(handler))
     for method, handler, options in server.handlers_with_options():
-        server.feature(method, options)(_function(handler))
-    server.command(EXPLAIN)(_function(server.explain))
+        server.feature(method, options)(_unmarked(handler))
+    server.command(EXPLAIN)(_unmarked(server.explain))
     try:
         server.start_io(BoundedInput(given), answers)  # type: ignore[arg-type]
     finally:
         workers.end()
 
 
-def _function(method: Callable[..., Any]) -> Callable[..., Any]:
+def _unmarked(method: Callable[..., Any]) -> Callable[..., Any]:
     """Return a method as a function: pygls marks what it calls."""
     if asyncio.iscoroutinefunction(method):
 
@@ -232,7 +232,7 @@ class _Server(LanguageServer):
         self._overtake(path)
         needs_owners = language_of(path) is not None and path not in self._desk.owners
         if needs_owners and not any(r.path != path for r in self._desk.robots_of(path)):
-            self._start(path, self._find_owners(path, delay))
+            self._start_analysis(path, self._find_owners(path, delay))
             return
         for asked in self._desk.asked_for(path):
             self._analyse(asked, delay)
@@ -240,9 +240,9 @@ class _Server(LanguageServer):
     # ---- Analyses --------------------------------------------------------------------------------
 
     def _analyse(self, asked: str, delay: float) -> None:
-        self._start(asked, self._analysed(asked, delay))
+        self._start_analysis(asked, self._analysed(asked, delay))
 
-    def _start(self, asked: str, work: Coroutine[Any, Any, None]) -> None:
+    def _start_analysis(self, asked: str, work: Coroutine[Any, Any, None]) -> None:
         """Begin an analysis in the place of the one that goes on."""
         self._stop(asked)
         self._stale.add(asked)

@@ -56,7 +56,7 @@ def read_attribute(word: str, text: str) -> tuple[str, str | None] | AttributePr
     begin = len(text.rstrip()) - len(value)
     if not re.fullmatch(_NAME, name):
         found = f"found `{name}`" if name else "found nothing"
-        help_text = f"write `{_form(word)}`, the name in letters, digits and `_`"
+        help_text = f"write `{_attribute_form(word)}`, the name in letters, digits and `_`"
         return AttributeProblem(
             f"expected a name after `@{word}`, {found}", help_text, 0, len(name)
         )
@@ -68,7 +68,7 @@ def read_attribute(word: str, text: str) -> tuple[str, str | None] | AttributePr
         return name, None
     if not value:
         message = f"`@Property {name}` without a value"
-        help_text = f"write `{_form(word)}`, or `@Tag {name}` for what has no value"
+        help_text = f"write `{_attribute_form(word)}`, or `@Tag {name}` for what has no value"
         return AttributeProblem(message, help_text, 0, len(text))
     if not re.fullmatch(_VALUE, value):
         message = f"expected a value, found `{value}`"
@@ -83,5 +83,5 @@ def read_measure(value: str) -> tuple[str, str] | None:
     return None if match is None else (match[1], match[2] or "")
 
 
-def _form(word: str) -> str:
+def _attribute_form(word: str) -> str:
     return "@Tag NAME" if word == TAG else "@Property NAME VALUE"

@@ -43,7 +43,7 @@ def parse_mode(text: str) -> Mode | ModeProblem:
         if most and named and of is None:
             of = named[1]
         elif len(arguments) < most and of is None:
-            number = _argument(stripped, name, len(arguments))
+            number = _mode_argument(stripped, name, len(arguments))
             if isinstance(number, NumberProblem):
                 return ModeProblem(at, number.message, number.help)
             arguments.append(number)
@@ -58,7 +58,7 @@ def parse_mode(text: str) -> Mode | ModeProblem:
     return Mode(name, tuple(arguments), of, written)
 
 
-def _argument(text: str, name: str, position: int) -> Decimal | NumberProblem:
+def _mode_argument(text: str, name: str, position: int) -> Decimal | NumberProblem:
     """Return an argument of a mode, or what is wrong with it."""
     number = ARGUMENT.read(text)
     if isinstance(number, NumberProblem):

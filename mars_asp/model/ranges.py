@@ -45,7 +45,7 @@ class NumberRange(NamedTuple):
         return Decimal(text) + 0 if fault is None else NumberProblem(fault, self.help)
 
     def _fault(self, text: str) -> str | None:
-        shown = f"`{_shown(text)}`"
+        shown = f"`{_shortened(text)}`"
         if not _NUMBER.fullmatch(text) or (self.decimals == 0 and "." in text):
             return f"expected {self.noun}, found {shown}"
         value = Decimal(text)
@@ -63,16 +63,16 @@ class NumberRange(NamedTuple):
         return None
 
 
-def _whole(noun: str, least: int, most: int = MOST) -> NumberRange:
+def _integer_range(noun: str, least: int, most: int = MOST) -> NumberRange:
     help_text = f"write a whole number from {least} to {most}"
     return NumberRange(noun, Decimal(least), Decimal(most), help_text, 0)
 
 
-PRIORITY = _whole("a priority", 0)
-HOLD = _whole("a hold in milliseconds", 1)
-PERIOD = _whole("a period in milliseconds", 1)
-VERTEX = _whole("a vertex", 0)
-COST = _whole("a cost", 1, 1_000_000)
+PRIORITY = _integer_range("a priority", 0)
+HOLD = _integer_range("a hold in milliseconds", 1)
+PERIOD = _integer_range("a period in milliseconds", 1)
+VERTEX = _integer_range("a vertex", 0)
+COST = _integer_range("a cost", 1, 1_000_000)
 FREQUENCY = NumberRange(
     "a frequency",
     Decimal(0),
@@ -82,8 +82,8 @@ FREQUENCY = NumberRange(
 )
 #: The times between two messages, by their units.
 PERIODS = {
-    "ms": _whole("a period in milliseconds", 1),
-    "s": _whole("a period in seconds", 1, MOST // 1000),
+    "ms": _integer_range("a period in milliseconds", 1),
+    "s": _integer_range("a period in seconds", 1, MOST // 1000),
 }
 LENGTH = NumberRange(
     "a length", -_FARTHEST, _FARTHEST, f"write a number of mm from -{_FARTHEST} to {_FARTHEST}"
@@ -112,7 +112,7 @@ ARGUMENT = NumberRange(
 )
 
 
-def _shown(text: str) -> str:
+def _shortened(text: str) -> str:
     """Return a text, of a long one its beginning and how long it is."""
     if len(text) <= _MOST_SHOWN:
         return text

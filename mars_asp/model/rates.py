@@ -45,7 +45,7 @@ def read_frequency(text: str) -> Rate | NumberProblem:
 
 def every(period: Decimal | int, unit: str) -> Rate:
     """Return the rate of one message each period, which is more than zero, in `ms` or `s`."""
-    words = f"every {_plain(Fraction(period))} {unit}"
+    words = f"every {_decimal_text(Fraction(period))} {unit}"
     return Rate(Fraction(1000) / (Fraction(period) * _UNITS[unit]), words)
 
 
@@ -53,12 +53,12 @@ def as_written(hz: Fraction) -> str:
     """Return how a rate is written: as decimals, or as the period where these would not end."""
     if isinstance(hz, Rate) and hasattr(hz, "written"):
         return hz.written
-    if _ends(hz):
-        return _plain(hz)
+    if _is_decimal(hz):
+        return _decimal_text(hz)
     period = 1000 / hz
-    if period.denominator != 1 and not _ends(period):
+    if period.denominator != 1 and not _is_decimal(period):
         raise ValueError(f"{hz} Hz can be written neither as a rate nor as a period")
-    return f"every {_plain(period)} ms"
+    return f"every {_decimal_text(period)} ms"
 
 
 def as_number(hz: Fraction) -> int | float:
@@ -66,7 +66,7 @@ def as_number(hz: Fraction) -> int | float:
     return int(hz) if hz.denominator == 1 else float(hz)
 
 
-def _ends(number: Fraction) -> bool:
+def _is_decimal(number: Fraction) -> bool:
     """Whether the decimals of a number end."""
     rest = number.denominator
     for prime in (2, 5):
@@ -75,7 +75,7 @@ def _ends(number: Fraction) -> bool:
     return rest == 1
 
 
-def _plain(number: Fraction) -> str:
+def _decimal_text(number: Fraction) -> str:
     """Return a number whose decimals end, without an exponent."""
     whole, rest = divmod(abs(number), 1)
     sign = "-" if number < 0 else ""

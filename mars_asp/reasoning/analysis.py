@@ -214,7 +214,7 @@ def read_consequences(
     trees = _collect(control, ("holds_in", 4), wanted)
     conditions = _conditions(analysis, wanted)
     usual = _collect(control, ("by_default", 3), wanted)
-    span_of = _places(analysis.facts, identifiers)
+    span_of = _spans_by_identifier(analysis.facts, identifiers)
     labels_of: dict[TermId, dict[Span, str]] = {}
     for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
         if label.term in span_of:
@@ -350,9 +350,11 @@ def _collect(
     return rows
 
 
-def _places(facts: Iterable[Fact], identifiers: Iterable[TermId]) -> dict[TermId, Span]:
+def _spans_by_identifier(
+    facts: Iterable[Fact], identifiers: Iterable[TermId]
+) -> dict[TermId, Span]:
     """Return where the things stand that terms identify."""
-    wanted = {_plain(as_symbol(identifier)): identifier for identifier in identifiers}
+    wanted = {_sortable(as_symbol(identifier)): identifier for identifier in identifiers}
     located = {"place": lambda atom: atom.arguments[0], "guard": lambda atom: atom}
     return {
         wanted[key]: fact.span
@@ -368,7 +370,7 @@ def _in_order(rows: Sequence[Sequence[TermId]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(written(row[1]) for row in rows))
 
 
-def _plain(symbol: clingo.Symbol) -> int | str | tuple[str]:
+def _sortable(symbol: clingo.Symbol) -> int | str | tuple[str]:
     if symbol.type == clingo.SymbolType.Function:
         return (str(symbol),)
     return symbol.number if symbol.type == clingo.SymbolType.Number else shown(symbol)

@@ -168,7 +168,7 @@ class _AttributeReader:
         """Return the facts, each once, in the order of modules and names."""
         first: dict[tuple[str, str], Fact] = {}
         for module, attribute in (*self._of_descriptions(), *self._of_lines()):
-            atom = self._atom(module, attribute)
+            atom = self._attribute_atom(module, attribute)
             if atom is None:
                 continue
             fact = Fact(atom, attribute.span)
@@ -197,21 +197,23 @@ class _AttributeReader:
             for module in (line.module, *described):
                 yield _Stated(module, line.attribute)
 
-    def _atom(self, module: str, attribute: Attribute) -> Atom | None:
+    def _attribute_atom(self, module: str, attribute: Attribute) -> Atom | None:
         kind = self._kinds.get(attribute.name)
         if kind is None or (kind.value is None) != (attribute.value is None):
             self._undeclared(attribute, kind)
             return None
         if kind.value is None or attribute.value is None:
             return Atom(kind.predicate, (module,))
-        value = self._value(attribute.value, kind.value, module)
+        value = self._read_value(attribute.value, kind.value, module)
         if isinstance(value, _Wrong):
             # Of a description that several share it is said once.
             self._note(f"`{attribute.name}`: {value.message}", attribute.span, value.help)
             return None
         return Atom(kind.predicate, (module, value))
 
-    def _value(self, written: str, argument: PredicateArgument, module: str) -> "Term | _Wrong":
+    def _read_value(
+        self, written: str, argument: PredicateArgument, module: str
+    ) -> "Term | _Wrong":
         if argument.constants:
             return _constant(written, argument.constants)
         reads: list[Term | _Wrong] = [

@@ -152,26 +152,30 @@ def _taken_in(
     real = _real(str(path))
     if real in chain:
         circle = " -> ".join(os.path.relpath(each) for each in (*chain[chain.index(real) :], real))
-        raise _wrong(include.span, f"the includes go in a circle: {circle}", "drop one of them")
+        raise _include_error(
+            include.span, f"the includes go in a circle: {circle}", "drop one of them"
+        )
     if len(chain) > MOST_DEEP:
         message = f"more than {MOST_DEEP} includes within includes"
         raise _too_many(include.span, message, "drop some")
     try:
         check_walls(path, reading.top)
     except WallError as error:
-        raise _wrong(include.span, f"`{include.path}`: {error.strerror}", error.advice) from None
+        raise _include_error(
+            include.span, f"`{include.path}`: {error.strerror}", error.advice
+        ) from None
     if not path.is_file():
         help_text = "paths of `@include` are relative to the file that includes"
-        raise _wrong(include.span, f"`{include.path}` is not a file", help_text)
+        raise _include_error(include.span, f"`{include.path}` is not a file", help_text)
     # One file has one name, that its lines count once, however paths lead to it.
-    shown = reading.shown.setdefault(real, _plain(path))
+    shown = reading.shown.setdefault(real, _without_dots(path))
     if shown not in reading.texts:
         reading.texts[shown] = read_text(path)
     parsed = parse_text(reading.texts[shown], shown)
     inner = parsed.configuration
     if inner.kind != "configuration":
         message = f"`{include.path}` is a specification, and only configurations are included"
-        raise _wrong(include.span, message, "include the configuration that it realises")
+        raise _include_error(include.span, message, "include the configuration that it realises")
     if inner.stated and inner.architecture != own.architecture:
         message = f"`{include.path}` is {inner.architecture}, but is included as {own.architecture}"
         help_text = "one robot has one architecture: state the same, or none in what is included"
@@ -190,7 +194,9 @@ def _behind(prefix: str, parsed: Parsed) -> Parsed:
     inner = parsed.configuration
     in_blocks = {module.name for module in inner.declared}
     names = tuple(
-        Name(_prefixed(prefix, name.text), name.span, _described(prefix, name, in_blocks))
+        Name(
+            _prefixed(prefix, name.text), name.span, _prefixed_description(prefix, name, in_blocks)
+        )
         for name in inner.modules
     )
     declared = tuple(
@@ -231,7 +237,7 @@ def _attributed_names(
     yield from [_prefixed(prefix, module)] if is_its_own or not instances else instances
 
 
-def _described(prefix: str, name: Name, in_blocks: Iterable[str]) -> str | None:
+def _prefixed_description(prefix: str, name: Name, in_blocks: Iterable[str]) -> str | None:
     """Return which module describes one that is included, where that is not its own name."""
     describing = name.described or name.text
     if describing in in_blocks:
@@ -318,15 +324,15 @@ def _real(path: str) -> str:
     return os.path.realpath(path)
 
 
-def _plain(path: Path) -> str:
+def _without_dots(path: Path) -> str:
     """Return a path without `..` behind folders, where that leads to the same file."""
     plain = os.path.normpath(path)
     return plain if _real(plain) == _real(str(path)) else str(path)
 
 
-def _wrong(span: Span, message: str, help_text: str | None) -> MarsError:
+def _include_error(span: Span, message: str, help_text: str | None) -> MarsError:
     return MarsError((Diagnostic("include", "error", message, span, help=help_text),))
 
 
 def _too_many(span: Span, message: str, help_text: str) -> MarsError:
-    return _TooManyError(_wrong(span, message, help_text).diagnostics)
+    return _TooManyError(_include_error(span, message, help_text).diagnostics)

@@ -306,21 +306,21 @@ class _ManifestReader:
 
     def manifest(self, tables: Mapping[str, Any]) -> Manifest:
         """Return what the tables say; only to be used where there are no problems."""
-        self._unknown(tables, _KEYS, "a manifest")
-        name = self._text(tables, "name", _NAME, "small letters, digits and `-`", ())
+        self._add_unknown_keys(tables, _KEYS, "a manifest")
+        name = self._read_text(tables, "name", _NAME, "small letters, digits and `-`", ())
         if name == _OURS:
-            self._wrong(f"`{_OURS}` is the name of this program", "choose another name", "name")
-        version = self._text(tables, "version", _VERSION, "numbers with dots, as 1.0", ())
+            self._add_error(f"`{_OURS}` is the name of this program", "choose another name", "name")
+        version = self._read_text(tables, "version", _VERSION, "numbers with dots, as 1.0", ())
         summary = tables.get("summary", "")
         if not isinstance(summary, str):
-            self._wrong("`summary` must be a text", None, "summary")
+            self._add_error("`summary` must be a text", None, "summary")
         needs = tuple(filter(None, self._needs(tables.get("needs", []))))
         nodes = tables.get("node", [])
         if not isinstance(nodes, list) or not all(isinstance(each, dict) for each in nodes):
-            self._wrong("`node` must be tables", "write `[[node]]`", "node")
+            self._add_error("`node` must be tables", "write `[[node]]`", "node")
             nodes = []
         if len(nodes) > _MOST_LISTED:
-            self._wrong(f"there are more than {_MOST_LISTED} kinds of nodes", None, "node")
+            self._add_error(f"there are more than {_MOST_LISTED} kinds of nodes", None, "node")
             nodes = []
         kinds = tuple(self._kind(each, number, name) for number, each in enumerate(nodes))
         place = self._places.of("name")
@@ -328,22 +328,22 @@ class _ManifestReader:
 
     def _kind(self, table: Mapping[str, Any], number: int, pack: str) -> PackKind:
         at = ("node", number)
-        self._unknown(table, tuple(_NODE_KEYS), "a kind of node", at)
-        kind = self._text(table, "kind", _KIND, "small letters, digits and `_`", at)
-        name = self._text(table, "name", _NODE_NAME, "letters, the first of them large", at)
+        self._add_unknown_keys(table, tuple(_NODE_KEYS), "a kind of node", at)
+        kind = self._read_text(table, "kind", _KIND, "small letters, digits and `_`", at)
+        name = self._read_text(table, "name", _NODE_NAME, "letters, the first of them large", at)
         if kind in NODE_NAMES or name in NODE_NAMES.values():
             message = f"`{kind if kind in NODE_NAMES else name}` is a kind of node already"
-            self._wrong(message, "choose another name", *at, "kind")
+            self._add_error(message, "choose another name", *at, "kind")
         said = {key: table.get(key) for key, choices in _NODE_KEYS.items() if choices}
         for key, value in said.items():
             choices = _NODE_KEYS[key]
             is_needed = key in ("carries", "inputs", "outputs")
             if (value is not None or is_needed) and value not in choices:
                 written = "is missing" if value is None else f"is {value!r}"
-                self._wrong(f"`{key}` {written}", f"one of {', '.join(choices)}", *at, key)
+                self._add_error(f"`{key}` {written}", f"one of {', '.join(choices)}", *at, key)
         colour = table.get("colour")
         if colour is not None and not (isinstance(colour, str) and re.fullmatch(_COLOUR, colour)):
-            self._wrong(f"`colour` is {colour!r}", "write it as `#1f77b4`", *at, "colour")
+            self._add_error(f"`colour` is {colour!r}", "write it as `#1f77b4`", *at, "colour")
         return PackKind(
             kind,
             name,
@@ -358,21 +358,23 @@ class _ManifestReader:
 
     def _needs(self, needs: object) -> Iterator[Requirement | None]:
         if isinstance(needs, list) and len(needs) > _MOST_LISTED:
-            self._wrong(f"`needs` lists more than {_MOST_LISTED} packs", None, "needs")
+            self._add_error(f"`needs` lists more than {_MOST_LISTED} packs", None, "needs")
             return
         if not isinstance(needs, list):
-            self._wrong("`needs` must be a list", 'write `needs = ["mars-asp >= 0.1"]`', "needs")
+            self._add_error(
+                "`needs` must be a list", 'write `needs = ["mars-asp >= 0.1"]`', "needs"
+            )
             return
         for number, each in enumerate(needs):
             match = re.fullmatch(_NEED, each.strip()) if isinstance(each, str) else None
             if match is None:
                 advice = 'write a name, or a name and a version: "redundancy >= 1.0"'
-                self._wrong(f"{each!r} is not what a pack needs", advice, "needs", number)
+                self._add_error(f"{each!r} is not what a pack needs", advice, "needs", number)
             else:
                 place = self._places.of("needs", number)
                 yield Requirement(match[1], match[2] or "", match[3] or "", place)
 
-    def _text(
+    def _read_text(
         self,
         table: Mapping[str, Any],
         key: str,
@@ -382,12 +384,12 @@ class _ManifestReader:
     ) -> str:
         value = table.get(key)
         if value is None:
-            self._wrong(f"`{key}` is missing", f'write `{key} = "..."`', *at)
+            self._add_error(f"`{key}` is missing", f'write `{key} = "..."`', *at)
         elif not isinstance(value, str) or not re.fullmatch(form, value):
-            self._wrong(f"`{key}` is {value!r}", f"write it in {made_of}", *at, key)
+            self._add_error(f"`{key}` is {value!r}", f"write it in {made_of}", *at, key)
         return str(value)
 
-    def _unknown(
+    def _add_unknown_keys(
         self,
         table: Mapping[str, Any],
         keys: Sequence[str],
@@ -398,9 +400,9 @@ class _ManifestReader:
             if key not in keys:
                 near = nearest(key, keys)
                 known = f"did you mean `{near}`?" if near else f"one of {', '.join(keys)}"
-                self._wrong(f"`{key}` is not a key of {what}", known, *at, key)
+                self._add_error(f"`{key}` is not a key of {what}", known, *at, key)
 
-    def _wrong(self, message: str, advice: str | None, *key: str | int) -> None:
+    def _add_error(self, message: str, advice: str | None, *key: str | int) -> None:
         place = self._places.of(*key)
         self.problems.append(Diagnostic(_CODE, "error", message, place, help=advice))
 
@@ -436,11 +438,11 @@ def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
 def _will_do(version: str, need: Requirement) -> bool:
     if not need.comparison:
         return True
-    there, asked = (_parts(each) for each in (version, need.version))
+    there, asked = (_version_parts(each) for each in (version, need.version))
     return {">=": there >= asked, "==": there == asked, "<": there < asked}[need.comparison]
 
 
-def _parts(version: str) -> tuple[int, ...]:
+def _version_parts(version: str) -> tuple[int, ...]:
     parts = [int(each) for each in re.findall(r"[0-9]+", version)]
     while parts and not parts[-1]:
         parts.pop()

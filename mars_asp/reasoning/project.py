@@ -126,13 +126,13 @@ def described(
         folder = Path(name.span.path).parent
         advice = "paths of `@sources` are relative to the configuration's own file"
         missing = _missing(name.text, name.span, advice)
-        matches = _found(name.text, missing, problems, folder, entries)
+        matches = _source_paths(name.text, missing, problems, folder, entries)
         named_at |= dict.fromkeys(matches, name.span)
         paths += matches
     for argument in sources:
         advice = "paths of `--sources` are relative to the current folder"
         place = whole_file(argument)
-        given = _found(argument, _missing(argument, place, advice), problems)
+        given = _source_paths(argument, _missing(argument, place, advice), problems)
         named_at = {path: place for path, place in named_at.items() if path not in given}
         paths += given
     if optional:
@@ -145,7 +145,7 @@ def described(
         from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
 
         found = extract(paths, named_at, configuration.path)
-    return _described(parsed, text, found)
+    return _project_of(parsed, text, found)
 
 
 def revised(project: Project, texts: Mapping[str, str]) -> Project:
@@ -167,7 +167,7 @@ def revised(project: Project, texts: Mapping[str, str]) -> Project:
 
         for source in sorted(changed):
             found = reread(found, source, texts[source])
-    return with_brought(_described(parsed, text, found), project.brought or ())
+    return with_brought(_project_of(parsed, text, found), project.brought or ())
 
 
 def with_brought(project: Project, brought: tuple[object, ...]) -> Project:
@@ -226,7 +226,7 @@ def has_attributes(project: Project) -> bool:
     return bool(project.configuration.attributed) or any(each.attributes for each in described)
 
 
-def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project:
+def _project_of(parsed: Parsed, text: str, found: "Extraction | None") -> Project:
     """Return a configuration with the modules that describe it.
 
     Raises:
@@ -348,7 +348,7 @@ def _has_functions(project: Project) -> bool:
     return any(module.functions for module in described)
 
 
-def _found(
+def _source_paths(
     written: str,
     missing: Diagnostic,
     problems: list[Diagnostic],

@@ -216,8 +216,8 @@ def _undocumented(rule: Rule) -> Documented:
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
     """Return the built-in rules; `problems` say what cannot be read of them."""
-    files = _files(stages)
-    read = [_read(file, strict) for file in files] if strict else _made(files)
+    files = _built_in_files(stages)
+    read = [_read_rules(file, strict) for file in files] if strict else _made(files)
     for each in read:
         problems += each.problems
     whole = [(file, each) for file, each in zip(files, read, strict=True) if not each.problems]
@@ -232,10 +232,10 @@ def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic])
 def seal() -> Seal:
     """Return what the built-in rules of all stages have for themselves."""
     folders = (folder for folder in sorted(rules_directory().iterdir()) if folder.is_dir())
-    files = _files(folder.name for folder in folders)
+    files = _built_in_files(folder.name for folder in folders)
     read = _made(files)
     texts = {digest(each.text.encode()): each.text for each in read}
-    named = memoized("named", _makers(), texts, lambda key: _named(texts[key]))
+    named = memoized("named", _makers(), texts, lambda key: _declared_names(texts[key]))
     derived: dict[Signature, set[str]] = {}
     given: dict[Signature, set[str]] = {}
     ids: dict[str, Span] = {}
@@ -275,7 +275,9 @@ def _frozen(found: Mapping[Signature, set[str]]) -> dict[Signature, frozenset[st
 def _made(files: Iterable[_RuleText]) -> list[_Read]:
     """Return what built-in files hold, as the build has made it where they are the same."""
     keys = {(file.shown, file.stage, _digest(file.path)): file for file in files}
-    return list(memoized("rules", _makers(), keys, lambda key: _read(keys[key], False)).values())
+    return list(
+        memoized("rules", _makers(), keys, lambda key: _read_rules(keys[key], False)).values()
+    )
 
 
 def _digest(path: Path) -> bytes:
@@ -285,7 +287,7 @@ def _digest(path: Path) -> bytes:
         return b""
 
 
-def _read(file: _RuleText, strict: bool) -> _Read:
+def _read_rules(file: _RuleText, strict: bool) -> _Read:
     problems: list[Diagnostic] = []
     read = read_file(*file, problems, strict, EXPANSIONS)
     if read is None:
@@ -293,7 +295,7 @@ def _read(file: _RuleText, strict: bool) -> _Read:
     return _Read(read.text, read.rules, read.documented, ())
 
 
-def _named(text: str) -> tuple[tuple[Signature, ...], frozenset[str]]:
+def _declared_names(text: str) -> tuple[tuple[Signature, ...], frozenset[str]]:
     """Return the predicates that a text declares, and the names of its constants."""
     return tuple(sorted(defined(text))), frozenset(constant_names(text))
 
@@ -307,7 +309,7 @@ def is_rule_base(path: Path) -> bool:
     return all(one.is_file() and one.read_bytes() == own.read_bytes() for one, own in pairs)
 
 
-def _files(stages: Iterable[str]) -> list[_RuleText]:
+def _built_in_files(stages: Iterable[str]) -> list[_RuleText]:
     """Return the built-in files of the base and of stages."""
     root = rules_directory()
     folders = [(root, "base"), *((root / name, name) for name in stages)]

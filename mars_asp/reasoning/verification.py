@@ -245,7 +245,7 @@ def specification_facts(
     yield from _positions(specification, project)
     yield from mount_tuples("mount_tuple", project.configuration)
     yield from mount_tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
-    yield from _conversions(specification, told_as.names)
+    yield from _conversion_facts(specification, told_as.names)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
     canonical = told_as.names.canonical
@@ -307,7 +307,7 @@ def _shared_names(
     )
 
 
-def _conversions(specification: Configuration, names: RepresentationNames) -> Iterator[Fact]:
+def _conversion_facts(specification: Configuration, names: RepresentationNames) -> Iterator[Fact]:
     """Yield what comments say, in the representations that the project's rules know."""
     for conversion in specification.conversions:
         node, span = conversion.transformer, conversion.span

@@ -264,10 +264,10 @@ def test_a_watch_runs_again_after_a_change_and_ends_by_a_signal(odd: Path) -> No
 
 
 def test_arguments_of_a_watch_name_its_files(odd: Path) -> None:
-    from mars_asp.cli.cases_watch import _files
+    from mars_asp.cli.cases_watch import _watched_files
 
     arguments = argparse.Namespace(paths=["odd/cases/facts.lp"], rules=[])
-    assert Path("odd/consequences/odd.lp") in set(_files(arguments))
+    assert Path("odd/consequences/odd.lp") in set(_watched_files(arguments))
 
 
 def test_a_missing_case_hides_no_other(

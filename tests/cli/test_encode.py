@@ -2,7 +2,7 @@
 
 import json
 
-from mars_asp.cli.encode import _parts, encoded
+from mars_asp.cli.encode import _encoded_parts, encoded
 
 PLAIN = {
     "a": [1, 2.5, None, True, '"\\\n\u00e9'],
@@ -15,7 +15,7 @@ PLAIN = {
 
 def test_the_parts_are_what_the_standard_library_writes() -> None:
     for value in (PLAIN, [PLAIN, PLAIN], "x", None, []):
-        assert "".join(_parts(value)) == json.dumps(value)
+        assert "".join(_encoded_parts(value)) == json.dumps(value)
 
 
 def test_a_deep_value_is_encoded() -> None:

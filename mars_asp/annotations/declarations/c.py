@@ -154,13 +154,13 @@ def _bracketed(
     signs = set(texts(inside[:1])) & {"*", "&", "&&", "^"}
     if text_at(tokens, end) == "(" and len(inside) == 1 and head and not is_macro(head[-1].text):
         # A name in brackets of its own, which keeps a macro of this name from being used.
-        return _function(tokens, [*head, *inside], end, offset)
+        return _read_function(tokens, [*head, *inside], end, offset)
     inner = next((index for index, token in enumerate(inside) if token.text == "("), None)
     if not signs or inner is None:
-        return None if signs else _function(tokens, head, at, offset)
+        return None if signs else _read_function(tokens, head, at, offset)
     # A function that returns a pointer to a function or to an array.
     kind = type_text(units(head))
-    function = _function(tokens, [*head, *inside[:inner]], at + 1 + inner, offset)
+    function = _read_function(tokens, [*head, *inside[:inner]], at + 1 + inner, offset)
     if function is None or kind is None or text_at(tokens, end) not in ("(", "["):
         return None
     output = CALLBACK if text_at(tokens, end) == "(" else f"{kind}[]"
@@ -199,7 +199,7 @@ def _opens_arguments(tokens: Sequence[SourceToken], at: int) -> bool:
     )
 
 
-def _function(
+def _read_function(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
 ) -> SourceDeclaration | None:
     """Read from the bracket that opens the parameters; `head` stands before it."""

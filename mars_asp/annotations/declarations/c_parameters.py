@@ -67,7 +67,7 @@ def read_parameter(tokens: Sequence[SourceToken]) -> DeclaredParameter | None:
         if bracket is not None:
             return _bracketed(tokens, bracket)
     tokens, arrays = without_arrays(tokens)
-    return _named(tokens, arrays)
+    return _split_name(tokens, arrays)
 
 
 def _with_angles(tokens: Sequence[SourceToken]) -> list[tuple[int, str]]:
@@ -91,7 +91,7 @@ def _bracketed(tokens: Sequence[SourceToken], at: int) -> DeclaredParameter | No
     signs = [token.text for token in inside]
     if not set(signs) & {"*", "&", "&&", "^"}:
         if len(inside) == len(names) == 1 and end == len(tokens):
-            return _named([*tokens[:at], inside[0]], "")
+            return _split_name([*tokens[:at], inside[0]], "")
         # A function as a parameter is a pointer to it.
         return DeclaredParameter(tokens[at - 1].text if len(names) > 1 else None, CALLBACK)
     inner, _ = without_arrays(inside)
@@ -118,7 +118,7 @@ def without_arrays(tokens: Sequence[SourceToken]) -> tuple[list[SourceToken], st
     return list(tokens), ""
 
 
-def _named(tokens: Sequence[SourceToken], arrays: str) -> DeclaredParameter:
+def _split_name(tokens: Sequence[SourceToken], arrays: str) -> DeclaredParameter:
     """Split a type from the name behind it."""
     parts = units(tokens)
     kinds = [part for part in parts if part.kind not in ("specifier", "sign")]

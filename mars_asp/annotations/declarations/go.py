@@ -57,16 +57,16 @@ def _parameters(tokens: Sequence[SourceToken]) -> tuple[DeclaredParameter, ...]:
     following: str | None = None
     for group in reversed(groups):
         if not named:
-            found.append(DeclaredParameter(None, _written(group)))
+            found.append(DeclaredParameter(None, _type_text(group)))
         elif len(group) == 1:
             found.append(DeclaredParameter(group[0].text, following))
         else:
-            following = _written(group[1:])
+            following = _type_text(group[1:])
             found.append(DeclaredParameter(group[0].text, following))
     return tuple(reversed(found))
 
 
-def _written(tokens: Sequence[SourceToken]) -> str:
+def _type_text(tokens: Sequence[SourceToken]) -> str:
     if tokens and tokens[0].text == "...":
         return f"[]{joined(tokens[1:])}"
     return joined(tokens)

@@ -51,7 +51,7 @@ def read_java(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | N
     parameters = [_parameter(group) for group in groups]
     if any(parameter is None for parameter in parameters):
         return none
-    written = _written(tokens[at:stop]) + _arrays(tokens, end)
+    written = _type_text(tokens[at:stop]) + _arrays(tokens, end)
     taken = tuple(p for p in parameters if p is not None and p.name != "this")
     return SourceDeclaration(name, written, taken, token.offset, tokens[end - 1].offset)
 
@@ -93,7 +93,7 @@ def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
             return at
 
 
-def _written(tokens: Sequence[SourceToken]) -> str:
+def _type_text(tokens: Sequence[SourceToken]) -> str:
     """Return a type without the annotations in it."""
     kept: list[SourceToken] = []
     at = 0
@@ -116,7 +116,7 @@ def _arrays(tokens: Sequence[SourceToken], at: int) -> str:
 def _parameter(group: Sequence[SourceToken]) -> DeclaredParameter | None:
     at = _behind_modifiers(group, 0)
     stop = _behind_type(group, at)
-    written = _written(group[at:stop])
+    written = _type_text(group[at:stop])
     if text_at(group, stop) == "...":
         written += "[]"
         stop += 1

@@ -31,7 +31,7 @@ def read_python(text: str, code: str, begin: int, end: int) -> SourceDeclaration
     opening = head.end()
     if code.startswith("[", opening):
         # Parameters of a generic function, which Python before 3.12 does not know.
-        opening = _behind(code, opening, end)
+        opening = _after_bracket(code, opening, end)
     stop = _colon(code, opening, end)
     snippet = f"{text[at : head.end()]}{text[opening:stop]}: pass"
     try:
@@ -85,7 +85,7 @@ def _colon(code: str, at: int, end: int) -> int:
     return end
 
 
-def _behind(code: str, at: int, end: int) -> int:
+def _after_bracket(code: str, at: int, end: int) -> int:
     """Return where the bracket at `at` has been closed."""
     depth = 0
     while at < end:

@@ -51,7 +51,7 @@ def ask(
             question = next(waiting, None)
             if question is None:
                 break
-            child = _start(question, answer)
+            child = _start_child(question, answer)
             selector.register(child.pipe, selectors.EVENT_READ, child)
         if not selector.get_map():
             return
@@ -70,7 +70,7 @@ def ask(
             yield done.question, found
 
 
-def _start(question: Question, answer: Callable[[Question], Answer]) -> _Child[Question]:
+def _start_child(question: Question, answer: Callable[[Question], Answer]) -> _Child[Question]:
     reading, writing = os.pipe()
     process = os.fork()
     if process:

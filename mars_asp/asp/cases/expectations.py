@@ -73,7 +73,7 @@ class Block:
 def blocks_of(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Block, ...]:
     """Return the cases of a file; note what cannot be read of what they expect."""
     lines = text.split("\n")
-    found = list(_read(lines, shown, problems))
+    found = list(_read_expectations(lines, shown, problems))
     begins = [each for each in found if each.kind == "case"]
     expected = [each for each in found if each.kind != "case"]
     if not begins:
@@ -105,7 +105,9 @@ def blocks_of(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Block,
     )
 
 
-def _read(lines: Sequence[str], shown: str, problems: list[Diagnostic]) -> Iterator[Expectation]:
+def _read_expectations(
+    lines: Sequence[str], shown: str, problems: list[Diagnostic]
+) -> Iterator[Expectation]:
     number = 0
     while number < len(lines):
         match = _LINE.match(lines[number])

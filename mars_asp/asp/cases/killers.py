@@ -123,7 +123,7 @@ def _exchanged(bench: Bench, file: MutatedFile, mutant: Mutant) -> Rulebook:
             rules.append(rule)
         elif mutant.after and rule.listed is None:
             changed = replace(rule, text=mutant.after)
-            rules += (changed, *_listed(changed, bench.expansions))
+            rules += (changed, *_expanded_rules(changed, bench.expansions))
     assert texts != rulebook.texts
     return replace(rulebook, rules=tuple(rules), texts=texts)
 
@@ -136,7 +136,7 @@ def _is_of(rule: Rule, mutant: Mutant) -> bool:
     return rule.listed is not None or written(rule.ast) == mutant.before
 
 
-def _listed(rule: Rule, expansions: Expansions) -> Iterator[Rule]:
+def _expanded_rules(rule: Rule, expansions: Expansions) -> Iterator[Rule]:
     """Yield the rules that its metadata stand for, which have its body."""
     for key, listed in rule.lists:
         yield from expanded(rule, key, listed, rule.span, expansions[key])

@@ -98,7 +98,9 @@ def judged(block: Block, answers: Sequence[FoundAnswer]) -> tuple[Failure, ...]:
         others = block.expectations
     for each in others:
         if not answers:
-            failures.append(Failure(each.span, f"{_asked(each)}, and there is no answer set"))
+            failures.append(
+                Failure(each.span, f"{_expectation_text(each)}, and there is no answer set")
+            )
         for answer in answers:
             found = tuple(_unmet(each, answer))
             failures += found
@@ -142,7 +144,7 @@ def _even(stated: StatedAtom) -> str:
         return stated.text
 
 
-def _asked(expectation: Expectation) -> str:
+def _expectation_text(expectation: Expectation) -> str:
     return f"{_WORDS[expectation.kind]} `{expectation.text}`"
 
 
@@ -154,14 +156,14 @@ def _unmet(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
         case "~":
             if f"%~ {expectation.text}".strip() != answer.cost:
                 found = answer.cost.removeprefix("%~").strip() or "nothing"
-                yield _failure(expectation.span, _asked(expectation), (found,))
+                yield _failure(expectation.span, _expectation_text(expectation), (found,))
         case "has":
             for each in expectation.stated:
                 if not any(matches(each.pattern, atom) for atom in answer.atoms):
                     yield _missing(each, answer.atoms)
         case "not":
             for each in expectation.stated:
-                found_here = _shown(a for a in answer.atoms if matches(each.pattern, a))
+                found_here = _atom_texts(a for a in answer.atoms if matches(each.pattern, a))
                 if found_here:
                     yield _failure(each.span, f"no `{each.text}`", found_here)
         case _:
@@ -175,7 +177,7 @@ def _unsaid(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
         of_rule = tuple(sorted(each for each in answer.said if each.startswith(f"%> {name}:")))
         near = of_rule[0] if of_rule else nearest(wanted, answer.said)
         shown = None if near is None else near.removeprefix("%> ")
-        yield _failure(expectation.span, _asked(expectation), (), shown)
+        yield _failure(expectation.span, _expectation_text(expectation), (), shown)
 
 
 def _beyond(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
@@ -191,7 +193,7 @@ def _beyond(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
         and not any(matches(pattern, atom) for pattern in patterns)
     ]
     if extra:
-        yield _failure(expectation.span, f"nothing but `{expectation.text}`", _shown(extra))
+        yield _failure(expectation.span, f"nothing but `{expectation.text}`", _atom_texts(extra))
 
 
 def _missing(stated: StatedAtom, atoms: Sequence[clingo.Symbol]) -> Failure:
@@ -209,7 +211,7 @@ def shown_beside(found: Iterable[str], near: str | None) -> tuple[str, ...]:
     return (*(f"  + {each}" for each in found), *nearest_one)
 
 
-def _shown(atoms: Iterable[clingo.Symbol]) -> tuple[str, ...]:
+def _atom_texts(atoms: Iterable[clingo.Symbol]) -> tuple[str, ...]:
     return tuple(sorted(plain(str(atom)) for atom in atoms))
 
 
@@ -270,7 +272,7 @@ def rewritten(
     for block in blocks:
         given = answers[block]
         if own is not None and not block.expectations and len(given) == 1:
-            place = _end(block, len(lines))
+            place = _last_line(block, len(lines))
             edits.append((place, place, list(_closed(given[0], own, "#show" in block.text))))
         else:
             edits += _edits(block, given, len(lines))
@@ -290,7 +292,7 @@ def _edits(
         patterns = [stated.pattern for stated in each.stated]
         found = [a for a in answers[0].atoms if any(_same_sort(p, a) for p in patterns)]
         if found and tuple(_unmet(each, answers[0])):
-            yield each.span.line - 1, each.last, _written("%only:", _shown(found))
+            yield each.span.line - 1, each.last, _expectation_lines("%only:", _atom_texts(found))
     if not exact and block.expectations:
         if answers:
             for each in block.of("~"):
@@ -298,11 +300,11 @@ def _edits(
         return
     if not tuple(_exactly(block, exact, answers)):
         return
-    place = exact[0].span.line - 1 if exact else _end(block, count)
+    place = exact[0].span.line - 1 if exact else _last_line(block, count)
     new: list[str] = []
     for answer in sorted(answers, key=lambda each: each.compared):
         atoms = [atom for atom in answer.compared if not atom.startswith("%")]
-        new += _written("%=", _in_order(atoms, exact))
+        new += _expectation_lines("%=", _in_order(atoms, exact))
     for each in (*exact, *block.of(">", "~")):
         if each.span.line - 1 != place:
             yield each.span.line - 1, each.last, []
@@ -322,7 +324,7 @@ def _closed(answer: FoundAnswer, own: Sequence[str], shows: bool) -> Iterator[st
         wanted = clingo.parse_term(ANYTHING.sub(lambda match: match[1] or "_any", pattern))
         found = [each for each in compared if _same_sort(wanted, each)]
         if found:
-            yield from _written("%only:", _shown(found))
+            yield from _expectation_lines("%only:", _atom_texts(found))
         elif not shows and wanted.arguments and wanted.arguments[0] != ANY:
             yield f"%not: {pattern}"
 
@@ -333,13 +335,13 @@ def _in_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:
     return sorted(atoms, key=lambda atom: (order.get(atom, len(order)), atom))
 
 
-def _end(block: Block, count: int) -> int:
+def _last_line(block: Block, count: int) -> int:
     """Return behind which line of a file the text of a block ends."""
     lines = block.text.split("\n")
     last = max((n for n, line in enumerate(lines, 1) if line.strip()), default=count)
     return max(last, block.span.line)
 
 
-def _written(sign: str, atoms: Sequence[str]) -> list[str]:
+def _expectation_lines(sign: str, atoms: Sequence[str]) -> list[str]:
     first, *rest = atoms or ("",)
     return [f"{sign} {first}".rstrip(), *(f"%+ {atom}" for atom in rest)]

@@ -216,7 +216,7 @@ def _solved(
         cost = _cost(model)
         compared |= said | ({cost} if with_costs else set())
         key = tuple(sorted(compared))
-        kept = tuple(_asked(atoms)) if with_atoms else ()
+        kept = tuple(_public_atoms(atoms)) if with_atoms else ()
         # Where atoms are looked for, answer sets that agree in what is compared differ in others.
         found[(*key, *sorted(map(str, kept)))] = FoundAnswer(key, kept, frozenset(said), cost)
 
@@ -224,7 +224,7 @@ def _solved(
     return tuple(found[key] for key in sorted(found))
 
 
-def _asked(atoms: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
+def _public_atoms(atoms: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
     return (atom for atom in atoms if not atom.name.startswith("_"))
 
 

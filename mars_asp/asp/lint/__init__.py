@@ -97,7 +97,7 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
     is_large = partial(_is_large, known=known, things=host.things)
     said: set[tuple[str, str]] = set()
     for number in range(begin, len(rules)):
-        rule, listed = rules[number], _listed(rules, read, number)
+        rule, listed = rules[number], _expanded_clauses(rules, read, number)
         if rule.listed is None:
             said = set()
             yield from single_variables(read[number], listed)
@@ -150,7 +150,9 @@ def _decided(rules: Sequence[Rule], host: Host) -> Mapping[str, set[Signature]]:
     }
 
 
-def _listed(rules: list[Rule], read: Mapping[int, tuple[Clause, ...]], number: int) -> list[Clause]:
+def _expanded_clauses(
+    rules: list[Rule], read: Mapping[int, tuple[Clause, ...]], number: int
+) -> list[Clause]:
     """Return the rules that the metadata of one stands for; they come after it."""
     found: list[Clause] = []
     while (number := number + 1) < len(rules) and rules[number].listed is not None:

@@ -35,14 +35,16 @@ def risks(
     """
     rules = tuple(rules)
     read = statements_of(rule.text for rule in rules)
-    stated = _stated([statement for variants in read.values() for statement in variants], unbounded)
+    stated = _unbounded_positions(
+        [statement for variants in read.values() for statement in variants], unbounded
+    )
     for rule in rules:
         # What metadata stands for repeats a body of which all is said.
         if rule.fits is not None or rule.listed is not None:
             continue
         large = frozenset[str]().union(*(_large(each, stated) for each in read[rule.text]))
         risky = tuple(_risky(rule_operands(rule.text), large))
-        bounds = _bounds(rule) if risky else {}
+        bounds = _upper_bounds(rule) if risky else {}
         for operation in risky:
             if _most(operation, bounds) <= _MOST:
                 continue
@@ -75,7 +77,7 @@ def _is_risky(operation: Operation, large: Set[str]) -> bool:
     return sign in ("+", "*", "**") or (sign == "-" and computed)
 
 
-def _bounds(rule: Rule) -> Mapping[str, int]:
+def _upper_bounds(rule: Rule) -> Mapping[str, int]:
     """Return the numbers that variables of a rule are compared with, and do not exceed."""
     ways = [dict(_bounded(clause)) for clause in clauses_of([rule])[0]]
     shared = set(ways[0]).intersection(*ways) if ways else set()
@@ -111,7 +113,7 @@ def _variables(operand: Operand) -> frozenset[str]:
     return frozenset({operand}) if isinstance(operand, str) and is_variable else frozenset()
 
 
-def _stated(
+def _unbounded_positions(
     rules: Iterable[Statement], unbounded: Mapping[Signature, Iterable[int]]
 ) -> Mapping[Signature, Set[int]]:
     """Return the positions of numbers that users state, handed on from rule to rule."""

@@ -23,7 +23,9 @@ _INNER = "so nothing is in it: leave out one of the two"
 
 def wrong_bodies(clause: Clause, replaced: Set[str]) -> Iterator[LintFinding]:
     """Yield what makes a body never hold, and what says nothing in it."""
-    bounds = [each for at, one in enumerate(clause.aggregates) for each in _bounds(at, one)]
+    bounds = [
+        each for at, one in enumerate(clause.aggregates) for each in _aggregate_bounds(at, one)
+    ]
     contradiction = _contradiction(clause, ClauseScope(), clause.body, bounds, replaced)
     if contradiction is not None:
         yield contradiction
@@ -104,7 +106,7 @@ def _bare(term: SyntaxNode) -> set[str]:
     return {each.name for each in below(term) if each.ast_type is Kind.Variable}
 
 
-def _bounds(number: int, aggregate: Aggregate) -> Iterator[Compared]:
+def _aggregate_bounds(number: int, aggregate: Aggregate) -> Iterator[Compared]:
     """Yield what an aggregate is compared with, by a name of its own, and what it never is."""
     if aggregate.sign:
         return
@@ -135,7 +137,7 @@ def _needless(
             place = clause.place(each.node)
             yield found(REDUNDANT, message, place, clause.rule, "leave it out", fixes)
     for at, aggregate in enumerate(clause.aggregates):
-        said = list(_bounds(at, aggregate))
+        said = list(_aggregate_bounds(at, aggregate))
         count = len(aggregate.guards)
         if aggregate.sign == 0 and count and len(said) > count and not _binds(aggregate):
             known = said[count:]

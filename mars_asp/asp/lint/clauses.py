@@ -265,7 +265,7 @@ def _heads(head: SyntaxNode) -> tuple[Sort, list[tuple[ClauseAtom, ClauseScope]]
     kind = head.ast_type
     if kind is Kind.Literal:
         if head.atom.ast_type is Kind.SymbolicAtom:
-            return ("rule" if head.sign == 0 else "other"), [(_atom(head), ClauseScope())]
+            return ("rule" if head.sign == 0 else "other"), [(_clause_atom(head), ClauseScope())]
         return ("constraint" if str(head) == "#false" else "other"), []
     if kind not in (Kind.Aggregate, Kind.HeadAggregate, Kind.Disjunction):
         return "other", []
@@ -273,7 +273,7 @@ def _heads(head: SyntaxNode) -> tuple[Sort, list[tuple[ClauseAtom, ClauseScope]]
     if kind is Kind.HeadAggregate:
         elements = [each.condition for each in elements]
     found = [
-        (_atom(each.literal), _scope(each.condition))
+        (_clause_atom(each.literal), _scope(each.condition))
         for each in elements
         if each.literal.atom.ast_type is Kind.SymbolicAtom
     ]
@@ -308,7 +308,7 @@ def _scope(literals: Iterable[SyntaxNode]) -> ClauseScope:
     for literal in literals:
         kind = literal.atom.ast_type if literal.ast_type is Kind.Literal else None
         if kind is Kind.SymbolicAtom:
-            atoms.append(_atom(literal))
+            atoms.append(_clause_atom(literal))
         elif kind is Kind.Comparison:
             comparisons += _comparisons(literal)
         else:
@@ -317,7 +317,7 @@ def _scope(literals: Iterable[SyntaxNode]) -> ClauseScope:
     return ClauseScope(tuple(atoms), tuple(comparisons), tuple(others), positive)
 
 
-def _atom(literal: SyntaxNode) -> ClauseAtom:
+def _clause_atom(literal: SyntaxNode) -> ClauseAtom:
     minus, symbol = sign_and_function(literal.atom.symbol)
     terms = symbol.arguments
     named = [(at, name) for at, term in enumerate(terms) if (name := name_of(term)) is not None]

@@ -32,7 +32,7 @@ def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[L
     ]
     alike: dict[_About, list[int]] = {}
     for number, clause in plain:
-        alike.setdefault(_about(clause), []).append(number)
+        alike.setdefault(_head_pattern(clause), []).append(number)
     # What holds of any value holds of a constant.
     general = {about: [about] if about[-1] == "" else [about, (*about[:-1], "")] for about in alike}
     compared = {
@@ -53,7 +53,7 @@ def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[L
                 others = rare.get(each, {})
                 near = (others.get(mark, ()) for mark in (*marks[number], ()))
                 tried = sorted(other for some in near for other in some if other != number)
-                found_ = next(filter(None, (_compared(clauses, number, o) for o in tried)), None)
+                found_ = next(filter(None, (_subsumed(clauses, number, o) for o in tried)), None)
                 if found_ is not None:
                     yield found_
                     break
@@ -86,7 +86,7 @@ def _marks(clause: Clause) -> frozenset[_Mark]:
     return frozenset(found)
 
 
-def _about(clause: Clause) -> _About:
+def _head_pattern(clause: Clause) -> _About:
     """Return what rules with the same head have in common: predicate and constants."""
     if not clause.heads:
         return (clause.sort, None, "")
@@ -96,7 +96,7 @@ def _about(clause: Clause) -> _About:
     return clause.sort, head.signature, name
 
 
-def _compared(clauses: Sequence[Clause], number: int, other: int) -> LintFinding | None:
+def _subsumed(clauses: Sequence[Clause], number: int, other: int) -> LintFinding | None:
     own, rival = clauses[number], clauses[other]
     if own.rule is rival.rule or own.rule.stage != rival.rule.stage:
         return None

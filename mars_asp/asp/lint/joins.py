@@ -11,16 +11,16 @@ JOIN = "rule-join"
 
 def paired(clause: Clause, is_large: Callable[[ClauseAtom], bool]) -> Iterator[LintFinding]:
     """Yield the premises of a body, or of an element or condition, that nothing joins."""
-    yield from _apart(
+    yield from _unjoined(
         clause, clause.body.positive, clause.body.comparisons, clause.aggregates, is_large
     )
     for inner in clause.inner:
         # What the body binds is one value there.
         free = tuple(a for a in inner.positive if not names_in(a.node) & clause.bound)
-        yield from _apart(clause, free, inner.comparisons, (), is_large)
+        yield from _unjoined(clause, free, inner.comparisons, (), is_large)
 
 
-def _apart(
+def _unjoined(
     clause: Clause,
     atoms: Sequence[ClauseAtom],
     comparisons: Sequence[Comparison],

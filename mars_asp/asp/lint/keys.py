@@ -23,17 +23,17 @@ def apart_by_keys(
     clause: Clause, declared: Mapping[Signature, Declaration], replaced: Set[str]
 ) -> Iterator[LintFinding]:
     """Yield what never holds as a predicate holds once for each value of its key."""
-    first = _apart(clause, ClauseScope(), clause.body, declared, replaced)
+    first = _contradicted_key(clause, ClauseScope(), clause.body, declared, replaced)
     if first is not None:
         yield first
         return
     for inner in clause.inner:
-        found_ = _apart(clause, clause.body, inner, declared, replaced)
+        found_ = _contradicted_key(clause, clause.body, inner, declared, replaced)
         if found_ is not None:
             yield found_
 
 
-def _apart(
+def _contradicted_key(
     clause: Clause,
     outer: ClauseScope,
     inner: ClauseScope,

@@ -53,7 +53,7 @@ def shared_names(rulebook: Rulebook) -> Iterator[LintFinding]:
         for (name, arity, _), place in found_in:
             first.setdefault(name, {}).setdefault(arity, (place, None))
         for rule in by_path.get(path, ()):
-            for signature, place in _named(rule):
+            for signature, place in _named_predicates(rule):
                 if not is_hidden(path, signature):
                     name, arity, _ = signature
                     first.setdefault(name, {}).setdefault(arity, (place, rule))
@@ -82,7 +82,7 @@ def _declarations(path: str, text: str) -> Iterator[tuple[Signature, Span]]:
         yield signature, point(path, *place)
 
 
-def _named(rule: Rule) -> Iterator[tuple[Signature, Span]]:
+def _named_predicates(rule: Rule) -> Iterator[tuple[Signature, Span]]:
     """Yield the predicates that a rule names, with their places."""
     literals = {
         (literal.place, literal.signature.unsigned)

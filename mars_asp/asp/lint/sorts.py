@@ -46,7 +46,7 @@ def wrong_values(
         denied = (atom for atom in scope.atoms if atom.sign)
         yield from _never_given(clause, denied, environment, known)
         for comparison in scope.comparisons:
-            yield from _compared(clause, comparison, environment, known)
+            yield from _comparison_of_sorts(clause, comparison, environment, known)
     for each in clause.conditionals:
         environment = known.environment(clause, joined(clause.body, each.condition))
         yield from _never_given(clause, each.literal.atoms, environment, known)
@@ -130,7 +130,7 @@ def _numbers(values: Values) -> Values:
     return values and frozenset(each for each in values if each.form != "name")
 
 
-def _compared(
+def _comparison_of_sorts(
     clause: Clause, comparison: Comparison, environment: Environment, known: KnownValue
 ) -> Iterator[LintFinding]:
     left, right = (known.of(each, environment) for each in (comparison.left, comparison.right))

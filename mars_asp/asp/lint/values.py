@@ -75,7 +75,7 @@ class KnownValue:
         self.forms: dict[str, Form] = {**dict.fromkeys(UNITS, _NUMBER), **forms}
         self._replaced = replaced
         self.declared = {
-            signature: tuple(map(self._argument, each.arguments))
+            signature: tuple(map(self._argument_values, each.arguments))
             for signature, each in declared.items()
         }
         self._arguments: dict[Signature, list[Values]] = {
@@ -152,7 +152,7 @@ class KnownValue:
     def environment(self, clause: Clause, scope: ClauseScope) -> dict[str, Values]:
         """Return what the variables of a scope are, so far as that is known."""
         found: dict[str, Values] = {}
-        for name, values in self._named(scope):
+        for name, values in self._variable_values(scope):
             found[name] = self.meet(found.get(name), values)
         for comparison in scope.comparisons:
             if comparison.sign == "=":
@@ -188,11 +188,11 @@ class KnownValue:
         """Yield what each element of an aggregate adds or compares."""
         for element in aggregate.elements:
             inside = dict(environment)
-            for name, values in self._named(element.scope):
+            for name, values in self._variable_values(element.scope):
                 inside[name] = self.meet(inside.get(name), values)
             yield self.of(element.terms[0], inside) if element.terms else None
 
-    def _named(self, scope: ClauseScope) -> Iterator[tuple[str, Values]]:
+    def _variable_values(self, scope: ClauseScope) -> Iterator[tuple[str, Values]]:
         """Yield the variables of the atoms of a scope with what these say of them."""
         for atom in scope.atoms:
             known = self.arguments(atom.signature) if atom.sign == 0 else ()
@@ -247,7 +247,7 @@ class KnownValue:
         # What is less, or more, than any other value.
         return frozenset({Value("name", text=text)})
 
-    def _argument(self, argument: PredicateArgument) -> Values:
+    def _argument_values(self, argument: PredicateArgument) -> Values:
         if not argument.sorts and not argument.constants:
             return None
         constants = (Value("name", text=text) for text in argument.constants)

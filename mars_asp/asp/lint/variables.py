@@ -19,17 +19,17 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
     rule = clauses[0].rule
     # Of `{ p(X) }` it is the atoms that count, one for each X.
     sets = (clause.node for clause in clauses if clause.has_set)
-    counted = frozenset[str]().union(*map(_counted, sets))
+    counted = frozenset[str]().union(*map(_counting_variables, sets))
     said = (
         counted | {name for _, text in rule.lists for name, _ in HOLE.findall(text)} | {*rule.holes}
     )
     places: dict[str, SyntaxNode] = {}
     most: dict[str, int] = {}
     for clause in clauses:
-        _count(clause.node, most, places)
+        _count_variables(clause.node, most, places)
     own = dict(most)
     for clause in listed:
-        _count(clause.node, most, {})
+        _count_variables(clause.node, most, {})
     for name, node in places.items():
         if name.startswith("_"):
             if own[name] > 1:
@@ -44,14 +44,14 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
             yield found(SINGLETON, message, clauses[0].place(node), rule, advice)
 
 
-def _counted(node: SyntaxNode) -> frozenset[str]:
+def _counting_variables(node: SyntaxNode) -> frozenset[str]:
     """Return the variables of the atoms of which some number holds."""
     sets = (each for each in below(node) if each.ast_type is Kind.Aggregate)
     elements = (element.literal for each in sets for element in each.elements)
     return frozenset[str]().union(*map(names_in, elements))
 
 
-def _count(node: SyntaxNode, most: dict[str, int], places: dict[str, SyntaxNode]) -> None:
+def _count_variables(node: SyntaxNode, most: dict[str, int], places: dict[str, SyntaxNode]) -> None:
     counts: dict[str, int] = {}
     for each in below(node):
         if each.ast_type is Kind.Variable and each.name != "_":

@@ -46,7 +46,7 @@ def _overflows(text: str) -> tuple[_Overflow, ...]:
     found: dict[_Overflow, None] = {}
     known = _constants(definitions(text))
     for operand in operands(text):
-        _value(operand, known, found)
+        _exact_value(operand, known, found)
     return tuple(sorted(found))
 
 
@@ -62,11 +62,11 @@ def _constants(defined: Mapping[str, Operand]) -> dict[str, int | None]:
             begun.add(name)
             rest += (name, *needed)
         elif name not in found:
-            found[name] = _value(defined[name], found, {})
+            found[name] = _exact_value(defined[name], found, {})
     return found
 
 
-def _value(
+def _exact_value(
     operand: Operand, known: Mapping[str, int | None], found: dict[_Overflow, None]
 ) -> int | None:
     """Return the exact value of an operand if it is one that fits; note what does not."""
@@ -79,7 +79,7 @@ def _value(
         case Operation("-", (Number(whole, _),)) if whole == MOST + 1:
             return LEAST
         case Operation(sign, inside, written, _):
-            value = _computed(sign, [_value(each, known, found) for each in inside])
+            value = _computed(sign, [_exact_value(each, known, found) for each in inside])
     if value is not None and not LEAST <= value <= MOST:
         found[_Overflow(operand.place, written)] = None
         return None
@@ -165,7 +165,7 @@ def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnos
                 if value.type == clingo.SymbolType.Number
             }
             found: dict[_Overflow, None] = {}
-            _value(computed.operation, known, found)
+            _exact_value(computed.operation, known, found)
             for overflow in found:
                 where = [f"`{leaf}` is {number}" for leaf, number in known.items()]
                 message = f"`{overflow.text}` does not fit into 32 bits"

@@ -102,22 +102,22 @@ def conjunct(node: SyntaxNode) -> Conjunct:
     """Return a literal of a body or condition with what shows of its variables."""
     kind = node.atom.ast_type if node.ast_type is _TYPE.Literal else node.ast_type
     if kind is _TYPE.SymbolicAtom:
-        return _atom(node)
+        return _atom_conjunct(node)
     if kind is _TYPE.Comparison:
         guards = [(each.comparison, each.term) for each in node.atom.guards]
-        return _compared(node, [node.atom.term], guards, [])
+        return _compared_conjunct(node, [node.atom.term], guards, [])
     if kind is _TYPE.BodyAggregate:
         inside = [_inner(each.terms, each.condition) for each in node.atom.elements]
-        return _compared(node, [], _guards(node.atom), inside)
+        return _compared_conjunct(node, [], _guards(node.atom), inside)
     if kind is _TYPE.Aggregate:
         inside = [_inner((each.literal,), each.condition) for each in node.atom.elements]
-        return _compared(node, [], _guards(node.atom), inside)
+        return _compared_conjunct(node, [], _guards(node.atom), inside)
     if kind is _TYPE.ConditionalLiteral:
-        return _compared(node, [], [], [_inner((node.literal,), node.condition)])
+        return _compared_conjunct(node, [], [], [_inner((node.literal,), node.condition)])
     return Conjunct(str(node), names_in(node), is_seen=kind is _TYPE.BooleanConstant)
 
 
-def _atom(node: SyntaxNode) -> Conjunct:
+def _atom_conjunct(node: SyntaxNode) -> Conjunct:
     names = names_in(node)
     if node.sign != ast.Sign.NoSign:
         return Conjunct(str(node), names, names)
@@ -125,7 +125,7 @@ def _atom(node: SyntaxNode) -> Conjunct:
     return Conjunct(str(node), names, names, bound, is_all=bound == names)
 
 
-def _compared(
+def _compared_conjunct(
     node: SyntaxNode,
     terms: Sequence[SyntaxNode],
     guards: Sequence[tuple[int, SyntaxNode]],
@@ -138,8 +138,8 @@ def _compared(
     made = [names_in(each) for each in terms] + [each.names for each, _ in inside]
     equal: list[tuple[str, frozenset[str]]] = []
     if is_plain and signs == [_EQUAL]:
-        equal = [(each, _NONE.union(*made)) for each in _named(sides[-1])]
-        equal += [(each, names_in(sides[-1])) for term in terms for each in _named(term)]
+        equal = [(each, _NONE.union(*made)) for each in _variable_names(sides[-1])]
+        equal += [(each, names_in(sides[-1])) for term in terms for each in _variable_names(term)]
     return Conjunct(
         str(node),
         names_in(node),
@@ -156,7 +156,7 @@ def _guards(aggregate: SyntaxNode) -> list[tuple[int, SyntaxNode]]:
     return [(guard.comparison, guard.term) for guard in found if guard is not None]
 
 
-def _named(term: SyntaxNode) -> tuple[str, ...]:
+def _variable_names(term: SyntaxNode) -> tuple[str, ...]:
     return (term.name,) if term.ast_type is _TYPE.Variable else ()
 
 

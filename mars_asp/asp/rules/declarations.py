@@ -148,7 +148,7 @@ class Declaration:
     @property
     def written(self) -> str:
         """Return the predicate with the names and sorts of its arguments."""
-        inside = ", ".join(map(_written, self.arguments))
+        inside = ", ".join(map(_argument_text, self.arguments))
         name = plain(self.name)
         return f"{name}({inside})" if inside else name
 
@@ -213,7 +213,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         problems.append(_problem(message, place, "write `%*! name(First: sort, Second)`"))
         return None
     arguments = [] if match[2] is None else tuple(_split(match[2]))
-    read = tuple(filter(None, (_argument(each, place, problems) for each in arguments)))
+    read = tuple(filter(None, (_read_argument(each, place, problems) for each in arguments)))
     if len(read) < len(arguments):
         return None
     words, said = _lines(rest, place, problems)
@@ -319,7 +319,9 @@ def _split(written: str) -> Iterator[str]:
     yield written[begin:]
 
 
-def _argument(written: str, place: Span, problems: list[Diagnostic]) -> PredicateArgument | None:
+def _read_argument(
+    written: str, place: Span, problems: list[Diagnostic]
+) -> PredicateArgument | None:
     text = " ".join(written.split())
     match = re.fullmatch(_ARGUMENT, text)
     if match is None:
@@ -380,7 +382,7 @@ def _wrong_line(key: str, value: str, near_key: str) -> str | None:
     return f"did you mean `{near_key}: {near}`?"
 
 
-def _written(argument: PredicateArgument) -> str:
+def _argument_text(argument: PredicateArgument) -> str:
     named = [f"{{{', '.join(argument.constants)}}}"] if argument.constants else []
     kinds = " | ".join((*sorted(argument.sorts), *named))
     return f"{argument.name}: {kinds}" if kinds else argument.name

@@ -103,7 +103,7 @@ def expanded(
     for number, element in enumerate(_elements(written)):
         order = [element.order or str(number)] if expansion.is_ordered else []
         found = f"{expansion.gives}({','.join((*kept, *order, element.term))})"
-        text = _rule(found, "; ".join(filter(None, (body, element.condition))))
+        text = _rule_text(found, "; ".join(filter(None, (body, element.condition))))
         own = f"{rule.id}:{key}{number + 1 if number else ''}"
         yield Rule(own, None, None, rule.span, text, rule.stage, listed=place)
 
@@ -129,7 +129,7 @@ def with_conditions(written: str, change: Callable[[str], str]) -> str:
     return "; ".join(found)
 
 
-def _rule(head: str, body: str) -> str:
+def _rule_text(head: str, body: str) -> str:
     return f"{head} :- {body}." if body else f"{head}."
 
 
@@ -152,46 +152,46 @@ def wrong(
     if not _is_above(rule, expansion):
         message = f"`{key}` is above a rule that does not derive `{expansion.of}` alone"
         advice = f"leave it out, or give the rule a head `{expansion.of}`"
-        yield _wrong(message, place, advice)
+        yield _expansion_error(message, place, advice)
         return
     advice = f"write `%! {key}: NAME, NAME : CONDITION; NAME`"
     for element in _elements(written):
         if not element.term:
-            yield _wrong(f"`{key}` lists nothing", place, advice)
+            yield _expansion_error(f"`{key}` lists nothing", place, advice)
             return
         if element.order and not expansion.is_ordered:
-            yield _wrong(f"`{key}` has no order, so `@` has no effect", place, advice)
+            yield _expansion_error(f"`{key}` has no order, so `@` has no effect", place, advice)
             return
         if element.label is not None and not expansion.is_labelled:
-            yield _wrong(f"`{key}` takes no labels", place, advice)
+            yield _expansion_error(f"`{key}` takes no labels", place, advice)
             return
     local = variables(rule.ast) - bound_variables(rule.text)
     for name in sorted(local.intersection(_VARIABLE.findall(_STRING.sub("", written)))):
         message = (
             f"`{name}` of `{key}` is a different variable in an aggregate or negation of the rule"
         )
-        yield _wrong(message, place, f"give it a name of its own, `{name}'`")
+        yield _expansion_error(message, place, f"give it a name of its own, `{name}'`")
         return
     elements = _elements(written)
     if len(elements) > MOST_ELEMENTS:
-        yield _wrong(f"`{key}` lists more than {MOST_ELEMENTS} terms", place, advice)
+        yield _expansion_error(f"`{key}` lists more than {MOST_ELEMENTS} terms", place, advice)
         return
     for element, made in zip(elements, expanded(rule, key, written, place, expansion), strict=True):
-        alone = _rule(f"x({element.order or 0},{element.term})", element.condition)
+        alone = _rule_text(f"x({element.order or 0},{element.term})", element.condition)
         pools = len(rule.statements)
         if not _is_rule(made.text, place.path, pools) or not _is_rule(alone, place.path):
             message = f"`{key}` cannot be read: it means `{made.text}`"
-            yield _wrong(message, place, advice)
+            yield _expansion_error(message, place, advice)
             return
         # What leaves 32 bits is told where a rule computes it, and this one stands in no file.
         for operand in operands(alone):
             if isinstance(operand, Operation) and leaves(operand):
                 message = f"`{key}` computes `{operand.text}`"
-                yield _wrong(message, place, "let the body of the rule compute it")
+                yield _expansion_error(message, place, "let the body of the rule compute it")
                 return
         if computations([alone]).get(alone):
             message = f"`{key}` computes a sum in `{element.condition}`"
-            yield _wrong(message, place, "let the body of the rule compute it")
+            yield _expansion_error(message, place, "let the body of the rule compute it")
             return
         yield from _wrong_label(element, made, key, place)
 
@@ -203,10 +203,12 @@ def _wrong_label(element: _Element, made: Rule, key: str, place: Span) -> Iterat
     for hole, sort in holes:
         if sort and sort not in UNITS:
             message = f"`{{{hole}:{sort}}}` in a label of `{key}` names no sort with a unit"
-            yield _wrong(message, place, "name a measure, such as `milliseconds`")
+            yield _expansion_error(message, place, "name a measure, such as `milliseconds`")
     for hole in sorted(names - bound_variables(made.text) if names else ()):
         message = f"`{{{hole}}}` in a label of `{key}` is not a variable of the rule's body"
-        yield _wrong(message, place, "name a variable of the rule or of the label's condition")
+        yield _expansion_error(
+            message, place, "name a variable of the rule or of the label's condition"
+        )
 
 
 def _is_rule(text: str, shown: str, readings: int = 1) -> bool:
@@ -247,5 +249,5 @@ def _split(written: str, sign: str, most: int = -1) -> list[str]:
     return [part.strip() for part in parts]
 
 
-def _wrong(message: str, place: Span, advice: str) -> Diagnostic:
+def _expansion_error(message: str, place: Span, advice: str) -> Diagnostic:
     return Diagnostic("rule-metadata", "error", message, place, help=advice)

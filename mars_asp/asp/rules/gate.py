@@ -92,19 +92,19 @@ def read_text(path: Path, shown: str) -> str:
     try:
         held = unsaved_bytes(path)
         if held is None and not stat.S_ISREG(path.stat().st_mode):
-            raise _refused(shown, "no regular file", "name a file or a folder of `.lp` files")
+            raise _refusal_error(shown, "no regular file", "name a file or a folder of `.lp` files")
         raw = read_file(path, MOST_BYTES) if held is None else held
         if len(raw) > MOST_BYTES:
-            raise _refused(shown, f"larger than {MOST_BYTES} bytes", "split it by topic")
+            raise _refusal_error(shown, f"larger than {MOST_BYTES} bytes", "split it by topic")
         text = raw.decode("utf-8")
     except WallError as error:
         advice = error.advice or "put the rules themselves there"
-        raise _refused(shown, str(error.strerror), advice) from None
+        raise _refusal_error(shown, str(error.strerror), advice) from None
     except OSError as error:
-        raise _refused(shown, str(error.strerror), "make the file readable") from None
+        raise _refusal_error(shown, str(error.strerror), "make the file readable") from None
     except UnicodeDecodeError as error:
         line = raw[: error.start].count(b"\n") + 1
-        raise _refused(shown, "not UTF-8", "save it as UTF-8", line) from None
+        raise _refusal_error(shown, "not UTF-8", "save it as UTF-8", line) from None
     return text
 
 
@@ -115,7 +115,7 @@ def check_text(text: str, shown: str, is_own: bool = False) -> None:
         MarsError: with the first reasons.
     """
     found: list[Diagnostic] = []
-    for offset, what, advice in _wrong(text, _REFUSED_OWN if is_own else _REFUSED):
+    for offset, what, advice in _forbidden_text(text, _REFUSED_OWN if is_own else _REFUSED):
         line = text.count("\n", 0, offset) + 1
         column = offset - text.rfind("\n", 0, offset)
         found.append(_refusal(shown, line, column, what, advice))
@@ -125,7 +125,7 @@ def check_text(text: str, shown: str, is_own: bool = False) -> None:
         raise MarsError(found)
 
 
-def _wrong(text: str, refused: re.Pattern[str]) -> Iterator[tuple[int, str, str]]:
+def _forbidden_text(text: str, refused: re.Pattern[str]) -> Iterator[tuple[int, str, str]]:
     """Yield the location, the description and the advice of text that clingo must not get."""
     for sign, name in (("\ufeff", "a byte order mark"), ("\0", "a NUL character")):
         if sign in text:
@@ -209,7 +209,7 @@ def _closed(text: str, at: int) -> int:
     return len(text) if depth else at
 
 
-def _refused(shown: str, what: str, advice: str, line: int = 0) -> MarsError:
+def _refusal_error(shown: str, what: str, advice: str, line: int = 0) -> MarsError:
     return MarsError((_refusal(shown, line, min(line, 1), what, advice),))
 
 

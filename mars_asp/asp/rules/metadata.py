@@ -78,7 +78,7 @@ def rules_of(
         if "id" not in pending:
             lines.add(span.line)
         lists = {key: pending[key] for key in expansions if key in pending}
-        rule = _rule(pending, span, piece.text, stage, f"{name}:{where}", lists)
+        rule = _make_rule(pending, span, piece.text, stage, f"{name}:{where}", lists)
         problems += _wrong_id(rule, pending, name)
         pending = {}
         yield rule
@@ -124,7 +124,7 @@ def _go_on(pending: dict[str, tuple[str, Span]], more: str) -> None:
         pending[key] = (f"{text} {more}", place)
 
 
-def _rule(
+def _make_rule(
     metadata: dict[str, tuple[str, Span]],
     span: Span,
     text: str,

@@ -33,7 +33,7 @@ def read_premises(text: str) -> Premises | None:
 
     `None` where it makes atoms possible by something else than rules.
     """
-    return _known(text, lambda: _read(text))
+    return _known(text, lambda: _read_text(text))
 
 
 def fragment_of(rule: Rule) -> Fragment:
@@ -58,7 +58,7 @@ def _makers() -> tuple[Path, ...]:
     return Path(__file__), Path(reader.__file__), Path(trees.__file__)
 
 
-def _read(text: str) -> Premises | None:
+def _read_text(text: str) -> Premises | None:
     lines = text.split("\n")
     rest, rules, read = [""], [], (1, 1)
     for piece in pieces(text):

@@ -173,19 +173,19 @@ def _wrong_lists(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
     concerned = [rule for rule in rules if rule.lists or rule.listed is not None]
     whole = "\n".join(rule.text for rule in concerned)
     # All at once, which takes less than one by one, for hardly ever is there something to say.
-    if not concerned or not _refused(whole, concerned[0].span.path):
+    if not concerned or not _refused_text(whole, concerned[0].span.path):
         return
     said: set[str] = set()
     for rule in concerned:
         if rule.listed is None:
-            said = {each.message for each in _refused(rule.text, rule.span.path)}
+            said = {each.message for each in _refused_text(rule.text, rule.span.path)}
         else:
-            refused = _refused(rule.text, rule.span.path)
+            refused = _refused_text(rule.text, rule.span.path)
             found = (each for each in refused if each.message not in said)
             yield from (replace(each, span=rule.listed) for each in found)
 
 
-def _refused(text: str, path: str) -> tuple[Diagnostic, ...]:
+def _refused_text(text: str, path: str) -> tuple[Diagnostic, ...]:
     # Of some numbers that do not fit clingo itself ends the process.
     return tuple(overflows(text, path)) or tuple(refused_rules(text, path))
 

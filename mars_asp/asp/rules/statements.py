@@ -461,7 +461,7 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
         if node.ast_type in (_TYPE.ShowSignature, _TYPE.Defined):
             new = names.get(Signature(node.name, node.arity))
             if new is not None:
-                found.append((_begin(node), node.name, new))
+                found.append((_start_of(node), node.name, new))
         for each in below(plain(node)):
             if each.ast_type == _TYPE.SymbolicAtom:
                 _, symbol = sign_and_function(each.symbol)
@@ -469,7 +469,7 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
                 for one in variants:
                     new = names.get(Signature(one.name, len(one.arguments)))
                     if new is not None:
-                        found.append((_begin(one), one.name, new))
+                        found.append((_start_of(one), one.name, new))
     lines = text.split("\n")
     # The last first, so that what comes before it stays where it is.
     for (line, column), old, new in sorted(set(found), reverse=True):
@@ -479,7 +479,7 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
     return "\n".join(lines)
 
 
-def _begin(node: SyntaxNode | ast.AST) -> Place:
+def _start_of(node: SyntaxNode | ast.AST) -> Place:
     line, column, _, _ = extent_of(node)
     return line, column
 
@@ -836,9 +836,9 @@ class ArithmeticReader:
                 rest += node.children
                 return str(node)
         operands = tuple(self.operand(each, rest) for each in inside)
-        return Operation(sign or "", operands, self._written(node), self.place(node))
+        return Operation(sign or "", operands, self._source_text(node), self.place(node))
 
-    def _written(self, node: SyntaxNode) -> str:
+    def _source_text(self, node: SyntaxNode) -> str:
         """Return what stands in the text: a number that does not fit is another in the tree."""
         line, column, end_line, end = node.extent
         if line != end_line:
@@ -846,7 +846,7 @@ class ArithmeticReader:
         return str(self._lines[line - 1][column - 1 : end - 1], "utf-8")
 
     def _number(self, node: SyntaxNode) -> int:
-        written = self._written(node)
+        written = self._source_text(node)
         try:
             return int(written, 0)
         except ValueError:

@@ -89,14 +89,14 @@ def names_in(node: SyntaxNode) -> frozenset[str]:
     """Return the names of the variables in a tree, but for `_`."""
     if node._names is None:
         if node.ast_type is Kind.Variable:
-            node._names = _named(node.name)
+            node._names = _variable_set(node.name)
         else:
             node._names = _NONE.union(*map(names_in, node.children)) if node.children else _NONE
     return node._names
 
 
 @lru_cache(maxsize=1024)
-def _named(name: str) -> frozenset[str]:
+def _variable_set(name: str) -> frozenset[str]:
     return _NONE if name == "_" else frozenset((name,))
 
 

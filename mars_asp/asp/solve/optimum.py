@@ -107,7 +107,7 @@ def optimise(
         level: cost for level, cost in found.cost.items() if counted is None or level >= counted
     }
     # A second optimum is looked for in any case: a single one needs no choice among several.
-    count = _count(component, costs, deadline, MOST_COUNTED if counting else 1)
+    count = _count_optima(component, costs, deadline, MOST_COUNTED if counting else 1)
     true = found.true if count == 1 else _first_by_name(component, found, deadline)
     return Optimum(true, found.cost, found.bound, True, count if counting else None)
 
@@ -345,7 +345,7 @@ def _bounded(
     return control
 
 
-def _count(
+def _count_optima(
     component: Component, costs: dict[int, int], deadline: float | None, most: int
 ) -> int | None:
     most = min(most, _MOST_ATOMS_COUNTED // component.size)

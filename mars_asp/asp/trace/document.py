@@ -91,7 +91,7 @@ class TraceDocument:
         entry |= {"rule": None, "bindings": {}, "location": None, "premises": []}
         match step:
             case Given(_, _, origin):
-                place = _place(step)
+                place = _leaf_location(step)
                 entry["location"] = place
                 if origin == "computed":
                     entry["computed_from"] = [] if place is None else [place]
@@ -183,12 +183,12 @@ class _JsonLines:
 
     def _step(self, step: _Step) -> Iterator[str]:
         at = rule = None
-        place = step.span if isinstance(step, Given) and _place(step) is not None else None
+        place = step.span if isinstance(step, Given) and _leaf_location(step) is not None else None
         if place is not None:
             yield from self._file(place.path)
             at = [self._files[place.path], place.line, place.column]
         if isinstance(step, Derived | NearMiss):
-            yield from self._rule(step.rule)
+            yield from self._rule_entry(step.rule)
             rule = self._rules[id(step.rule)]
         number = self._numbers[_key(step)] = len(self._numbers) + 1
         entry: _Json = {"step": number, "kind": _kind(step), "atom": plain(step.atom)}
@@ -213,7 +213,7 @@ class _JsonLines:
             self._files[path] = len(self._files) + 1
             yield json.dumps({"file": self._files[path], "path": path})
 
-    def _rule(self, rule: Rule) -> Iterator[str]:
+    def _rule_entry(self, rule: Rule) -> Iterator[str]:
         if id(rule) not in self._rules:
             number = self._rules[id(rule)] = len(self._rules) + 1
             yield json.dumps({"rule": number, **rule_json(rule)})
@@ -263,7 +263,7 @@ def _message(step: _Step) -> str | None:
             return step.message
 
 
-def _place(leaf: Given) -> _Json | None:
+def _leaf_location(leaf: Given) -> _Json | None:
     """Return where a fact is; `<...>` is the name of no file."""
     span: Span | None = leaf.span
     if span is None or is_pseudo(span):

@@ -66,7 +66,7 @@ class Explainer:
             name, term = atom.name if atom.positive else f"-{atom.name}", as_term(atom)
             asked.setdefault(asking_name(name), []).append(term)
             firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
-        told = {name: frozenset(map(_text, terms)) for name, terms in firsts.items()}
+        told = {name: frozenset(map(_term_text, terms)) for name, terms in firsts.items()}
         rules = dependencies_of(rule.text for rule in self.rules)
         numbers = reachable_rules(rules, told, self._present(), self._rulebook.replaced)
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
@@ -115,5 +115,5 @@ class Explainer:
         self._copied |= copied
 
 
-def _text(term: TermId | None) -> str:
+def _term_text(term: TermId | None) -> str:
     return "" if term is None else str(as_symbol(term))

@@ -88,7 +88,10 @@ class Rewriter:
             ast.__file__,
         )
         made = memoized(
-            "firings", map(Path, makers), first, lambda key: self._written(first[key], rules)
+            "firings",
+            map(Path, makers),
+            first,
+            lambda key: self._explanation_rules(first[key], rules),
         )
         parts: list[str] = []
         for number, key in keys.items():
@@ -101,15 +104,15 @@ class Rewriter:
     def _key(self, rule: Rule) -> "_Key":
         return rule.text, frozenset(s for s in self.open if s[0] in rule.text)
 
-    def _written(self, number: int, rules: Sequence[Rule]) -> "_Written":
+    def _explanation_rules(self, number: int, rules: Sequence[Rule]) -> "_Written":
         """Return the explanation rules of a rule, and the construct that cannot be traced."""
         # Variants of a statement that differ in a pool share what they count over.
         lines = dict.fromkeys(
-            line for s in rules[number].ast.unpool() for line in self._rule(number, s)
+            line for s in rules[number].ast.unpool() for line in self._firing_rule(number, s)
         )
         return "\n".join(lines), self.unsupported.get(number)
 
-    def _rule(self, number: int, statement: ast.AST) -> Iterator[str]:
+    def _firing_rule(self, number: int, statement: ast.AST) -> Iterator[str]:
         if statement.head.ast_type not in _HEADS:
             self.unsupported[number] = str(statement.head.ast_type)
             return
@@ -179,7 +182,7 @@ class Rewriter:
             shown,
             f"p({','.join(term for _, term in premises)})",
             f"a({','.join(absent)})",
-            _values(sorted(names)),
+            _values_term(sorted(names)),
         )
         keys = [group_key(rule, group, variables_of(told)) for group in counted]
         needed = [
@@ -293,14 +296,18 @@ class Terms:
     def atom(self, symbol: ast.AST, fresh_complex: bool = False) -> str:
         """Return an atom's text with every argument a term that matches as it evaluates."""
         sign, symbol = sign_and_function(symbol)
-        return _text(sign, symbol, [self._argument(a, fresh_complex) for a in symbol.arguments])
+        return _literal_text(
+            sign, symbol, [self._matching_term(a, fresh_complex) for a in symbol.arguments]
+        )
 
     def negated(self, symbol: ast.AST) -> tuple[str, str]:
         """Return a negated atom's text for a body and as a term; what is anonymous stays so."""
         sign, symbol = sign_and_function(symbol)
         named = [self.named(argument) for argument in symbol.arguments]
         pattern = [_anonymous(argument) for argument in named]
-        return _text(sign, symbol, list(map(str, named))), _text(sign, symbol, pattern)
+        return _literal_text(sign, symbol, list(map(str, named))), _literal_text(
+            sign, symbol, pattern
+        )
 
     def named(self, term: ast.AST) -> ast.AST:
         """Return a term, an interval by a name of its own."""
@@ -310,7 +317,7 @@ class Terms:
         self.equations.append(f"{name} = {term}")
         return ast.Variable(term.location, name)
 
-    def _argument(self, term: ast.AST, fresh_complex: bool) -> str:
+    def _matching_term(self, term: ast.AST, fresh_complex: bool) -> str:
         text = bare(term)
         if text == "_":
             return self.fresh()
@@ -319,7 +326,7 @@ class Terms:
             self.equations.append(f"{name} = {term}")
             return name
         if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
-            inner = [self._argument(argument, fresh_complex) for argument in term.arguments]
+            inner = [self._matching_term(argument, fresh_complex) for argument in term.arguments]
             comma = "," if not term.name and len(inner) == 1 else ""
             return f"{term.name}({','.join(inner)}{comma})"
         return str(term)
@@ -344,7 +351,7 @@ def _signature(symbol: ast.AST) -> Signature:
     return Signature(symbol.name, len(symbol.arguments))
 
 
-def _text(sign: str, symbol: ast.AST, arguments: Sequence[str]) -> str:
+def _literal_text(sign: str, symbol: ast.AST, arguments: Sequence[str]) -> str:
     return f"{sign}{symbol.name}({','.join(arguments)})" if arguments else f"{sign}{symbol.name}"
 
 
@@ -360,7 +367,7 @@ def asking_name(name: str) -> str:
     return f"_ask{QUESTION}{'_neg' if name != unsigned_name else ''}_{unsigned_name}"
 
 
-def _values(names: Sequence[str]) -> str:
+def _values_term(names: Sequence[str]) -> str:
     """Return a term of what variables stand for, which names them by one term for all firings."""
     quoted = ",".join(f'"{name}"' for name in names)
     return f"v({','.join((f'n({quoted})' if names else 'n', *names))})"
@@ -438,11 +445,11 @@ class _Valued(ast.Transformer):
     """Puts values for global variables, and computes with them."""
 
     def __init__(self, values: Mapping[str, clingo.Symbol]) -> None:
-        self._values = values
+        self._values_term = values
 
     def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
         """Return the value of a variable, if it has one."""
-        value = self._values.get(node.name)
+        value = self._values_term.get(node.name)
         return node if value is None else ast.SymbolicTerm(node.location, value)
 
     def visit_BinaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name

@@ -55,7 +55,7 @@ class Proofs:
             below: Support = firing.premises, firing.absent
             if firing.groups:
                 below = support(firing, partial(self._counted.of, height))
-            self._traces[atom] = self._step(firing, below, self._others.get(atom, ()))
+            self._traces[atom] = self._derived_step(firing, below, self._others.get(atom, ()))
 
     def of(self, atom: clingo.Symbol) -> Trace:
         """Return the trace of a true atom, of least height."""
@@ -101,9 +101,11 @@ class Proofs:
                     continue
                 told.add(_derivation(firing, below))
                 waiting += below[0]
-                self._others[atom].append(self._step(firing, below))
+                self._others[atom].append(self._derived_step(firing, below))
 
-    def _step(self, firing: Firing, below: Support, others: Sequence[Derived] = ()) -> Derived:
+    def _derived_step(
+        self, firing: Firing, below: Support, others: Sequence[Derived] = ()
+    ) -> Derived:
         premises, absent = below
         found: list[Trace | None] = [*map(self._least, premises), *map(self._absent, absent)]
         steps: tuple[Trace, ...] = tuple(filter(None, found))

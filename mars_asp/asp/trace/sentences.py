@@ -84,7 +84,7 @@ class Sentences:
         if sort is not None and len(numbers) == 2:
             words = measured_alike(numbers, sort)
         else:
-            words = [_written(value, argument) for value in values]
+            words = [_readable_value(value, argument) for value in values]
         return f"`{declared.name}` of `{thing}` is {words[0]}, not {words[1]}"
 
     def rank(self, atom: Atom) -> int | None:
@@ -104,14 +104,14 @@ class Sentences:
         for sentence in sentences:
             key = declared.name, len(declared.arguments), sentence
             if key not in self._forms:
-                self._forms[key] = self._form(sentence, declared)
+                self._forms[key] = self._sentence_form(sentence, declared)
             form = self._forms[key]
-            values = [] if form is None else self._values(form, declared, atom)
+            values = [] if form is None else self._hole_values(form, declared, atom)
             if form is not None and values is not None:
                 return Sentence(form.text % tuple(values), tuple(values))
         return None
 
-    def _form(self, sentence: str, declared: Declaration) -> _Form | None:
+    def _sentence_form(self, sentence: str, declared: Declaration) -> _Form | None:
         """Return a sentence with its holes; `None` where one names nothing."""
         holes = []
         for match in re.finditer(SENTENCE_HOLE, sentence):
@@ -124,14 +124,14 @@ class Sentences:
             holes.append(_Hole(other, place, of.arguments[place]))
         return _Form(re.sub(SENTENCE_HOLE, "%s", sentence.replace("%", "%%")), tuple(holes))
 
-    def _values(self, form: _Form, declared: Declaration, atom: Atom) -> list[str] | None:
+    def _hole_values(self, form: _Form, declared: Declaration, atom: Atom) -> list[str] | None:
         found = []
         for other, place, argument in form.holes:
             about: Atom | None = atom
             if other is not None:
                 fact = self._joined(other, declared, atom)
                 about = None if fact is None else fact.atom
-            value = None if about is None else _written(about.arguments[place], argument)
+            value = None if about is None else _readable_value(about.arguments[place], argument)
             if value is None:
                 return None
             found.append(value)
@@ -176,7 +176,7 @@ def _is_open(value: Term) -> bool:
     return isinstance(value, Atom) and value.name == OPEN
 
 
-def _written(value: Term, argument: PredicateArgument) -> str | None:
+def _readable_value(value: Term, argument: PredicateArgument) -> str | None:
     """Return a value as people read it; `None` where it is open, or a term of the encoding."""
     if isinstance(value, int):
         unit = next((sort for sort in argument.sorts if sort in UNITS), None)

@@ -71,7 +71,7 @@ def traces_text(
     for level, line, step in entries:
         if step is None:
             if isinstance(line, _Quoted):
-                yield from _quoted(line, level, width)
+                yield from _quoted_lines(line, level, width)
             else:
                 yield from wrapped(line, level, width)
             continue
@@ -118,10 +118,10 @@ class _Entry(NamedTuple):
 def _said(step: Derived | NearMiss, folded: bool) -> str:
     if isinstance(step, NearMiss):
         return plain(attempt_text(step))
-    return step.message or plain(_named(step.head) if folded else step.atom)
+    return step.message or plain(_head_words(step.head) if folded else step.atom)
 
 
-def _named(head: TermId) -> str:
+def _head_words(head: TermId) -> str:
     """Return what an atom is about where no rule says it: its predicate in words, and names."""
     symbol = as_symbol(head)
     texts = (each for each in symbol.arguments if each.type == clingo.SymbolType.String)
@@ -236,7 +236,7 @@ class _Teller:
             line = self._lines[span] = self._read(span)
         return line
 
-    def _place(self, span: Span) -> str:
+    def _location_text(self, span: Span) -> str:
         path = self._paths.get(span.path)
         if path is None:
             path = self._paths[span.path] = _shown_path(span.path)
@@ -249,7 +249,7 @@ class _Teller:
             assert span is not None
             line = self._line_at(span)
             notes = dict.fromkeys(filter(None, (_note(each, line) for each in givens)))
-            found.append(_Quoted(self._place(span), line, "; ".join(notes)))
+            found.append(_Quoted(self._location_text(span), line, "; ".join(notes)))
         if len(found) == 1:
             return found
         width = max(len(leaf.place) for leaf in found)
@@ -265,12 +265,12 @@ class _Teller:
                     return f"{told}  (observed{when})"
                 if span is None or (self._folded and is_pseudo(span)):
                     return told if self._folded and step.message else None
-                place = self._place(span)
+                place = self._location_text(span)
                 if origin == "external":
                     return f"{told}, external  {place}"
                 return f"{told}  (computed from {place})" if self._folded else f"{told}  {place}"
             case Absent() if step.external is not None:
-                return f"{step.message}  {self._place(step.external)}"
+                return f"{step.message}  {self._location_text(step.external)}"
             case Absent() | Underivable():
                 return step.sentence if self._folded else step.message
             case Unexplained(atom, reason):
@@ -347,7 +347,7 @@ def _note(given: Given, line: str) -> str | None:
     return told.sentence
 
 
-def _quoted(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
+def _quoted_lines(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
     """Yield a line that is quoted, and behind or below it what it says."""
     indent = " " * _indent(level, width)
     line = f"{indent}{leaf.place}  {_SPACE.sub(' ', leaf.line)}".rstrip(" ")

@@ -170,7 +170,7 @@ class Derived:
 
     def with_values(self, text: str | None) -> str | None:
         """Return a text of the rule, such as its help, with its holes filled."""
-        return fill(text, _terms_of(self.values), _shown)
+        return fill(text, _terms_of(self.values), _value_text)
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,11 +242,11 @@ def bindings_of(values: TermId) -> dict[str, clingo.Symbol]:
 
 def _terms_of(values: TermId) -> dict[str, TermId]:
     names, *found = arguments(values)
-    return dict(zip(_strings(names), found, strict=True))
+    return dict(zip(_string_names(names), found, strict=True))
 
 
 @cache
-def _strings(names: TermId) -> tuple[str, ...]:
+def _string_names(names: TermId) -> tuple[str, ...]:
     return tuple(as_symbol(name).string for name in arguments(names))
 
 
@@ -257,7 +257,7 @@ def _text(value: TermId) -> str:
 
 
 @lru_cache(maxsize=100_000)
-def _shown(value: TermId) -> str:
+def _value_text(value: TermId) -> str:
     return shown(as_symbol(value))
 
 

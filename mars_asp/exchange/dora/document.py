@@ -151,14 +151,16 @@ class _DataflowReader:
         pairs = _by_key(root)
         _, nodes = pairs.get("nodes", (None, None))
         if not isinstance(nodes, Items) or not nodes.nodes:
-            self.wrong(_begin(root.span), "the dataflow has no list of nodes", "write `nodes:`")
+            self.wrong(
+                _start_span(root.span), "the dataflow has no list of nodes", "write `nodes:`"
+            )
             return
         self.skip(pairs, _RUNNING_ALL | {"nodes"}, "settings of the dataflow")
         for node in nodes.nodes:
             if isinstance(node, Pairs):
                 self.node(node)
             else:
-                self.wrong(_begin(node.span), "a node is not a map", "write `- id: NAME`")
+                self.wrong(_start_span(node.span), "a node is not a map", "write `- id: NAME`")
         for worker in self.workers.values():
             wires = tuple(self.resolved(wire) for wire in worker.wires)
             self.workers[worker.name] = replace(worker, wires=wires)
@@ -200,7 +202,9 @@ class _DataflowReader:
                         self.skip(own, _SETTLED, "settings of nodes")
                         self.worker(name, called.span, own, {**pairs, **own})
                 else:
-                    self.wrong(_begin(each.span), "an operator is not a map", "write `- id: NAME`")
+                    self.wrong(
+                        _start_span(each.span), "an operator is not a map", "write `- id: NAME`"
+                    )
         else:
             key, part = pairs[inside[0]]
             if len(inside) > 1 or not isinstance(part, Pairs):
@@ -221,7 +225,7 @@ class _DataflowReader:
         if isinstance(named, Scalar) and not _is_empty(named):
             self.check_name(named)
             return named
-        self.wrong(_begin(node.span), f"{what} has no id", "add `id: NAME`")
+        self.wrong(_start_span(node.span), f"{what} has no id", "add `id: NAME`")
         return None
 
     def check_name(self, name: Scalar) -> None:
@@ -305,13 +309,13 @@ class _DataflowReader:
             return
         if not isinstance(listed, Items):
             message = f"the outputs of `{name}` are not a list"
-            self.wrong(_begin(listed.span), message, "write `- OUTPUT`")
+            self.wrong(_start_span(listed.span), message, "write `- OUTPUT`")
             return
         seen: dict[str, Span] = {}
         for each in listed.nodes:
             if not isinstance(each, Scalar) or not each.text:
                 message = f"an output of `{name}` is not a name"
-                self.wrong(_begin(each.span), message, "write `- OUTPUT`")
+                self.wrong(_start_span(each.span), message, "write `- OUTPUT`")
             elif each.text in seen:
                 message = f"`{name}` has two outputs `{each.text}`"
                 first = seen[each.text], "the first one"
@@ -330,7 +334,7 @@ class _DataflowReader:
             return
         if not isinstance(mapped, Pairs):
             message = f"the inputs of `{name}` are not a map"
-            self.wrong(_begin(mapped.span), message, "write `INPUT: NODE/OUTPUT`")
+            self.wrong(_start_span(mapped.span), message, "write `INPUT: NODE/OUTPUT`")
             return
         for key, value in mapped.pairs:
             source: Node | None = value
@@ -363,7 +367,7 @@ class _DataflowReader:
         node, _, output = source.text.rpartition("/")
         unit, number = ("", "") if timer is None else (each or "" for each in timer.groups())
         if _ticks(unit, number):
-            rate = _rate(unit, number)
+            rate = _timer_rate(unit, number)
             return Wire(key.text, source.text, "tick", source.span, rate, is_virtual=True)
         if timer is not None or not node or not output:
             message = (
@@ -393,7 +397,7 @@ def _ticks(unit: str, number: str) -> bool:
     return is_whole and unit in _UNITS and 0 < int(number) <= _MOST_COUNT
 
 
-def _rate(unit: str, number: str) -> Rate | None:
+def _timer_rate(unit: str, number: str) -> Rate | None:
     """Return the rate of a timer; None where a configuration cannot write it."""
     if unit == "hz":
         read = read_frequency(number)
@@ -440,5 +444,5 @@ def _is_empty(node: Node) -> bool:
     return isinstance(node, Scalar) and not node.quoted and node.text in ("", "~", "null")
 
 
-def _begin(span: Span) -> Span:
+def _start_span(span: Span) -> Span:
     return span._replace(end_line=span.line, end_column=span.column)

@@ -80,13 +80,13 @@ def _entries(text: str, path: str) -> Iterator[CatalogueEntry]:
         match = _PLACE.match(str(error))
         place = point(path, int(match["line"]), int(match["column"])) if match else whole_file(path)
         said = match["said"] if match else str(error)
-        raise _wrong(path, f"this is not TOML: {said}", place=place) from None
+        raise _catalogue_error(path, f"this is not TOML: {said}", place=place) from None
     for package, programs in document.items():
         if not isinstance(programs, dict):
-            raise _wrong(path, f"`{package}` is not a table of executables")
+            raise _catalogue_error(path, f"`{package}` is not a table of executables")
         for executable, program in programs.items():
             if not isinstance(program, dict):
-                raise _wrong(path, f"`{package}.{executable}` is not a table")
+                raise _catalogue_error(path, f"`{package}.{executable}` is not a table")
             yield _entry(package, executable, program, path)
 
 
@@ -105,7 +105,7 @@ def _entry(
         else:
             fits, expected = False, "a key of the catalogue"
         if not fits:
-            raise _wrong(path, f"`{key}` of `{called}` is not {expected}")
+            raise _catalogue_error(path, f"`{key}` of `{called}` is not {expected}")
     plugin, node = program.get("plugin"), program.get("node")
     namespace, camera = program.get("namespace"), program.get("camera")
     subscribed = (
@@ -147,7 +147,7 @@ def _topics(listed: object) -> Iterator[InterfaceTopic]:
             yield InterfaceTopic(name, kind)
 
 
-def _wrong(path: str, message: str, place: Span | None = None) -> MarsError:
+def _catalogue_error(path: str, message: str, place: Span | None = None) -> MarsError:
     span = whole_file(path) if place is None else place
     help_text = "see `catalogue.toml` in the package for the form"
     return MarsError((Diagnostic("catalogue", "error", message, span, help=help_text),))

@@ -116,7 +116,7 @@ def words_of_programs(text: str) -> Iterator[str]:
 
     A target of a name is a program or a library.
     """
-    commands = list(_commands(text))
+    commands = list(_cmake_commands(text))
     libraries = {words[0] for name, words in commands if name in _LIBRARIES and words}
     for name, words in commands:
         named = [word for key, word in pairwise(words) if key in _PROGRAM_KEYS]
@@ -141,7 +141,7 @@ def read_cmake(
     packages that may install something.
     """
     reader = _CMakeReader(files or {}, elsewhere)
-    reader.follow(list(_commands(text)), "", {"CMAKE_INSTALL_DATADIR": ["share"]})
+    reader.follow(list(_cmake_commands(text)), "", {"CMAKE_INSTALL_DATADIR": ["share"]})
     reader.targets.is_whole &= reader.left > 0
     return reader.targets
 
@@ -307,7 +307,7 @@ class _CMakeReader:
         """Return the commands of a file of the package, none where it is not there."""
         if path not in self.read:
             text = self.files.get(path)
-            self.read[path] = () if text is None else tuple(_commands(text()))
+            self.read[path] = () if text is None else tuple(_cmake_commands(text()))
         return self.read[path]
 
     def matching(self, command: str, words: Sequence[str], folder: str) -> Iterator[str]:
@@ -363,7 +363,7 @@ def _installed(
             yield Installed(source, target.removeprefix(share).lstrip("/"), is_folder)
 
 
-def _commands(text: str) -> Iterator[_Command]:
+def _cmake_commands(text: str) -> Iterator[_Command]:
     """Yield each command with its words."""
     before, words, depth = "", list[str](), 0
     for match in _TOKEN.finditer(text):

@@ -27,7 +27,7 @@ _INTERPRETERS = frozenset({"python", "python3", "bash", "sh"})
 
 def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
     """Return what a command line does, each text of which may hold several words."""
-    words = [word for text in texts for word in _words(text)]
+    words = [word for text in texts for word in _split_words(text)]
     known = [plain(word) for word in words]
     match known:
         case ["ros2", "run", _, _, *_]:
@@ -72,7 +72,7 @@ def _launched(words: Sequence[Text], span: Span, tests: Tests) -> IncludeAction:
     return IncludeAction(path, span, tuple(given), tests)
 
 
-def _words(text: Text) -> list[Text]:
+def _split_words(text: Text) -> list[Text]:
     """Return the words of a text, which blanks part."""
     words: list[list[Part]] = [[]]
     for part in text:

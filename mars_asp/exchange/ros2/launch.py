@@ -209,9 +209,9 @@ class Launch:
         Raises:
             MarsError: what is wrong with the file itself.
         """
-        self._walk(self._read(file), _Scope(), (file,))
+        self._walk(self._read_actions(file), _Scope(), (file,))
 
-    def _read(self, file: Path) -> tuple[Action, ...]:
+    def _read_actions(self, file: Path) -> tuple[Action, ...]:
         self.reached.add(file)
         if file not in self._texts.actions:
             text = self.workspace.text(file)
@@ -228,7 +228,7 @@ class Launch:
                 return
             match action:
                 case Start():
-                    self._start(action, scope, files)
+                    self._add_started(action, scope, files)
                 case LaunchGroup(inner, scoped, tests):
                     within = scope.inner() if scoped else scope
                     before = within.conditions
@@ -238,11 +238,13 @@ class Launch:
                         self._walk(inner, within, files)
                         within.conditions = before
                 case PushNamespace(namespace, span):
-                    pushed = self._plain(namespace, scope, files)
+                    pushed = self._known_text(namespace, scope, files)
                     if pushed is None:
                         self.unread.append(
                             Unread(
-                                "namespaces made at run time", self._shown(namespace, scope), span
+                                "namespaces made at run time",
+                                self._partial_text(namespace, scope),
+                                span,
                             )
                         )
                     else:
@@ -252,7 +254,7 @@ class Launch:
                 case Declare():
                     self._declare(action, scope, files)
                 case SetParameters(paths, parameters):
-                    scope.files += tuple(self._files(paths, scope, files, None))
+                    scope.files += tuple(self._parameter_files(paths, scope, files, None))
                     given = self._parameters(parameters, scope, files, is_for_all=True)
                     scope.parameters.update(given)
                 case IncludeAction():
@@ -271,7 +273,7 @@ class Launch:
         if not self._is_usual(action.tests, scope, files):
             return
         name = action.name
-        value = None if action.value is None else self._plain(action.value, scope, files)
+        value = None if action.value is None else self._known_text(action.value, scope, files)
         # An including file may have set it to a value that only a run knows.
         is_open = scope.arguments.get(name) is None and name not in scope.fixed
         if is_open:
@@ -362,8 +364,8 @@ class Launch:
         return found
 
     def _include(self, action: IncludeAction, scope: _Scope, files: tuple[Path, ...]) -> None:
-        written = self._shown(action.path, scope)
-        path = self._plain(action.path, scope, files)
+        written = self._partial_text(action.path, scope)
+        path = self._known_text(action.path, scope, files)
         found = None if path is None else self.workspace.find(path, files[-1].parent)
         known = self.workspace.catalogued(path) if found is None and path is not None else None
         if known is not None and known not in files:
@@ -387,7 +389,7 @@ class Launch:
             self.unread.append(Unread("includes in a circle", written, action.span))
             return
         try:
-            actions = self._read(found)
+            actions = self._read_actions(found)
         except MarsError as error:
             first = error.diagnostics[0]
             sort = IN_NEWER if first.code == NEWER else "included launch files with errors"
@@ -402,7 +404,7 @@ class Launch:
         """Take up a launch file of the catalogue; all of it is at the line that includes it."""
         span, started, unread, missing = action.span, self.started, self.unread, self.missing
         self.started, self.unread, self.missing = [], [], {}
-        self._enter(self._read(file), action, scope, (*files, file))
+        self._enter(self._read_actions(file), action, scope, (*files, file))
         self.missing = {
             **missing,
             **dict.fromkeys(
@@ -523,7 +525,7 @@ class Launch:
 
     def _note_read(self, words: Text, span: Span, scope: _Scope, files: tuple[Path, ...]) -> None:
         """Note the files that launching reads and a package lacks; unknown words name none."""
-        spelt = "".join(self._plain((part,), scope, files) or _UNKNOWN_WORD for part in words)
+        spelt = "".join(self._known_text((part,), scope, files) or _UNKNOWN_WORD for part in words)
         for word in _WORD.findall(spelt):
             path = word.strip("'\"")
             if _UNKNOWN_WORD not in path:
@@ -555,7 +557,7 @@ class Launch:
             passed = argument.value[0]
             variable = scope.variable(passed.name)
             if variable is not None and passed.default is not None:
-                default = self._plain(passed.default, scope, files)
+                default = self._known_text(passed.default, scope, files)
                 if default is not None:
                     self.defaults.setdefault(variable, default)
         within.fixed -= {name}
@@ -571,19 +573,19 @@ class Launch:
         """Return the tests that are open; `None` where one fails for any arguments."""
         found: list[StartCondition] = []
         for test in tests:
-            value = "true" if test.value is None else self._plain(test.value, scope, files)
+            value = "true" if test.value is None else self._known_text(test.value, scope, files)
             variable = None
             if len(test.text) == 1 and isinstance(test.text[0], LaunchArgument):
                 argument = test.text[0]
                 variable = scope.variable(argument.name)
                 if variable is not None and argument.default is not None:
-                    default = self._plain(argument.default, scope, files)
+                    default = self._known_text(argument.default, scope, files)
                     if default is not None and scope.arguments.get(argument.name) is None:
                         self.defaults.setdefault(variable, default)
             if variable is not None and value is not None:
                 found.append(StartCondition(variable, value, test.wanted, test.span))
                 continue
-            given = None if variable is not None else self._plain(test.text, scope, files)
+            given = None if variable is not None else self._known_text(test.text, scope, files)
             if given is None or value is None:
                 arguments = (
                     scope.variable(part.name) or part.name
@@ -614,14 +616,16 @@ class Launch:
                 return False
         return True
 
-    def _start(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
+    def _add_started(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
         conditions = self._conditions(action.tests, scope, files)
         if conditions is None:
             return
-        package = self._plain(action.package, scope, files)
-        executable = self._plain(action.executable, scope, files)
-        name = "" if action.name is None else self._plain(action.name, scope, files)
-        namespace = "" if action.namespace is None else self._plain(action.namespace, scope, files)
+        package = self._known_text(action.package, scope, files)
+        executable = self._known_text(action.executable, scope, files)
+        name = "" if action.name is None else self._known_text(action.name, scope, files)
+        namespace = (
+            "" if action.namespace is None else self._known_text(action.namespace, scope, files)
+        )
         if package is None or executable is None:
             called = name or executable or package or "?"
             sort = "nodes whose program is known at run time alone"
@@ -634,7 +638,7 @@ class Launch:
         for _, span in action.unread:
             called = name or executable or "?"
             self.unread.append(Unread("remappings made at run time", called, span))
-        words = self._words(action, scope, files)
+        words = self._argument_words(action, scope, files)
         for before, word in pairwise(("", *words)):
             is_read = package not in _RECORDERS and before not in _OUTPUTS
             if is_read:
@@ -662,7 +666,7 @@ class Launch:
                 joined("/", told.get("__ns") or at),
                 tuple(rule for rule, _ in remaps),
                 dict(reversed(remaps)),
-                (*scope.files, *self._files(paths, scope, files, action.span)),
+                (*scope.files, *self._parameter_files(paths, scope, files, action.span)),
                 given,
                 action.span,
                 (*scope.conditions, *conditions),
@@ -673,9 +677,9 @@ class Launch:
             )
         )
 
-    def _words(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> list[str]:
+    def _argument_words(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> list[str]:
         """Return the words of the arguments of a program, the unknown ones empty."""
-        texts = [self._plain(each, scope, files) or "" for each in action.arguments]
+        texts = [self._known_text(each, scope, files) or "" for each in action.arguments]
         return [word.strip("'\"") for text in texts for word in _WORD.findall(text) or [""]]
 
     def _argued(self, action: Start, words: Sequence[str]) -> Iterator[tuple[Renaming, Span]]:
@@ -691,12 +695,12 @@ class Launch:
         self, remaps: Sequence[Remap], scope: _Scope, files: tuple[Path, ...]
     ) -> Iterator[tuple[Renaming, Span]]:
         for remap in remaps:
-            source = self._plain(remap.source, scope, files)
-            target = self._plain(remap.target, scope, files)
+            source = self._known_text(remap.source, scope, files)
+            target = self._known_text(remap.target, scope, files)
             if source and target:
                 yield (source, target), remap.span
             else:
-                called = self._shown(remap.source, scope)
+                called = self._partial_text(remap.source, scope)
                 self.unread.append(Unread("remappings made at run time", called, remap.span))
 
     def _parameters(
@@ -709,9 +713,9 @@ class Launch:
     ) -> dict[str, GivenParameter]:
         found: dict[str, GivenParameter] = {}
         for each in given:
-            steps = [self._plain(step, scope, files) for step, _ in each.keys]
+            steps = [self._known_text(step, scope, files) for step, _ in each.keys]
             names = [step for step in steps if step is not None]
-            texts = [self._plain(text, scope, files) for text in each.items or (each.value,)]
+            texts = [self._known_text(text, scope, files) for text in each.items or (each.value,)]
             known = [Scalar(text, False, each.span) for text in texts if text is not None]
             if len(names) < len(steps):
                 continue
@@ -727,7 +731,7 @@ class Launch:
             )
         return found
 
-    def _files(
+    def _parameter_files(
         self,
         paths: Sequence[Text],
         scope: _Scope,
@@ -735,14 +739,14 @@ class Launch:
         span: Span | None,
     ) -> Iterator[Path]:
         for each in paths:
-            path = self._plain(each, scope, files)
+            path = self._known_text(each, scope, files)
             found = None if path is None else self.workspace.find(path, files[-1].parent)
             if found is not None:
                 if span is not None:
                     self._note_missing(path, span, files)
                 yield found
             elif span is not None:
-                called = self._shown(each, scope)
+                called = self._partial_text(each, scope)
                 is_missing = self._note_missing(path, span, files)
                 self.unread.append(Unread(ABSENT if is_missing else _NO_PARAMETERS, called, span))
 
@@ -751,12 +755,12 @@ class Launch:
 
         A file of another package is assumed to give the defaults of its programs.
         """
-        name, folder = self._plain(path, scope, files), files[-1].parent
+        name, folder = self._known_text(path, scope, files), files[-1].parent
         if name is None or self.workspace.find(name, folder) is not None:
             return name is None
         return self.workspace.lacking(name, folder) is not None
 
-    def _plain(self, text: Text, scope: _Scope, files: tuple[Path, ...]) -> str | None:
+    def _known_text(self, text: Text, scope: _Scope, files: tuple[Path, ...]) -> str | None:
         """Return a text with its parts known, if they are."""
         return self._spelt(text, scope, files, 0)
 
@@ -784,7 +788,7 @@ class Launch:
             found.append(spelt)
         return "".join(found)
 
-    def _shown(self, text: Text, scope: _Scope) -> str:
+    def _partial_text(self, text: Text, scope: _Scope) -> str:
         """Return a text for people, its unknown parts as `...`."""
         shown: list[str] = []
         for part in text:
@@ -794,7 +798,7 @@ class Launch:
                 case LaunchArgument(name, _):
                     shown.append(scope.arguments.get(name) or f"$(var {name})")
                 case PackageShare(package):
-                    shown.append(f"$(find-pkg-share {self._shown(package, scope)})")
+                    shown.append(f"$(find-pkg-share {self._partial_text(package, scope)})")
                 case LaunchDirectory():
                     pass
                 case _:

@@ -84,16 +84,16 @@ def read_markup(text: str, path: str) -> tuple[Action, ...]:
     if text.lstrip().startswith("<"):
         root = _of_element(read_elements(text, path, _DEEPEST, whole=True, code="launch"))
         if root.name != "launch":
-            raise _wrong(root.span, f"the document is `{root.name}`, not `launch`")
+            raise _markup_error(root.span, f"the document is `{root.name}`, not `launch`")
         undeclared = _undeclared(root) if path.endswith(".launch") else ()
         return (*undeclared, *_actions(root.children))
     document = read_yaml(text, path)
     if isinstance(document, Pairs):
         for key, value in document.pairs:
             if key.text == "launch":
-                return tuple(_actions(tuple(_listed(value))))
+                return tuple(_actions(tuple(_yaml_entities(value))))
     place = document.span._replace(end_line=document.span.line, end_column=document.span.column)
-    raise _wrong(place, "the file has no `launch:` with a list of actions")
+    raise _markup_error(place, "the file has no `launch:` with a list of actions")
 
 
 def _undeclared(root: _Entity) -> Iterator[Undeclared]:
@@ -120,7 +120,7 @@ def _undeclared(root: _Entity) -> Iterator[Undeclared]:
             yield Undeclared(name, span)
 
 
-def _wrong(place: Span, message: str) -> MarsError:
+def _markup_error(place: Span, message: str) -> MarsError:
     help_text = "is this a launch file? name one in Python, XML or YAML"
     return MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
 
@@ -133,7 +133,7 @@ def _of_element(element: XmlElement) -> _Entity:
     return _Entity(name, element.attributes, span, children, element.pieces)
 
 
-def _listed(value: Node) -> Iterator[_Entity]:
+def _yaml_entities(value: Node) -> Iterator[_Entity]:
     """Yield the elements of a list of actions in YAML, each a map with the one name of it."""
     for item in value.nodes if isinstance(value, Items) else (value,):
         if isinstance(item, Pairs):
@@ -154,11 +154,11 @@ def _of_pair(key: Scalar, value: Node) -> _Entity:
                 elif isinstance(held, Items) and inner.text not in ("children", "actions"):
                     children += (_of_pair(_at(inner, each), each) for each in held.nodes)
                 elif isinstance(held, Items):
-                    children += _listed(held)
+                    children += _yaml_entities(held)
                 else:
                     children.append(_of_pair(inner, held))
         case Items():
-            children += _listed(value)
+            children += _yaml_entities(value)
         case Scalar(text):
             attributes["value"] = text
     return _Entity(name, attributes, key.span, tuple(children))
@@ -196,7 +196,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
             case "remap" | "set_remap":
                 yield SetRemap(_remap(entity))
             case "arg" | "let" | "declare_arg":
-                yield from _argument(entity)
+                yield from _declared_argument(entity)
             case "set_parameter" | "rosparam" | "set_parameters_from_file":
                 yield SetParameters(*_given((entity,)))
             case "executable":
@@ -303,7 +303,7 @@ def _included(entity: _Entity, tests: Tests) -> Iterator[Action]:
     yield LaunchGroup((PushNamespace(namespace, entity.span), include)) if namespace else include
 
 
-def _argument(entity: _Entity) -> Iterator[Declare]:
+def _declared_argument(entity: _Entity) -> Iterator[Declare]:
     name = entity.attributes.get("name")
     if name is not None:
         forced = "value" in entity.attributes
@@ -325,8 +325,8 @@ def _given(entities: Sequence[_Entity]) -> tuple[tuple[Text, ...], tuple[NodePar
             if file is not None:
                 files.append(file)
             else:
-                parameters += _values(entity, ())
-                parameters += _written(entity)
+                parameters += _parameter_values(entity, ())
+                parameters += _yaml_parameters(entity)
     return tuple(files), tuple(parameters)
 
 
@@ -339,7 +339,9 @@ def _read_by(entity: _Entity) -> Iterator[Reads]:
             yield Reads(words, entity.span)
 
 
-def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[NodeParameter]:
+def _parameter_values(
+    entity: _Entity, before: tuple[tuple[Text, Span], ...]
+) -> Iterator[NodeParameter]:
     """Yield the value of a parameter, or those of the parameters in it."""
     name = entity.text("name")
     if name is None:
@@ -360,10 +362,10 @@ def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[
         items = None if words is None else tuple(map(substituted, words))
         yield NodeParameter(keys, value, entity.span, items)
     for inner in entity.named("param"):
-        yield from _values(inner, keys)
+        yield from _parameter_values(inner, keys)
 
 
-def _written(entity: _Entity) -> Iterator[NodeParameter]:
+def _yaml_parameters(entity: _Entity) -> Iterator[NodeParameter]:
     """Yield the parameters that are written out as YAML within an element of ROS 1.
 
     Raises:

@@ -91,17 +91,19 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
     except SyntaxError as error:
         place = point(path, error.lineno or 1, error.offset or 1)
         message = f"this is not Python: {error.msg}"
-        raise _wrong(place, message, NEWER if is_newer(error) else "launch") from None
+        raise _launch_error(place, message, NEWER if is_newer(error) else "launch") from None
     except (ValueError, RecursionError, MemoryError):
-        raise _wrong(whole_file(path), "this Python is nested too deeply, or not text") from None
+        raise _launch_error(
+            whole_file(path), "this Python is nested too deeply, or not text"
+        ) from None
     reader = _LaunchReader(path, text)
     try:
         return reader.actions(tree)
     except RecursionError:
-        raise _wrong(whole_file(path), "this Python is nested too deeply") from None
+        raise _launch_error(whole_file(path), "this Python is nested too deeply") from None
 
 
-def _wrong(place: Span, message: str, code: str = "launch") -> MarsError:
+def _launch_error(place: Span, message: str, code: str = "launch") -> MarsError:
     help_text = "is this a launch file? `ros2 launch` would also refuse it"
     return MarsError((Diagnostic(code, "error", message, place, help=help_text),))
 
@@ -186,7 +188,7 @@ class _LaunchReader(Evaluator):
         entry = self.globals.get(_ENTRY)
         if not isinstance(entry, Local):
             place = whole_file(self.path)
-            raise _wrong(place, f"the file has no function `{_ENTRY}` at its outer level")
+            raise _launch_error(place, f"the file has no function `{_ENTRY}` at its outer level")
         found = tuple(self.interpret(self.call_local(entry, (), {}), ()))
         return (*self.declarations, *found)
 

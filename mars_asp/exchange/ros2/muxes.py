@@ -33,10 +33,10 @@ def mux_of(started: Started, name: str, full: str, given: Sequence[Parameters]) 
     if not given:
         return None
     chosen = next((each for each in given if each.node.rpartition("/")[2] == name), given[0])
-    return _named(chosen, started, name, full)
+    return _mux_with_names(chosen, started, name, full)
 
 
-def _named(mux: Parameters, started: Started, name: str, full: str) -> Mux:
+def _mux_with_names(mux: Parameters, started: Started, name: str, full: str) -> Mux:
     # As a nodelet of ROS 1 it names its topics privately.
     is_private = mux.engine == "cmd_vel_mux" and started.plugin
     before = "~/" if is_private else ""

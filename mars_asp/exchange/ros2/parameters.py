@@ -57,10 +57,10 @@ def values_for(document: Node, name: str) -> dict[str, GivenParameter]:
     found: dict[str, GivenParameter] = {}
     parts = list(_steps_in(name))
     if not any(_sections(document, ())):
-        return dict(_flat(document, ()))
+        return dict(_dotted_values(document, ()))
     for keys, section in _sections(document, ()):
         if _fits(keys, parts):
-            found |= _flat(section, ())
+            found |= _dotted_values(section, ())
     return found
 
 
@@ -116,10 +116,10 @@ def _fits(keys: tuple[str, ...], parts: list[str]) -> bool:
     return same and "**" not in keys
 
 
-def _flat(node: Node, keys: tuple[Scalar, ...]) -> Iterator[tuple[str, GivenParameter]]:
+def _dotted_values(node: Node, keys: tuple[Scalar, ...]) -> Iterator[tuple[str, GivenParameter]]:
     """Yield the values of a map, the names of nested ones dotted."""
     if isinstance(node, Pairs):
         for key, value in node.pairs:
-            yield from _flat(value, (*keys, key))
+            yield from _dotted_values(value, (*keys, key))
     elif keys:
         yield ".".join(key.text for key in keys), GivenParameter(keys, node)

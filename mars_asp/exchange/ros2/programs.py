@@ -71,14 +71,16 @@ class Programs:
         self._read: dict[RosProgram, Interface | None] = {}
         # Many programs share headers.
         self._included = cache(self._headers_of)
-        self._words_in = cache(lambda file: frozenset(_WORD.findall(self._text(file) or "")))
+        self._words_in = cache(lambda file: frozenset(_WORD.findall(self._file_text(file) or "")))
         self._words = cache(
             lambda package: frozenset(
                 chain.from_iterable(map(self._words_in, self._sources_for(package)))
             )
         )
         self._composed = cache(self._composed_names)
-        self._is_of_ros = cache(lambda file: _OF_ROS.search(self._text(file) or "") is not None)
+        self._is_of_ros = cache(
+            lambda file: _OF_ROS.search(self._file_text(file) or "") is not None
+        )
 
     def interface(self, program: RosProgram) -> Interface | None:
         """Return what a program publishes and hears, `None` where its source is not here."""
@@ -121,7 +123,7 @@ class Programs:
             if package.is_built_by_cmake:
                 continue
             setup = package.folder / "setup.py"
-            text = self._text(setup) or ""
+            text = self._file_text(setup) or ""
             has_scripts = self._scripts.get(package.folder) and "console_scripts" in text
             if has_scripts and not self.workspace.places_scripts(package):
                 place = self._span_of(setup, text, "console_scripts")
@@ -161,7 +163,7 @@ class Programs:
     def _composed_names(self, package: Package) -> frozenset[str]:
         """Return the patterns of names such as `name + "_min"`, without `_` those of numbers."""
         found: set[str] = set()
-        for text in map(self._text, self._sources_for(package)):
+        for text in map(self._file_text, self._sources_for(package)):
             if text is None:
                 continue
             names = set(chain.from_iterable(_NAMING.findall(text)))
@@ -176,7 +178,7 @@ class Programs:
 
     def _sources_for(self, package: Package) -> Iterator[Path]:
         """Return the sources of a package and of those that it depends on."""
-        manifest = self._text(package.folder / "package.xml") or ""
+        manifest = self._file_text(package.folder / "package.xml") or ""
         named = set(_PACKAGE_NAME.findall(manifest))
         used = (each for each in self.workspace.packages if each.name in named)
         files = chain.from_iterable(self.workspace.by_package[each.folder] for each in used)
@@ -245,10 +247,10 @@ class Programs:
         Of the `linked` files those count whose own headers are among these: a library may hold
         other nodes, too.
         """
-        files = list(self._found(package, sources))
-        return self._with_headers(package, files, list(self._found(package, linked)))
+        files = list(self._existing_sources(package, sources))
+        return self._with_headers(package, files, list(self._existing_sources(package, linked)))
 
-    def _found(self, package: Package, sources: Iterable[str]) -> Iterator[Path]:
+    def _existing_sources(self, package: Package, sources: Iterable[str]) -> Iterator[Path]:
         for source in sources:
             path = source.replace("${CMAKE_CURRENT_SOURCE_DIR}", str(package.folder))
             found = self.workspace.find(path, package.folder)
@@ -282,7 +284,7 @@ class Programs:
                     break
                 waiting = reached[::-1]
             file = waiting.pop()
-            text = None if file in texts else self._text(file)
+            text = None if file in texts else self._file_text(file)
             if text is not None:
                 texts[file] = text
                 waiting += self._included(package, file)
@@ -302,7 +304,7 @@ class Programs:
         """
         targets = self.workspace.targets(package)
         libraries = [
-            list(self._found(package, targets.of(target)))
+            list(self._existing_sources(package, targets.of(target)))
             for target, sources in targets.sources.items()
             if any(source.endswith(file.name) for source in sources)
         ]
@@ -312,7 +314,7 @@ class Programs:
                 [
                     each
                     for each in self._sources.get(package.folder, ())
-                    if each.suffix in _CPP and not _STARTS.search(self._text(each) or "")
+                    if each.suffix in _CPP and not _STARTS.search(self._file_text(each) or "")
                 ]
             ]
         linked = [each for files in others for each in files if each != file]
@@ -329,7 +331,7 @@ class Programs:
     def _headers_of(self, package: Package, file: Path) -> Sequence[Path]:
         """Return the headers of a package that a file of it includes."""
         found: list[Path] = []
-        for name in _INCLUDE.findall(self._text(file) or ""):
+        for name in _INCLUDE.findall(self._file_text(file) or ""):
             last = name.rpartition("/")[2]
             headers = self._headers.get(last, {}).get(package.folder)
             if headers is None:
@@ -406,12 +408,12 @@ class Programs:
         found: dict[Path, dict[str, str]] = {}
         for package in self.workspace.packages:
             scripts: dict[str, str] = {}
-            setup = self._text(package.folder / "setup.py")
+            setup = self._file_text(package.folder / "setup.py")
             if setup is not None:
                 # A name with very many summands is not read.
                 with suppress(RecursionError):
                     scripts |= dict(scripts_of_setup(setup))
-            configured = self._text(package.folder / "setup.cfg")
+            configured = self._file_text(package.folder / "setup.cfg")
             if configured is not None:
                 scripts |= dict(scripts_of_configuration(configured))
             found[package.folder] = scripts
@@ -423,7 +425,7 @@ class Programs:
         found: list[tuple[str, Path, bool]] = []
         for files in self._sources.values():
             for file in files:
-                text = self._text(file)
+                text = self._file_text(file)
                 if text is None or not any(word in text for word in _REGISTERS):
                     continue
                 code = blanked("c", text)
@@ -459,7 +461,7 @@ class Programs:
                 found.setdefault(file, set()).add(name.rpartition("::")[2])
         return found
 
-    def _text(self, file: Path) -> str | None:
+    def _file_text(self, file: Path) -> str | None:
         found = self.workspace.find(str(file), file.parent)
         if found is None:
             return None

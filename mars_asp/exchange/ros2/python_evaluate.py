@@ -77,11 +77,11 @@ class Evaluator:
         self.tested: dict[ast.AST, Tested] = {}
         # Each reading, and each call of a function, needs them again.
         self.constant = cache(self._constant)
-        self.span = cache(self._span)
+        self.span = cache(self._node_span)
         self.is_literal = cache(_is_literal)
         self.literal_calls: dict[ast.Call, tuple[Value, Sequence[Declare | Reads], int]] = {}
 
-    def _span(self, node: ast.expr | ast.stmt) -> Span:
+    def _node_span(self, node: ast.expr | ast.stmt) -> Span:
         """Return the location of a node of the tree, which counts columns in bytes."""
         line = node.lineno
         column = self.column(line, node.col_offset)

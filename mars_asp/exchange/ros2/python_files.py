@@ -132,7 +132,7 @@ def _parsed(text: str, path: str, module: str) -> SourceFile | None:
                 file.imports |= bound
                 file.relative |= bound.keys() if level else set()
                 file.stars += [base] * any(n.name == "*" for n in names)
-    for statement in _flat(tree.body):
+    for statement in _all_statements(tree.body):
         match statement:
             case (
                 ast.FunctionDef(name=defined)
@@ -157,12 +157,14 @@ def _nested_statements(tree: ast.Module) -> Iterator[ast.AST]:
             waiting += getattr(node, part, ())
 
 
-def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
+def _all_statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
     """Yield the statements of a module, those in its conditions among them."""
     for statement in body:
         yield statement
         if isinstance(statement, ast.If | ast.Try | ast.With | ast.For | ast.While):
-            yield from _flat(s for s in ast.iter_child_nodes(statement) if isinstance(s, ast.stmt))
+            yield from _all_statements(
+                s for s in ast.iter_child_nodes(statement) if isinstance(s, ast.stmt)
+            )
 
 
 def dotted_name(node: ast.expr) -> str:

@@ -89,14 +89,14 @@ def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[NodePara
     parameters: list[NodeParameter] = []
     for item in items_of(value) or ([] if value is None else [value]):
         if isinstance(item, MappedValue):
-            parameters += _flat(item, span)
+            parameters += _nested_parameters(item, span)
         elif isinstance(item, PythonCall) and item.name == "PythonExpression":
             # `"A" if HasNodeParams(A) else "B"`: B is used where A has nothing for the node.
             files += _texts_in_quotes(text_from(item.get("expression", 0)))[::-1] or [UNKNOWN]
         else:
             files.append(item.text if isinstance(item, PythonFile) else text_from(item))
         if isinstance(item, Rewritten):
-            parameters += _flat(item.rewrites, item.span)
+            parameters += _nested_parameters(item.rewrites, item.span)
     return tuple(files), tuple(parameters)
 
 
@@ -110,7 +110,7 @@ def _texts_in_quotes(text: Text) -> list[Text]:
     return [text_of(*((part,) for part in piece)) for piece in pieces[1::2]]
 
 
-def _flat(value: MappedValue, span: Span) -> Iterator[NodeParameter]:
+def _nested_parameters(value: MappedValue, span: Span) -> Iterator[NodeParameter]:
     """Yield the values of a dictionary and of those in it, in their order."""
     waiting: list[tuple[tuple[tuple[Value, Span], ...], Value]] = [((), value)]
     for _ in range(MOST_ITEMS):

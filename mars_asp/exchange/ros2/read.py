@@ -368,7 +368,7 @@ class _WorkspaceRobot:
         shared = set(launch.passed)
         of_ros2 = self._is_for_ros2(launch.path or paths[0])
         find = partial(self.workspace.find, folder=self.workspace.root)
-        for each in with_controllers(launch.started, self._values, find):
+        for each in with_controllers(launch.started, self._node_parameters, find):
             if isinstance(each, Unread):
                 self.unread.append(each)
                 continue
@@ -621,7 +621,7 @@ class _WorkspaceRobot:
         find = partial(self.workspace.find, folder=self.workspace.root)
         known = {node.name for tree in self.trees for node in tree.nodes}
         for launch in [*self.parts, *launches]:
-            for part in with_controllers(launch.started, self._values, find, is_part=True):
+            for part in with_controllers(launch.started, self._node_parameters, find, is_part=True):
                 node = self._node(part, None) if isinstance(part, Started) else None
                 # Controllers of a manager elsewhere have no node in any tree.
                 is_further = launch in self.parts or (node is not None and node.name not in known)
@@ -676,7 +676,7 @@ class _WorkspaceRobot:
             mux = mux_of(started, name, full, given)
             if mux is not None:
                 return replace(mux, conditions=started.conditions)
-        values = self._values(started, full)
+        values = self._node_parameters(started, full)
         is_source = interface is not None and not is_catalogued
         relay = self._relay(program, started, name, values)
         if relay is not None:
@@ -684,7 +684,7 @@ class _WorkspaceRobot:
         interface = interface or steered(program, started.arguments, values)
         if interface is None and is_bridge(program):
             interface = bridged(
-                program, started.arguments, self._listed(started, values), started.span
+                program, started.arguments, self._bridge_file(started, values), started.span
             )
         if interface is None:
             return self._without_source(started, full, name, values)
@@ -694,13 +694,13 @@ class _WorkspaceRobot:
         self._note_unread(interface, started, full)
         if interface.spread and not started.name and started.namespace != "/":
             name = ""
-        published = tuple(self._ends(interface.published, started, name, values))
-        subscribed = tuple(self._ends(interface.subscribed, started, name, values))
+        published = tuple(self._endpoints(interface.published, started, name, values))
+        subscribed = tuple(self._endpoints(interface.subscribed, started, name, values))
         unread = any(each.sort in _OPEN for each in self.unread[before:])
         names = frozenset(
             absolute(written, started.namespace, name)
             for topic in (*interface.names, *interface.published, *interface.subscribed)
-            for written in self._written(topic, started, values)
+            for written in self._names_by_parameter(topic, started, values)
         )
         # Of several nodes of a program any may be there when others of their names are.
         is_named = is_source and all(each.sort != FURTHER_NODES for each in interface.unread)
@@ -817,7 +817,7 @@ class _WorkspaceRobot:
                 if first is not None and (is_for_it is not None or is_refused):
                     yield GivenFile(self.workspace.shown(file), first.span, is_for_it)
 
-    def _values(self, started: Started, full: str) -> Mapping[str, GivenParameter]:
+    def _node_parameters(self, started: Started, full: str) -> Mapping[str, GivenParameter]:
         """Return the values of the parameters of a node."""
         found: dict[str, GivenParameter] = {}
         for file in started.files:
@@ -826,7 +826,9 @@ class _WorkspaceRobot:
                 found |= values_for(document, full)
         return {**found, **started.parameters}
 
-    def _listed(self, started: Started, values: Mapping[str, GivenParameter]) -> YamlNode | None:
+    def _bridge_file(
+        self, started: Started, values: Mapping[str, GivenParameter]
+    ) -> YamlNode | None:
         """Return the file that lists the topics of a bridge."""
         if FILE not in values:
             return None
@@ -855,7 +857,7 @@ class _WorkspaceRobot:
                 for each in repeated
             )
 
-    def _ends(
+    def _endpoints(
         self,
         topics: Sequence[InterfaceTopic],
         started: Started,
@@ -866,7 +868,7 @@ class _WorkspaceRobot:
         for topic in topics:
             if _is_off(topic, values):
                 continue
-            for written in self._written(topic, started, values):
+            for written in self._names_by_parameter(topic, started, values):
                 full = renamed(written, started.namespace, name, started.remaps)
                 if topic.image and full == renamed(written, started.namespace, name, ()):
                     image = renamed(topic.image, started.namespace, name, started.remaps)
@@ -884,7 +886,7 @@ class _WorkspaceRobot:
                 marks = topic.optional or is_border, topic.measured, topic.last
                 yield Endpoint(full, topic.type, span, topic.hz, *marks)
 
-    def _written(
+    def _names_by_parameter(
         self, topic: InterfaceTopic, started: Started, values: Mapping[str, GivenParameter]
     ) -> Iterator[str]:
         """Yield the names that a topic has for its program, by its parameters."""
@@ -927,7 +929,7 @@ class _WorkspaceRobot:
         """Yield what a mux may be given: by its launch file, else by files, else by the user."""
         found: list[MuxParameters] = []
         if any(key.partition(".")[0] in SORTS for key in started.parameters):
-            values = self._values(started, full).values()
+            values = self._node_parameters(started, full).values()
             given = document_of((each for each in values if each.is_known), started.span)
             found += self._muxes(lambda: read_parameters(given, full))
         # cmd_vel_mux names its file in a parameter.
@@ -958,15 +960,15 @@ class _WorkspaceRobot:
             first, *_ = self.conditional.values()
             verb = "depends" if len(self.conditional) == 1 else "depend"
             message = (
-                f"{_counted(len(self.conditional), 'node')} {verb} on conditions, of which every"
-                " branch was read"
+                f"{_with_plural(len(self.conditional), 'node')} {verb} on conditions, "
+                "of which every branch was read"
             )
             self.problems.append(Diagnostic("launch", "note", message, first, kind="launch"))
         if self.catalogued:
             spans = self.catalogued
             names = ", ".join(f"`{name}`" for name in list(spans)[:_MOST_NAMED])
             more = ", ..." if len(spans) > _MOST_NAMED else ""
-            described = _counted(len(spans), "node")
+            described = _with_plural(len(spans), "node")
             message = f"the topics of {described} are from the catalogue: {names}{more}"
             first = next(iter(spans.values()))
             self.problems.append(Diagnostic("catalogue", "note", message, first, kind="catalogue"))
@@ -991,5 +993,5 @@ def _value_of(given: GivenParameter | None, default: str | None) -> str | None:
     return given.text if given.is_known else None
 
 
-def _counted(number: int, thing: str) -> str:
+def _with_plural(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"

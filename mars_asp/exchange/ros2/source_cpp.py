@@ -292,7 +292,7 @@ class _CppFile(ScopedCode):
             last = argument[-1]
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
             return Unread(AT_RUN_TIME, shown, span)
-        topic = InterfaceTopic(value.text or "", _written(kind), span, value.parameter)
+        topic = InterfaceTopic(value.text or "", _declared_type(kind), span, value.parameter)
         return _TopicCall(topic, self._keeper(call), published, handle)
 
     def is_parameter(self, argument: Sequence[SourceToken]) -> bool:
@@ -496,7 +496,7 @@ def _conjuncts(tokens: Sequence[SourceToken]) -> list[Sequence[SourceToken]]:
     return [part for part in found if part]
 
 
-def _written(kind: str | None) -> str | None:
+def _declared_type(kind: str | None) -> str | None:
     return None if kind in (None, "", "auto") else kind
 
 

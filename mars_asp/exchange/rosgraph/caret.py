@@ -61,7 +61,7 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
             message = f"a callback of `{name}` has no `callback_type`"
             dump.wrong(beginning(callback.span), message, "add `callback_type: timer_callback`")
         elif sort.text == "timer_callback":
-            rate = _rate(dump, callback, name)
+            rate = _timer_rate(dump, callback, name)
             if called is not None and rate is not None:
                 rates[called.text] = rate
         elif sort.text == "service_callback":
@@ -73,7 +73,7 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
                 message = f"a subscription of `{name}` has no `topic_name`"
                 dump.wrong(beginning(callback.span), message, "add `topic_name: /TOPIC`")
                 continue
-            types[topic.text] = _argument(symbol)
+            types[topic.text] = _message_type(symbol)
             dump.end(name, topic.text, False, types[topic.text], topic.span)
     for entry in maps(dump, value(node, "subscribes"), "subscribes"):
         topic = word(entry, "topic_name")
@@ -89,7 +89,7 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
             dump.end(name, topic.text, True, None, topic.span, _common(by, rates))
 
 
-def _rate(dump: Dump, callback: Pairs, name: str) -> Rate | None:
+def _timer_rate(dump: Dump, callback: Pairs, name: str) -> Rate | None:
     """Return the rate of a timer; note where it has none."""
     period = word(callback, "period_ns")
     if (
@@ -132,7 +132,7 @@ def _common(callbacks: tuple[str, ...], rates: Mapping[str, Rate]) -> Rate | Non
     return found.pop() if len(found) == 1 else None
 
 
-def _argument(symbol: Scalar | None) -> str | None:
+def _message_type(symbol: Scalar | None) -> str | None:
     """Return the type of message that a callback takes, by its symbol."""
     found = set(_MESSAGE.findall("" if symbol is None else symbol.text))
     return "::".join(found.pop()) if len(found) == 1 else None

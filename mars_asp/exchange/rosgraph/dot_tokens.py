@@ -37,9 +37,9 @@ class DotPlaces:
 
     def span(self, begin: int, end: int) -> Span:
         """Return the stretch between two offsets."""
-        return Span(self.path, *self._place(begin), *self._place(end))
+        return Span(self.path, *self._line_and_column(begin), *self._line_and_column(end))
 
-    def _place(self, offset: int) -> tuple[int, int]:
+    def _line_and_column(self, offset: int) -> tuple[int, int]:
         line = bisect_right(self.starts, offset)
         return line, offset - self.starts[line - 1] + 1
 

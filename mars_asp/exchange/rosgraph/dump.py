@@ -31,7 +31,7 @@ class Dump:
         """Add a node, unless it is there."""
         if name not in self.nodes:
             self.nodes[name] = _Ends(span)
-            self._check(name, span)
+            self._check_name(name, span)
 
     def end(
         self,
@@ -51,11 +51,11 @@ class Dump:
         if self.ends == ports.MOST:
             raise ports.too_many(span)
         self.ends += 1
-        self._check(topic, span)
+        self._check_name(topic, span)
         own = self.nodes[node]
         (own.published if out else own.subscribed).append(Endpoint(topic, type_, span, hz))
 
-    def _check(self, name: str, span: Span) -> None:
+    def _check_name(self, name: str, span: Span) -> None:
         if not ports.is_writable(name):
             self.wrong(span, f"`{name[:40]}` cannot be a name", "write a name of one visible line")
 

@@ -34,16 +34,16 @@ def read_node_info(text: str, path: str) -> Dump:
             section = head[1]
             if node is None:
                 message = f"`{section}` of a node without a name"
-                dump.wrong(_span(path, number, head), message, _HELP)
+                dump.wrong(_match_span(path, number, head), message, _HELP)
                 node = ""
         elif named and _heads_section(following):
             node, section = named[1], None
-            dump.node(node, _span(path, number, named))
+            dump.node(node, _match_span(path, number, named))
         elif entry and section is not None and node is not None:
             types = entry["types"].split(",")
             # With several types nobody knows which is meant.
             type_ = types[0] if len(types) == 1 else None
-            span = _span(path, number, entry)
+            span = _match_span(path, number, entry)
             if section in _CALLS:
                 dump.skip(_CALLS[section], entry["name"], span)
             elif node:
@@ -59,6 +59,6 @@ def _heads_section(line: str) -> bool:
     return head is not None and head[1] in (*_OUT, *_CALLS)
 
 
-def _span(path: str, number: int, match: re.Match[str]) -> Span:
+def _match_span(path: str, number: int, match: re.Match[str]) -> Span:
     """Return where the first group of a match stands in its line."""
     return Span(path, number, match.start(1) + 1, number, match.end(1) + 1)

@@ -410,14 +410,14 @@ def _leaves(key: Scalar, value: Node) -> Iterator[_Leaf]:
     waiting: list[tuple[tuple[tuple[str, Span], ...], Scalar, Node]] = [((), key, value)]
     while waiting:
         before, at, node = waiting.pop()
-        parts = before + _parts(at)
+        parts = before + _key_parts(at)
         if isinstance(node, Pairs) and (node.pairs or len(parts) == 1):
             waiting += reversed([(parts, inner, below) for inner, below in node.pairs])
         else:
             yield _Leaf(parts, at, node)
 
 
-def _parts(key: Scalar) -> tuple[tuple[str, Span], ...]:
+def _key_parts(key: Scalar) -> tuple[tuple[str, Span], ...]:
     """Return the parts of a dotted key with their places."""
     found = []
     start = 0

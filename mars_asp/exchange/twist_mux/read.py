@@ -32,7 +32,7 @@ def import_muxes(files: Sequence[tuple[str, str]]) -> Parsed:
         raise MarsError(problems)
     names = [name.text for part in parts for name in part.configuration.modules]
     if len(set(names)) < len(names):
-        before = _apart([path for _, path in files])
+        before = _distinct_names([path for _, path in files])
         parts = [
             import_twist_mux(text, path, f"{name}/")
             for (text, path), name in zip(files, before, strict=True)
@@ -40,7 +40,7 @@ def import_muxes(files: Sequence[tuple[str, str]]) -> Parsed:
     return united(parts)
 
 
-def _apart(paths: Sequence[str]) -> list[str]:
+def _distinct_names(paths: Sequence[str]) -> list[str]:
     """Return names for files, no two alike: without folders and suffixes, as far as that goes."""
     stems = [PurePath(path).stem for path in paths]
     return stems if len(set(stems)) == len(stems) else list(paths)

@@ -88,10 +88,12 @@ def turns_to(axis: Matrix) -> Turns:
 
 def _two(matrix: Matrix, first: int, second: int) -> tuple[float, float]:
     """Return the angles about two axes, of which `matrix[second, first]` is zero."""
-    return -_about(first, second, matrix[second]), _about(second, first, matrix[:, first])
+    return -_angle_about(first, second, matrix[second]), _angle_about(
+        second, first, matrix[:, first]
+    )
 
 
-def _about(axis: int, arm: int, image: Matrix) -> float:
+def _angle_about(axis: int, arm: int, image: Matrix) -> float:
     """Return the angle about an axis that takes the unit vector `arm` to its image."""
     one, other = (axis + 1) % 3, (axis + 2) % 3
     if arm == one:

@@ -61,8 +61,8 @@ def import_urdf(text: str, path: str) -> Parsed:
         MarsError: the document is no XML, has a document type, or says what no mount can.
     """
     document = read_document(text, path)
-    links = _words(link.name for link in document.links)
-    movers = _words((joint.name for joint in document.joints), links.values())
+    links = _language_names(link.name for link in document.links)
+    movers = _language_names((joint.name for joint in document.joints), links.values())
     placed = [p for joint in document.joints for p in _placements(joint, links, movers)]
     mounts, described = [], []
     for one in placed:
@@ -156,10 +156,10 @@ def _functions(joint: UrdfJoint, letter: str) -> tuple[Function, ...]:
             names = [f"{kind}_{each}" for kind in ("Trans", "Rotn") for each in "XYZ"]
             return tuple(Function(name, joint.span) for name in names)
         case _:
-            return (_function(joint, letter),)
+            return (_joint_function(joint, letter),)
 
 
-def _function(joint: UrdfJoint, letter: str) -> Function:
+def _joint_function(joint: UrdfJoint, letter: str) -> Function:
     slides = joint.kind == "prismatic"
 
     def converted(value: Decimal | None) -> Decimal | None:
@@ -211,7 +211,7 @@ def _remark(
     return Diagnostic(code, "warning", message, first, tuple(labels), help_text)
 
 
-def _words(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
+def _language_names(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
     """Return names that the language can say, each its own."""
     found: dict[str, str] = {}
     used, stems = set(taken), dict[str, int]()

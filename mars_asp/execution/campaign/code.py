@@ -42,14 +42,14 @@ def _imports(source: bytes, folder: Path, folders: Iterable[Path]) -> Iterator[P
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             for base, alias in product(folders, node.names):
-                yield from _files(base, alias.name)
+                yield from _module_files(base, alias.name)
         elif isinstance(node, ast.ImportFrom):
             above = (folder, *folder.parents)[: node.level][-1:]
             for base, alias in product(above or folders, node.names):
-                yield from _files(base, f"{node.module}.{alias.name}".removeprefix("None."))
+                yield from _module_files(base, f"{node.module}.{alias.name}".removeprefix("None."))
 
 
-def _files(folder: Path, name: str) -> Iterator[Path]:
+def _module_files(folder: Path, name: str) -> Iterator[Path]:
     """Yield the files of a module, which may be in packages, as far as they are in a folder."""
     for part in name.split("."):
         if (file := folder / f"{part}.py").is_file():

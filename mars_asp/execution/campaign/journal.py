@@ -56,7 +56,7 @@ def ended_run(run: Run, result: Mapping[str, Any]) -> FinishedRun:
     """Return the line of a run from the result that `run` prints."""
     # The seed stands first, where it is looked for.
     whole = {"seed": run.seed, "vary": run.vary, **result}
-    return FinishedRun(_line(whole), _counted(whole))
+    return FinishedRun(_line(whole), _counted_values(whole))
 
 
 def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
@@ -69,7 +69,7 @@ def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
     if not lines:
         if header.startswith(torn):
             return Journal(size=len(raw))
-        raise _refused(path, 1, "this is not the file of a campaign")
+        raise _journal_error(path, 1, "this is not the file of a campaign")
     _check_header(lines[0], header, path)
     ended: dict[str, FinishedRun] = {}
     kept = len(lines[0]) + 1
@@ -77,13 +77,14 @@ def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
         found = _object(line)
         if found is None or not ("runs" in found or _is_run(found)):
             told = "remove the line, and its run is carried out again; or begin anew with --fresh"
-            raise _refused(path, number, "this line is not a run", told)
+            raise _journal_error(path, number, "this line is not a run", told)
         if "runs" in found:
             if number < len(lines):
-                raise _refused(path, number, "a summary is the last line")
+                raise _journal_error(path, number, "a summary is the last line")
             break
         ended.setdefault(
-            run_name(found["seed"], found["vary"]), FinishedRun(line + b"\n", _counted(found))
+            run_name(found["seed"], found["vary"]),
+            FinishedRun(line + b"\n", _counted_values(found)),
         )
         kept += len(line) + 1
     return Journal(ended, kept, len(raw))
@@ -103,17 +104,17 @@ def whole_text(header: bytes, ended: Iterable[FinishedRun], summary: Mapping[str
 def _check_header(line: bytes, header: bytes, path: str) -> None:
     found, ours = _object(line), json.loads(header)
     if found is None or found.get("format") != FORMAT:
-        raise _refused(path, 1, "this is not the file of a campaign")
+        raise _journal_error(path, 1, "this is not the file of a campaign")
     if found.get("version") != VERSION:
         told = f"this file has version {found.get('version')!r:.20} of its format, not {VERSION}"
-        raise _refused(path, 1, told)
+        raise _journal_error(path, 1, told)
     for key, what in (
         ("configuration", "another configuration: its files or sources have changed"),
         ("scenario", "another scenario: it or the code that it binds has changed"),
         ("mars_asp", "another version of mars-asp"),
     ):
         if found.get(key) != ours[key]:
-            raise _refused(path, 1, f"the runs in this file are of {what}")
+            raise _journal_error(path, 1, f"the runs in this file are of {what}")
 
 
 def _is_run(found: Mapping[str, Any]) -> bool:
@@ -169,7 +170,7 @@ def _is_requirement(found: object) -> bool:
     )
 
 
-def _counted(whole: Mapping[str, Any]) -> dict[str, Any]:
+def _counted_values(whole: Mapping[str, Any]) -> dict[str, Any]:
     """Return the part of a line that is counted: of many runs the rest would not fit into memory.
 
     `places` has for each robot with one when (s) it came there, or None, and how near (mm).
@@ -197,7 +198,7 @@ def _line(value: Mapping[str, Any]) -> bytes:
     return json.dumps(value).encode() + b"\n"
 
 
-def _refused(
+def _journal_error(
     path: str, line: int, message: str, help_text: str = "--fresh begins the file anew"
 ) -> MarsError:
     span = point(path, line, 1)

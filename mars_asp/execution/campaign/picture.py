@@ -46,10 +46,10 @@ def campaign_picture(cells: Sequence[Cell], axes: Sequence[Axis], title: str) ->
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_LEFT + _WIDTH + 30:g}" '
         f'height="{height:g}" font-family="{FONT}" font-size="12">',
-        f"<title>{_shown(title)}</title>",
+        f"<title>{_svg_text(title)}</title>",
         '<rect width="100%" height="100%" fill="white"/>',
-        f'<text x="{_LEFT:g}" y="20" font-weight="bold">{_shown(title)}</text>',
-        f'<text x="{_LEFT:g}" y="37">runs that passed{_shown(told and f" with {told}")}; '
+        f'<text x="{_LEFT:g}" y="20" font-weight="bold">{_svg_text(title)}</text>',
+        f'<text x="{_LEFT:g}" y="37">runs that passed{_svg_text(told and f" with {told}")}; '
         "intervals of 95 % (Wilson)</text>",
         *_frame(axis, positions),
     ]
@@ -60,7 +60,7 @@ def campaign_picture(cells: Sequence[Cell], axes: Sequence[Axis], title: str) ->
         if len(series) > 1:
             y = _TOP + _HEIGHT + 62 + number * _LINE
             parts.append(f'<circle cx="{_LEFT + 5:g}" cy="{y - 4:g}" r="4" fill="{colour}"/>')
-            parts.append(f'<text x="{_LEFT + 16:g}" y="{y:g}">{_shown(name)}</text>')
+            parts.append(f'<text x="{_LEFT + 16:g}" y="{y:g}">{_svg_text(name)}</text>')
     return "\n".join([*parts, "</svg>", ""])
 
 
@@ -93,11 +93,12 @@ def _frame(axis: Axis, positions: Mapping[str, float]) -> Iterator[str]:
     bottom = _TOP + _HEIGHT
     for value, x in positions.items():
         yield f'<path d="M{x:.1f} {bottom:g}v5" stroke="#1a1a1a"/>'
-        label = _shown(value if len(value) <= 20 else f"{value[:19]}…")
+        label = _svg_text(value if len(value) <= 20 else f"{value[:19]}…")
         yield f'<text x="{x:.1f}" y="{bottom + 19:g}" text-anchor="middle">{label}</text>'
     yield f'<path d="M{_LEFT:g} {bottom:g}H{_LEFT + _WIDTH:g}" stroke="#1a1a1a"/>'
     middle = _LEFT + _WIDTH / 2
-    yield f'<text x="{middle:g}" y="{bottom + 38:g}" text-anchor="middle">{_shown(axis.key)}</text>'
+    key = _svg_text(axis.key)
+    yield f'<text x="{middle:g}" y="{bottom + 38:g}" text-anchor="middle">{key}</text>'
 
 
 def _series(
@@ -119,7 +120,7 @@ def _series(
         )
         yield (
             f'<circle cx="{x:.1f}" cy="{_y(share.held / share.of):.1f}" r="4" fill="{colour}">'
-            f"<title>{_shown(share.text)}</title></circle>"
+            f"<title>{_svg_text(share.text)}</title></circle>"
         )
 
 
@@ -127,5 +128,5 @@ def _y(share: float) -> float:
     return _TOP + _HEIGHT * (1 - share)
 
 
-def _shown(text: str) -> str:
+def _svg_text(text: str) -> str:
     return escape(visible(text))

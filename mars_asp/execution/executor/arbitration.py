@@ -152,7 +152,7 @@ class HierarchicalArbitration:
         if message is None:
             return
         self.winner = source
-        self._hold(message.origin, lambda: before + self._rank(source), source.link.source)
+        self._hold(message.origin, lambda: before + self._rank_text(source), source.link.source)
         sent = message._replace(until=source.until, arrival=source.arrival)
         for link in self.outputs:
             link.send(sent)
@@ -172,14 +172,14 @@ class HierarchicalArbitration:
             for link in self.outputs:
                 link.send(Message({}, now, NOBODY, until=now))
 
-    def _rank(self, winner: _Input) -> str:
+    def _rank_text(self, winner: _Input) -> str:
         """Return how an input compares with the others in force."""
         now, own = self.schedule.now, winner.link.priority
         others = [i for i in self.inputs if i is not winner and i.until > now]
         lower = [f"{i.link.source} ({i.link.priority})" for i in others if i.link.priority < own]
         equal = [i.link.source for i in others if i.link.priority == own]
-        told = [f"priority {own} outranks {_listed(lower)}"] if lower else []
-        told += [f"later than {_listed(equal)} of the same priority {own}"] if equal else []
+        told = [f"priority {own} outranks {_enumeration(lower)}"] if lower else []
+        told += [f"later than {_enumeration(equal)} of the same priority {own}"] if equal else []
         return ", ".join(told) or "alone in force"
 
     def _hold(self, holder: str, why: Callable[[], str], through: str = NOBODY) -> None:
@@ -192,5 +192,5 @@ class HierarchicalArbitration:
             self.observe(now, "holds", self.name, [holder, reason])
 
 
-def _listed(names: Sequence[str]) -> str:
+def _enumeration(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

@@ -219,7 +219,7 @@ def _changing(least: Decimal) -> Callable[[float], bool]:
         nonlocal delivered
         # From what was last delivered, not last seen: else a slow drift would be lost.
         # Infinity, which a sonar reads that sees nothing, less infinity is no number.
-        if delivered is not None and (x == delivered or _apart(x, delivered) <= least):
+        if delivered is not None and (x == delivered or _difference(x, delivered) <= least):
             return False
         delivered = x
         return True
@@ -227,6 +227,6 @@ def _changing(least: Decimal) -> Callable[[float], bool]:
     return differs
 
 
-def _apart(one: float, other: float) -> Decimal:
+def _difference(one: float, other: float) -> Decimal:
     """Return how far two numbers, not the same infinity, are apart as they are written."""
     return abs(Decimal(repr(one)) - Decimal(repr(other)))

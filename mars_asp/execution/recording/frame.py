@@ -40,16 +40,16 @@ class Frame:
 
         Seen from above, as headings grow from forward towards side: counter-clockwise.
         """
-        return float(self._bounds[1][0]), float(self._bounds[1][1])
+        return float(self._extent[1][0]), float(self._extent[1][1])
 
     @cached_property
     def scale(self) -> float:
         """Return pixels per millimetre."""
-        low, high = self._bounds
+        low, high = self._extent
         return float(SIZE / (high - low).max())
 
     @cached_property
-    def _bounds(self) -> tuple["np.ndarray[tuple[int], np.dtype[np.float64]]", ...]:
+    def _extent(self) -> tuple["np.ndarray[tuple[int], np.dtype[np.float64]]", ...]:
         """Return the least and the greatest (forward, side): walls or obstacles, goals, ways."""
         world = self.trial.bodies[0].world
         discs = [] if len(world.segments) else [world.circles]
@@ -69,7 +69,7 @@ class Frame:
     @cached_property
     def height(self) -> float:
         """Return how high the plane is shown."""
-        low, high = self._bounds
+        low, high = self._extent
         return float((high - low)[0]) * self.scale
 
     def at(self, forward: float, side: float) -> tuple[float, float]:

@@ -41,7 +41,7 @@ def plot_run(trial: Trial, judgement: Judgement | None = None) -> str:
         *_world(frame),
         *(part for each in trial.robots for part in _way(frame, *each)),
         *draw_signs(signs, frame),
-        *(part for k in range(len(trial.bodies)) for part in _robot(frame, k)),
+        *(part for k in range(len(trial.bodies)) for part in _draw_robot(frame, k)),
         "</g>",
         *draw_list(signs, frame),
         *draw_lanes(frame, signs.instants),
@@ -99,7 +99,7 @@ def _line(points: list[str], colour: str) -> Iterator[str]:
         yield f'<polyline points="{way}" fill="none" stroke="{colour}" stroke-width="3"/>'
 
 
-def _robot(frame: Frame, number: int) -> Iterator[str]:
+def _draw_robot(frame: Frame, number: int) -> Iterator[str]:
     trial = frame.trial
     body = trial.bodies[number]
     x, y = frame.at(body.pose.forward, body.pose.side)

@@ -28,7 +28,7 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
     left = set(modules) - run - scenario.devices.keys() - {*robots}
     for name, device in scenario.devices.items():
         if name not in modules:
-            yield _unknown("devices", name, modules, left, scenario)
+            yield _unknown_name("devices", name, modules, left, scenario)
         elif wrong := _unlike(plan, robots, name, device["kind"]):
             place = scenario.places[f"devices.{name}"]
             yield Diagnostic("scenario", "error", wrong[0], place, (), wrong[1])
@@ -36,7 +36,7 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
     for name, stated in scenario.bindings.items():
         has_parts = any(each.startswith(f"{name}.") for each in modules)
         if name not in bound and not (has_parts and "python" not in stated):
-            yield _unknown("bindings", name, modules, left, scenario)
+            yield _unknown_name("bindings", name, modules, left, scenario)
     yield from _faults(plan, scenario)
     for robot in scenario.robots:
         within = (robot.reach or {}).get("within", 0)
@@ -48,7 +48,7 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
             yield Diagnostic("scenario", "warning", message, place, (), help_text)
 
 
-def _unknown(
+def _unknown_name(
     table: str, name: str, modules: Iterable[str], left: Iterable[str], scenario: Scenario
 ) -> Diagnostic:
     """Return what is wrong with a name; `left` are the modules that nothing runs."""

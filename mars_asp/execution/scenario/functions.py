@@ -49,7 +49,7 @@ class Functions:
         shown = f"{normpath(path)}:{called}"
         try:
             folder = self._folder(path, name)
-            call, place = self._found(name, folder, path.resolve(), called)
+            call, place = self._find_function(name, folder, path.resolve(), called)
         except UnfitError as error:
             message, help_text = error.args[0], error.help.replace("NAME", name)
         except KeyboardInterrupt:
@@ -64,7 +64,9 @@ class Functions:
             period, delay = (_nanoseconds(stated.get(key)) for key in ("period", "delay"))
             return Behaviour(_staying(call, folder), period, delay or 0, place=place)
         self.problems.append(
-            Diagnostic("binding", "error", f"`{name}`: {message}", self._span(name), (), help_text)
+            Diagnostic(
+                "binding", "error", f"`{name}`: {message}", self._binding_span(name), (), help_text
+            )
         )
         return None
 
@@ -75,7 +77,7 @@ class Functions:
             self.folders[key] = Folder(key[1])
         return self.folders[key]
 
-    def _found(
+    def _find_function(
         self, name: str, folder: Folder, path: Path, called: str
     ) -> tuple[Callable[..., Any], tuple[str, int] | None]:
         """Return what to call for a module, and where it is defined."""
@@ -132,7 +134,7 @@ class Functions:
         named = [service.function for service in module.services] if module else []
         return next((each for each in named if each and hasattr(instance, each)), None)
 
-    def _span(self, name: str) -> Span:
+    def _binding_span(self, name: str) -> Span:
         """Return where the scenario binds a module, or where its function is annotated."""
         module = self.plan.modules.get(name)
         annotated = module.services[0].span if module and module.services else self.scenario.span
@@ -262,12 +264,12 @@ def bound_functions(
     """
     converters = [m.name for m in modules.values() if any(s.kind == "Converts" for s in m.services)]
     for name in dict.fromkeys([*names, *converters, *scenario.bindings]):
-        place = _place(scenario.bindings.get(name, {}), modules.get(name), scenario)
+        place = _stated_location(scenario.bindings.get(name, {}), modules.get(name), scenario)
         if name not in scenario.devices and place is not None:
             yield name, place
 
 
-def _place(
+def _stated_location(
     stated: Mapping[str, Any], module: Module | None, scenario: Scenario
 ) -> tuple[Path, str] | None:
     if "python" in stated:

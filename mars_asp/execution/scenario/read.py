@@ -102,9 +102,9 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
     stated, up = tables["robot"], tables.get("up", "y")
     reach = tables.get("requirements", {}).get("reach")
     robots = tuple(
-        _robot(table, "robot", reach, placed, ("robot",))
+        _read_robot(table, "robot", reach, placed, ("robot",))
         if table is stated
-        else _robot(table, table["module"], None, placed, ("robot", number))
+        else _read_robot(table, table["module"], None, placed, ("robot", number))
         for number, table in enumerate(stated if isinstance(stated, list) else [stated])
     )
     problems = [*_unclear(robots, reach is not None, places), *_unmoved(robots, up)]
@@ -125,7 +125,7 @@ def _stands(written: Any, path: Iterable[str | int]) -> bool:
     return True
 
 
-def _robot(
+def _read_robot(
     table: Mapping[str, Any],
     name: str,
     reach: Mapping[str, Any] | None,

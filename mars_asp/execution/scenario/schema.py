@@ -16,24 +16,24 @@ _Path: TypeAlias = tuple[str | int, ...]
 
 
 def _number(least: float | None = -1e9, most: float | None = 1e9) -> _Schema:
-    return {"type": "number"} | _bounds(least, most)
+    return {"type": "number"} | _range_schema(least, most)
 
 
-def _whole(least: int, most: int) -> _Schema:
-    return {"type": "integer"} | _bounds(least, most)
+def _integer_schema(least: int, most: int) -> _Schema:
+    return {"type": "integer"} | _range_schema(least, most)
 
 
-def _bounds(least: float | None, most: float | None) -> _Schema:
+def _range_schema(least: float | None, most: float | None) -> _Schema:
     stated = {"minimum": least, "maximum": most}
     return {key: bound for key, bound in stated.items() if bound is not None}
 
 
-def _table(keys: Mapping[str, _Schema], *required: str) -> _Schema:
+def _table_schema(keys: Mapping[str, _Schema], *required: str) -> _Schema:
     needed = {"required": list(required)} if required else {}
     return {"type": "object", "properties": dict(keys), "additionalProperties": False} | needed
 
 
-def _named(table: _Schema) -> _Schema:
+def _table_by_module(table: _Schema) -> _Schema:
     """Return a table of tables, each with the name of a module."""
     return {"type": "object", "additionalProperties": table}
 
@@ -56,7 +56,7 @@ def _one_of(kinds: Mapping[str, str], *required: str) -> _Schema:
     first = next(iter(kinds))
     return {
         "oneOf": [
-            _table(
+            _table_schema(
                 {"kind": {"enum": [kind]}} | {key: _KEYS[key] for key in keys.split()},
                 *(required if kind == first else ["kind"]),
             )
@@ -65,7 +65,7 @@ def _one_of(kinds: Mapping[str, str], *required: str) -> _Schema:
     }
 
 
-def _told(words: str, schema: _Schema) -> _Schema:
+def _with_description(words: str, schema: _Schema) -> _Schema:
     """Return a schema with the words that tell what a value should be which is something else."""
     return {"description": words} | schema
 
@@ -78,24 +78,30 @@ _WORD = {"type": "string"}
 _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 _FUNCTION = {"enum": list(_FUNCTIONS)}
 _PAIR = _row(_number(), _number())
-_POINT = _told("a point `[forward, side]`", _PAIR)
-_WALL = _told("a list of 2 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 2})
-_POLYGON = _told("a list of 3 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 3})
-_CIRCLE = _told(
+_POINT = _with_description("a point `[forward, side]`", _PAIR)
+_WALL = _with_description(
+    "a list of 2 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 2}
+)
+_POLYGON = _with_description(
+    "a list of 3 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 3}
+)
+_CIRCLE = _with_description(
     "`[forward, side, radius]`, the radius above 0",
     _row(_number(), _number(), _number(0) | {"exclusiveMinimum": True}),
 )
-_ENTRY = _told(
+_ENTRY = _with_description(
     f'`[second, function, rate]` of {", ".join(_FUNCTIONS)}, or `[second, "{RELEASE}"]`',
     {"anyOf": [_row(_number(0), _FUNCTION, _number()), _row(_number(0), {"enum": [RELEASE]})]},
 )
-_MOVING = _told(
+_MOVING = _with_description(
     "a table `{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points",
-    _table(
+    _table_schema(
         {
             "from": _POINT,
             "to": _POINT,
-            "way": _told("a list of at least two points", _list(_PAIR) | {"minItems": 2}),
+            "way": _with_description(
+                "a list of at least two points", _list(_PAIR) | {"minItems": 2}
+            ),
             "radius": _POSITIVE,
             "speed": _POSITIVE,
         },
@@ -106,19 +112,21 @@ _MOVING = _told(
         "not": {"anyOf": [{"required": [end, "way"]} for end in ("from", "to")]},
     },
 )
-_MARK = _told("a table `{ at, colour }`", _table({"at": _POINT, "colour": _WORD}, "at", "colour"))
-_SCATTER = _table(
+_MARK = _with_description(
+    "a table `{ at, colour }`", _table_schema({"at": _POINT, "colour": _WORD}, "at", "colour")
+)
+_SCATTER = _table_schema(
     {
-        "count": _whole(0, 100_000),
-        "radius": _told("`[least, most]`", _row(_POSITIVE, _POSITIVE)),
+        "count": _integer_schema(0, 100_000),
+        "radius": _with_description("`[least, most]`", _row(_POSITIVE, _POSITIVE)),
         "within": _POSITIVE,
         "free": _POSITIVE,
-        "moving": _whole(0, 100_000),
+        "moving": _integer_schema(0, 100_000),
         # It turns every 2000 mm, so no more often than what `moving` lists may.
         "speed": _number(0, 2e6),
     }
 )
-_WORLD = _table(
+_WORLD = _table_schema(
     {
         "walls": _list(_WALL),
         "polygons": _list(_POLYGON),
@@ -128,15 +136,15 @@ _WORLD = _table(
         "scatter": _SCATTER,
     }
 )
-_REACH = _table({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
-_GRADUAL = _table(dict.fromkeys(MOTION_FUNCTIONS, _number(0.001)))
-_ROBOT = _table(
+_REACH = _table_schema({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
+_GRADUAL = _table_schema(dict.fromkeys(MOTION_FUNCTIONS, _number(0.001)))
+_ROBOT = _table_schema(
     {
-        "name": _told("a name of at least one character", _WORD | {"minLength": 1}),
+        "name": _with_description("a name of at least one character", _WORD | {"minLength": 1}),
         "module": _WORD,
         "radius": _POSITIVE,
-        "start": _told("`[forward, side, heading]`", _row(*3 * [_number()])),
-        "limits": _table(dict.fromkeys(_FUNCTIONS, _number())),
+        "start": _with_description("`[forward, side, heading]`", _row(*3 * [_number()])),
+        "limits": _table_schema(dict.fromkeys(_FUNCTIONS, _number())),
         "acceleration": _GRADUAL,
         "deceleration": _GRADUAL,
         "reach": _REACH,
@@ -145,9 +153,9 @@ _ROBOT = _table(
 )
 _KEYS: Mapping[str, _Schema] = {
     "period": _number(0.001),
-    "beams": _whole(1, 100_000),
+    "beams": _integer_schema(1, 100_000),
     "cone": _number(),
-    "rays": _whole(1, 100_000),
+    "rays": _integer_schema(1, 100_000),
     "reach": _POSITIVE,
     "view": _number(),
     "sigma": _POSITIVE,
@@ -176,9 +184,9 @@ _DEVICE = _one_of(
     },
     "kind",
 )
-_BINDING = _table(
+_BINDING = _table_schema(
     {
-        "python": _told(
+        "python": _with_description(
             '`"FILE.py:FUNCTION"`, `"FILE.py:CLASS"` or `"FILE.py:CLASS.METHOD"`',
             {"type": "string", "pattern": r"^[^\n]+\.py:[^:.\s]+(\.[^:.\s]+)*$"},
         ),
@@ -196,13 +204,15 @@ _FAULT = _one_of(
         "babbling": "by",
     },
 )
-_REQUIREMENTS = _table(
+_REQUIREMENTS = _table_schema(
     {
         "no_collision": {"type": "boolean"},
         "clearance": _POSITIVE,
         "reach": _REACH,
         "exclusive": _list(
-            _told(f"two functions of {', '.join(_FUNCTIONS)}", _row(_FUNCTION, _FUNCTION))
+            _with_description(
+                f"two functions of {', '.join(_FUNCTIONS)}", _row(_FUNCTION, _FUNCTION)
+            )
         ),
         "coverage": _number(0, 1),
     }
@@ -212,24 +222,26 @@ _REQUIREMENTS = _table(
 def _scenario(robot: _Schema) -> _Schema:
     """Return the schema of scenarios with such a `robot`."""
     keys = {
-        "seed": _whole(-(2**63), 2**63 - 1),
+        "seed": _integer_schema(-(2**63), 2**63 - 1),
         "duration": _number(0.001),
         "up": {"enum": ["y", "z"]},
         # Without one no command would be obeyed that no arbiter holds.
         "command_timeout": _number(0.001),
         "world": _WORLD,
         "robot": robot,
-        "devices": _named(_DEVICE),
-        "bindings": _named(_BINDING),
-        "faults": _named(_FAULT),
+        "devices": _table_by_module(_DEVICE),
+        "bindings": _table_by_module(_BINDING),
+        "faults": _table_by_module(_FAULT),
         "requirements": _REQUIREMENTS,
     }
     draft = "http://json-schema.org/draft-04/schema#"
     title = "A scenario of mars-asp"
-    return {"$schema": draft, "title": title, **_table(keys, "robot", "duration")}
+    return {"$schema": draft, "title": title, **_table_schema(keys, "robot", "duration")}
 
 
-_ROBOTS = _told("a table or a list of tables, at least one", _list(_ROBOT) | {"minItems": 1})
+_ROBOTS = _with_description(
+    "a table or a list of tables, at least one", _list(_ROBOT) | {"minItems": 1}
+)
 #: Of one robot, or of several.
 _ONE, _SEVERAL = _scenario(_ROBOT), _scenario(_ROBOTS)
 SCHEMA = _scenario({"anyOf": [_ROBOT, _ROBOTS]})
@@ -282,14 +294,14 @@ def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) ->
     """Yield what an error at a path means to the author of a scenario."""
     kind = error.kind
     key = str(next((part for part in reversed(path) if isinstance(part, str)), ""))
-    schema, value = _schema(path, tables), _value(path, tables)
-    form = _form(path, tables)
+    schema, value = _schema(path, tables), _value_at(path, tables)
+    form = _misformed_value(path, tables)
     if isinstance(kind, Kind.OneOfNotValid):
         for inner in Draft4Validator(schema).iter_errors(_as_json(value)):
             yield from _mistakes(inner, (*path, *inner.instance_path), tables)
     elif isinstance(kind, Kind.AdditionalProperties):
         for unknown in kind.unexpected:
-            yield _unknown((*path, unknown), unknown, schema["properties"], tables)
+            yield _unknown_key((*path, unknown), unknown, schema["properties"], tables)
     elif isinstance(kind, Kind.Required):
         missing, owner = kind.property, f"`{key}`" if path else "the scenario"
         choices = schema["properties"][missing].get("enum")
@@ -318,7 +330,7 @@ def _whole_schema(tables: Mapping[str, Any]) -> _Schema:
     return _SEVERAL if isinstance(tables.get("robot"), list) else _ONE
 
 
-def _unknown(
+def _unknown_key(
     path: _Path, key: str, known: Mapping[str, _Schema], tables: Mapping[str, Any]
 ) -> Mistake:
     """Return what is wrong with a key: it is of another kind of table, or of none."""
@@ -335,7 +347,7 @@ def _unknown(
 def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
     """Return what the schema says of a place in a scenario, of several kinds the one stated."""
     schema = _plain_schema(path, tables)
-    return _of_kind(schema, _value(path, tables)) if "oneOf" in schema else schema
+    return _of_kind(schema, _value_at(path, tables)) if "oneOf" in schema else schema
 
 
 def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
@@ -343,7 +355,7 @@ def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
     schema = _whole_schema(tables)
     for count, part in enumerate(path, 1):
         if "oneOf" in schema:
-            schema = _of_kind(schema, _value(path[: count - 1], tables))
+            schema = _of_kind(schema, _value_at(path[: count - 1], tables))
         if isinstance(part, str):
             schema = schema.get("properties", {}).get(part) or schema["additionalProperties"]
         else:
@@ -363,17 +375,17 @@ def _of_kind(schema: _Schema, value: Any) -> _Schema:
             return dict(each)
     named = [each["properties"]["kind"]["enum"][0] for each in kinds]
     keys = {key: inner for each in kinds for key, inner in each["properties"].items()}
-    return _table(keys | {"kind": {"enum": named}}, *first.get("required", ()))
+    return _table_schema(keys | {"kind": {"enum": named}}, *first.get("required", ()))
 
 
-def _value(path: _Path, value: Any) -> Any:
+def _value_at(path: _Path, value: Any) -> Any:
     """Return what stands at a place in a scenario."""
     for part in path:
         value = value[part]
     return value
 
 
-def _form(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
+def _misformed_value(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
     """Return the value whose form is wrong where a part of it is; `None` where none has one."""
     for count in range(len(path), 0, -1):
         if "description" in _schema(path[:count], tables):

@@ -53,7 +53,7 @@ class Axis(NamedTuple):
         """
         if len(self.values) > 1:
             help_text = "give it one; `mars-asp campaign` runs all of them"
-            raise _refused(f"`{self.key}` has {len(self.values)} values", help_text)
+            raise _variation_error(f"`{self.key}` has {len(self.values)} values", help_text)
         return self.values[0]
 
 
@@ -67,7 +67,9 @@ def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
     for text in texts:
         axis = read_axis(text)
         if axes.setdefault(_path(axis.key), axis) is not axis:
-            raise _refused(f"`{axis.key}` is varied twice", "give all values at once: KEY=A,B")
+            raise _variation_error(
+                f"`{axis.key}` is varied twice", "give all values at once: KEY=A,B"
+            )
     return tuple(axes.values())
 
 
@@ -80,9 +82,9 @@ def read_axis(text: str) -> Axis:
     key, equals, written = text.partition("=")
     key = key.strip()
     if encodable(text) != text:
-        raise _refused(f"`{text}` is not UTF-8", _HELP)
+        raise _variation_error(f"`{text}` is not UTF-8", _HELP)
     if key.count(".") > _MOST_PARTS:
-        raise _refused(f"`{key}` has more than {_MOST_PARTS} parts", _HELP)
+        raise _variation_error(f"`{key}` has more than {_MOST_PARTS} parts", _HELP)
     try:
         path = _path(key)
         if path[0] == MODULES:
@@ -93,19 +95,21 @@ def read_axis(text: str) -> Axis:
     except (ValueError, RecursionError):
         path, values = (), []
     if (unusable := unusable_part(values)) is not None:
-        raise _refused(f"`{key}` has {unusable[1]}", _HELP)
+        raise _variation_error(f"`{key}` has {unusable[1]}", _HELP)
     if not equals or not path or not values:
-        raise _refused(f"`{text}` is not a key and its values", _HELP)
+        raise _variation_error(f"`{text}` is not a key and its values", _HELP)
     if key == "seed":
-        raise _refused("the seed is not a key to vary", "use --seeds, or --seed for one run")
+        raise _variation_error(
+            "the seed is not a key to vary", "use --seeds, or --seed for one run"
+        )
     if path[0] == MODULES and (len(path) != 2 or not {*values} <= {ON, OFF}):
         message = f"`{text}` does not switch a module"
-        raise _refused(message, "write `modules.NAME=off` or `modules.NAME=on,off`")
+        raise _variation_error(message, "write `modules.NAME=off` or `modules.NAME=on,off`")
     if any(map(_is_endless, values)):
-        raise _refused(f"`{text}` has a value without an end", "leave out `inf` and `nan`")
+        raise _variation_error(f"`{text}` has a value without an end", "leave out `inf` and `nan`")
     for number, value in enumerate(values):
         if any(_same(value, other) for other in values[:number]):
-            raise _refused(f"`{key}` has the value {written_value(value)} twice", None)
+            raise _variation_error(f"`{key}` has the value {written_value(value)} twice", None)
     return Axis(key, tuple(values))
 
 
@@ -127,12 +131,12 @@ def written_value(value: Any) -> str:
         case bool():
             return str(value).lower()
         case dict():
-            parts = (f"{_quoted(key)} = {written_value(each)}" for key, each in value.items())
+            parts = (f"{_toml_string(key)} = {written_value(each)}" for key, each in value.items())
             return f"{{ {', '.join(parts)} }}"
         case list():
             return f"[{', '.join(map(written_value, value))}]"
         case str():
-            return _quoted(value)
+            return _toml_string(value)
     return str(value)
 
 
@@ -142,7 +146,7 @@ def written_change(key: str, value: Any) -> str:
     return f"{key}={word}"
 
 
-def _quoted(text: str) -> str:
+def _toml_string(text: str) -> str:
     """Return a text as a basic string of TOML, whose escapes JSON's are among."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
@@ -188,7 +192,7 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
             wrong.append(Mistake((), f"`{key}`: {error.told}", error.help))
     # The text alone was checked before.
     wrong = wrong or list(mistakes(tables)) or list(contradictions(tables, ()))
-    found = [_refused(each.message, each.help) for each in wrong]
+    found = [_variation_error(each.message, each.help) for each in wrong]
     if found:
         raise MarsError(each.diagnostics[0] for each in found)
     return tables
@@ -217,7 +221,7 @@ def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str
     at: Any = tables
     found: list[str | int] = []
     for part in path[:-1]:
-        step = _step(at, part, found)
+        step = _next_key(at, part, found)
         if isinstance(at, dict) and step not in at:
             if found == ["devices"]:
                 near = nearest(part, at)
@@ -226,12 +230,12 @@ def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str
             at[step] = {}
         found.append(step)
         at = at[step]
-    last = _step(at, path[-1], found)
+    last = _next_key(at, path[-1], found)
     at[last] = copy.deepcopy(value)
     return *found, last
 
 
-def _step(at: Any, part: str, found: list[str | int]) -> str | int:
+def _next_key(at: Any, part: str, found: list[str | int]) -> str | int:
     """Return the key or number that leads on from a value."""
     name = ".".join(map(str, found))
     if isinstance(at, dict):
@@ -240,7 +244,7 @@ def _step(at: Any, part: str, found: list[str | int]) -> str | int:
         raise _NoSuchKeyError(f"`{name}` is {written_value(at)}, not a table")
     if not (part.isdecimal() and part.isascii() and int(part) < len(at)):
         if found == ["robot"]:
-            return _robot(at, part)
+            return _robot_number(at, part)
         count = len(at)
         last = f"its entries are 0 to {count - 1}" if count > 1 else "its one entry is 0"
         entries = last if count else "it is empty"
@@ -248,17 +252,19 @@ def _step(at: Any, part: str, found: list[str | int]) -> str | int:
     return int(part)
 
 
-def _robot(robots: list[Any], part: str) -> int:
+def _robot_number(robots: list[Any], part: str) -> int:
     """Return the number of the robot of a name."""
     names = [str(robot.get("name", robot["module"])) for robot in robots]
     if part in names:
         return names.index(part)
-    written = [name if re.fullmatch(r"[\w-]+", name, re.ASCII) else _quoted(name) for name in names]
+    written = [
+        name if re.fullmatch(r"[\w-]+", name, re.ASCII) else _toml_string(name) for name in names
+    ]
     near = nearest(part, names)
     told = written[names.index(near)] if near else written[0]
     shown = f"one of {', '.join(written)}, as in `robot.{told}.radius`"
     raise _NoSuchKeyError(f"there are several robots, and none is named `{part}`", shown)
 
 
-def _refused(message: str, help_text: str | None) -> MarsError:
+def _variation_error(message: str, help_text: str | None) -> MarsError:
     return refusal("scenario", message, CHANGED.path, help_text)

@@ -41,7 +41,7 @@ def least_approach(body: Body) -> Approach | None:
     if body.clearance == inf:
         return None
     at, until = body.closest
-    other = _robot(body, body.beside)
+    other = _robot_named(body, body.beside)
     fastest = body.world.fastest if other is None else _stretch(other, at).speed
     closing = _stretch(body, at).speed + fastest
     step = max(_EXACT, closing * (until - at) / _MOST_LOOKS)
@@ -63,7 +63,7 @@ def approach_at(body: Body, seconds: float, beside: str = THING) -> Approach:
 
     In contact the gap is 0.
     """
-    pose, other = pose_at(body, seconds), _robot(body, beside)
+    pose, other = pose_at(body, seconds), _robot_named(body, beside)
     place = pose.forward, pose.side
     if other is None:
         thing = _nearest(body.world, place, seconds)
@@ -73,7 +73,7 @@ def approach_at(body: Body, seconds: float, beside: str = THING) -> Approach:
     return Approach(seconds, pose, thing, max(dist(place, thing) - body.radius, 0.0))
 
 
-def _robot(body: Body, name: str) -> Body | None:
+def _robot_named(body: Body, name: str) -> Body | None:
     """Return the robot of a name among those that a robot moves with."""
     others = () if body.company is None else body.company.bodies
     return next((other for other in others if other.name == name != THING), None)

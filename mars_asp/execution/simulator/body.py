@@ -138,10 +138,10 @@ class Body:
 
     def rates(self) -> tuple[float, float, float]:
         """Return the rates ahead, aside and turning from now on, within the limits."""
-        ahead, aside, turn = (self._rate(function) for function in planar_functions(self.up))
+        ahead, aside, turn = (self._ramped_rate(function) for function in planar_functions(self.up))
         return ahead, aside, turn
 
-    def _rate(self, function: str) -> float:
+    def _ramped_rate(self, function: str) -> float:
         wanted, ramp = self._wanted(function), self.ramps.get(function)
         return wanted if ramp is None else ramp.at(self.seconds, wanted)
 

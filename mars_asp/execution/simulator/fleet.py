@@ -90,13 +90,13 @@ class Fleet:
                 for body in self.bodies:
                     body.go(seconds, fastest)
                 return
-            self._step(seconds)
+            self._advance(seconds)
 
     def _fastest(self, speeds: Sequence[float]) -> float:
         """Return the greatest speed (mm/s) at which another robot can come; 0 for one alone."""
         return max(speeds) if len(speeds) > 1 else 0.0
 
-    def _step(self, seconds: float) -> None:
+    def _advance(self, seconds: float) -> None:
         """Go on until a time, a change of rates or a contact, whichever is first."""
         now = self.seconds
         ways = [MotionSegment(now, body.pose, *body.rates()) for body in self.bodies]
@@ -207,7 +207,7 @@ class Fleet:
                 body.measure()
 
         closing = way.speed + body.world.fastest
-        return _Search(partial(body.nearest, way), closing, note, *_ends(body.room))
+        return _Search(partial(body.nearest, way), closing, note, *_end_gaps(body.room))
 
     def _search_pair(
         self, first: int, second: int, ways: Sequence[MotionSegment], now: float
@@ -233,10 +233,10 @@ class Fleet:
             if gap <= APART:
                 _note(one, other, dist(one.place, other.place) - apart)
 
-        return _Search(search, way.speed + passing.speed, note, *_ends(now))
+        return _Search(search, way.speed + passing.speed, note, *_end_gaps(now))
 
 
-def _ends(gap: float) -> tuple[float, float]:
+def _end_gaps(gap: float) -> tuple[float, float]:
     """Return at which gap (mm) a step ends that begins at another, and how exactly.
 
     What is touched may be passed along, and left from inside, but not entered any further.

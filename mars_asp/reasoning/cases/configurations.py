@@ -138,9 +138,9 @@ def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
     failures = tuple(failure for line in lines for failure in _unmet(line, lines, robot))
     if not lines:
         advice = "write what is expected, as in `# expect: warning KIND at LINE`, or use --update"
-        failures = (Failure(_start(robot.path), "an expectation", lines=(f"  - {advice}",)),)
+        failures = (Failure(_start_span(robot.path), "an expectation", lines=(f"  - {advice}",)),)
     updated = _updated(text, lines, robot)
-    check = Check(None, lines[0].span if lines else _start(robot.path), failures)
+    check = Check(None, lines[0].span if lines else _start_span(robot.path), failures)
     return Outcome(path, (check,), updated if updated != text else None)
 
 
@@ -154,7 +154,7 @@ class _Robot:
     @cached_property
     def told(self) -> tuple[ReportedFinding, ...]:
         """Return its findings."""
-        return tuple(map(self._told, self._reasoner.analysis.consequences))
+        return tuple(map(self._reported_finding, self._reasoner.analysis.consequences))
 
     def counted_of(self, what: str) -> Mapping[str, int] | None:
         """Return the counts that a line is about; None where there is no specification."""
@@ -227,7 +227,7 @@ class _Robot:
         """Whether a rule can find any kind."""
         return any(kinds_of(rule) is None for rule in self.rulebook.rules)
 
-    def _told(self, found: Consequence) -> ReportedFinding:
+    def _reported_finding(self, found: Consequence) -> ReportedFinding:
         lines = sorted({span.line for span in found.spans if span.path == self.path})
         return ReportedFinding(found.severity, found.kind, found.subject, tuple(lines))
 
@@ -267,7 +267,7 @@ def _line(
     if what not in ("expect", "never", "only"):
         near = nearest(what.partition(" ")[2], _NUMBERED) or "nodes"
         message = f"`{what}` is not an expectation"
-        problems.append(_wrong(message, span, f"did you mean `expect {near}`?"))
+        problems.append(_case_error(message, span, f"did you mean `expect {near}`?"))
         return ExpectationLine(what, before, text, span)
     if what == "expect" and text == _NONE:
         return ExpectationLine(what, before, text, span)
@@ -284,12 +284,12 @@ def _finding(
     if match is None:
         advice = "write `KIND`, `KIND(SUBJECT)` or `SEVERITY KIND at LINE`; a severity is "
         advice += " or ".join(SEVERITIES)
-        problems.append(_wrong(f"expected a finding, found `{text}`", span, advice))
+        problems.append(_case_error(f"expected a finding, found `{text}`", span, advice))
         return None
     if match["kind"] not in robot.kinds and not robot.is_open:
         near = nearest(match["kind"], robot.kinds)
         advice = f"did you mean `{near}`?" if near else "is the pack that finds it given?"
-        problems.append(_wrong(f"no rule finds `{match['kind']}`", span, advice))
+        problems.append(_case_error(f"no rule finds `{match['kind']}`", span, advice))
     lines = tuple(map(int, re.findall(r"\d+", match["lines"] or "")))
     return ExpectedFinding(match["severity"], match["kind"], match["subject"], lines)
 
@@ -302,21 +302,21 @@ def _counts(
         match = _COUNT.fullmatch(part)
         if match is None:
             message = f"expected a name and a number, found `{part}`"
-            problems.append(_wrong(message, span, f"as in `{known[0]} 1`"))
+            problems.append(_case_error(message, span, f"as in `{known[0]} 1`"))
         elif match["name"] not in known:
             near = nearest(match["name"], known)
             advice = f"did you mean `{near}`?" if near else f"one of {', '.join(known)}"
-            problems.append(_wrong(f"`{match['name']}` is not counted here", span, advice))
+            problems.append(_case_error(f"`{match['name']}` is not counted here", span, advice))
         else:
             found[match["name"]] = int(match["count"])
     return found
 
 
-def _wrong(message: str, span: Span, advice: str) -> Diagnostic:
+def _case_error(message: str, span: Span, advice: str) -> Diagnostic:
     return Diagnostic(_CODE, "error", message, span, help=advice)
 
 
-def _start(path: str) -> Span:
+def _start_span(path: str) -> Span:
     return Span(path, 1, 1, 1, 1)
 
 
@@ -328,7 +328,7 @@ def _unmet(
 ) -> Iterator[Failure]:
     if line.text == _NONE and line.what == "expect":
         if robot.is_realised:
-            yield _failure(line.span, _NONE, [f"nodes {_listed(robot.nodes)}"])
+            yield _failure(line.span, _NONE, [f"nodes {_count_list(robot.nodes)}"])
     elif line.what == "expect order":
         if line.text not in robot.orders:
             there = _order_of(line, robot) or "no order of priorities"
@@ -373,10 +373,10 @@ def _miscounted(
     found = {name: there[name] for name in counts}
     if found != dict(counts):
         others = {n: c for n, c in there.items() if c and line.what == "expect nodes"}
-        yield _failure(line.span, line.text, [_listed(found | others)])
+        yield _failure(line.span, line.text, [_count_list(found | others)])
 
 
-def _listed(counts: Mapping[str, int]) -> str:
+def _count_list(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{name} {count}" for name, count in counts.items() if count) or "none"
 
 
@@ -410,7 +410,7 @@ def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
         findings = [each for each in robot.told if own is None or each.kind in own]
         new = [f"# expect: {each}" for each in findings]
         new += [f"# only: {', '.join(sorted(own))}"] if own else []
-        new += _counted(robot) if robot.is_realised else [f"# expect: {_NONE}"]
+        new += _expected_counts(robot) if robot.is_realised else [f"# expect: {_NONE}"]
         return text.rstrip("\n") + "\n" + "\n".join(new) + "\n"
     written = text.split("\n")
     for line in lines:
@@ -420,9 +420,9 @@ def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
     return "\n".join(written)
 
 
-def _counted(robot: _Robot) -> list[str]:
+def _expected_counts(robot: _Robot) -> list[str]:
     nodes = {name: count for name, count in robot.nodes.items() if count}
-    found = [f"# expect nodes: {_listed(nodes)}"] if nodes else []
+    found = [f"# expect nodes: {_count_list(nodes)}"] if nodes else []
     costs = ", ".join(f"{name} {count}" for name, count in robot.cost.items())
     return [*found, f"# expect cost: {costs}"]
 

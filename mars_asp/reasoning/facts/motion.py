@@ -111,7 +111,7 @@ def observations(
         return
     here = inverse(rest.poses[name])
     twists = jacobian(rest, name, providers)
-    free = max((jacobian(posture, name, providers) for posture in generic), key=_rank)
+    free = max((jacobian(posture, name, providers) for posture in generic), key=_matrix_rank)
     alone: set[str] = set()
     start = 0
     for provider in providers:
@@ -136,7 +136,7 @@ def observations(
             yield from _circuits(robot, name, free, function)
 
 
-def _rank(columns: Matrix) -> int:
+def _matrix_rank(columns: Matrix) -> int:
     return int(np.linalg.matrix_rank(scaled(columns), tol=TOLERANCE))
 
 

@@ -23,7 +23,7 @@ _Numbers: TypeAlias = Mapping[tuple[str, int], tuple[int, Span]]
 
 def output_facts(configuration: Configuration, ends: Ends) -> Iterator[Fact]:
     """Yield which outputs modules with several have."""
-    places = _places(configuration)
+    places = _module_spans(configuration)
     for text, output in ends.outputs.items():
         place = places.get(output.module, configuration.span)
         span = place if output.service is None else output.service.span
@@ -56,7 +56,7 @@ def input_facts(configuration: Configuration, described: Described, ends: Ends) 
     """Yield the inputs of clients that have several, or of which a line names one."""
     if not ends.entries:
         return
-    places, numbers = _places(configuration), annotation_numbers(configuration, described)
+    places, numbers = _module_spans(configuration), annotation_numbers(configuration, described)
     for text, entry in ends.entries.items():
         if entry.found is None:
             place = places.get(entry.module, configuration.span)
@@ -84,14 +84,14 @@ def loose_ends(
     data = [line for _, line in lines if isinstance(line, Data)]
     taken = {ends.source(line) for line in data}
     numbers = annotation_numbers(configuration, described)
-    outputs = list(_ports(described, _outputs_of, numbers, canonical))
+    outputs = list(_port_ends(described, _outputs_of, numbers, canonical))
     free = [port for port in outputs if ends.output(port.module, port.port) not in taken]
     for port in free:
         yield _fact(port.span, "port_name", port.annotation, end(port.module, port.port))
     if not free:
         return
     entered = {(line.client, line.client_port) for line in data}
-    every = _ports(described, _inputs_of, numbers, canonical)
+    every = _port_ends(described, _inputs_of, numbers, canonical)
     open_ = (port for port in every if (port.module, port.port) not in entered)
     for entry, output, rank in nearest(open_, outputs, frozenset(free)):
         called = end(entry.module, entry.port)
@@ -117,11 +117,11 @@ def _fact(span: Span, name: str, *arguments: Term) -> Fact:
     return Fact(Atom(name, arguments), span)
 
 
-def _places(configuration: Configuration) -> Mapping[str, Span]:
+def _module_spans(configuration: Configuration) -> Mapping[str, Span]:
     return {name.text: name.span for name in configuration.modules}
 
 
-def _ports(
+def _port_ends(
     described: Described, of: _PortsOf, numbers: _Numbers, canonical: Mapping[str, str]
 ) -> Iterator[PortEnd]:
     """Yield ports of described modules."""

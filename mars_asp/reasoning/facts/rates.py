@@ -59,7 +59,7 @@ class Rates:
 @remembered
 def rates_in(configuration: Configuration, described: Mapping[str, Module]) -> Rates:
     """Return how the rates that lines and annotations state are told."""
-    return rates_of(_stated(configuration, described))
+    return rates_of(_written_rates(configuration, described))
 
 
 def rates_of(stated: Iterable[Fraction]) -> Rates:
@@ -79,7 +79,9 @@ def rates_of(stated: Iterable[Fraction]) -> Rates:
     return Rates(moved, meant, frozenset(numbers))
 
 
-def _stated(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Fraction]:
+def _written_rates(
+    configuration: Configuration, described: Mapping[str, Module]
+) -> Iterator[Fraction]:
     for relationship in configuration.relationships:
         if isinstance(relationship, Data) and relationship.hz is not None:
             yield relationship.hz

@@ -117,7 +117,7 @@ class TermNames:
         """Return what a term of an order is compared by: modules are in the order of the file."""
         found = self._orders.get(term)
         if found is None:
-            found = self._orders[term] = tuple(map(self._place_of, _flat(as_symbol(term))))
+            found = self._orders[term] = tuple(map(self._place_of, _flatten(as_symbol(term))))
         return found
 
     def _place_of(self, symbol: clingo.Symbol) -> tuple[int, int, str]:
@@ -185,11 +185,11 @@ _WORDS: Mapping[str, Callable[[TermNames, clingo.Symbol], str]] = {
 }
 
 
-def _flat(symbol: clingo.Symbol) -> Iterator[clingo.Symbol]:
+def _flatten(symbol: clingo.Symbol) -> Iterator[clingo.Symbol]:
     """Yield what a tuple holds, or a term itself."""
     if symbol.type == clingo.SymbolType.Function and not symbol.name:
         for each in symbol.arguments:
-            yield from _flat(each)
+            yield from _flatten(each)
     else:
         yield symbol
 
@@ -384,7 +384,9 @@ def told_of(
         given |= _otherwise(project, atoms_of)
     keys = list(map(key_of, things))
     found = told(rules, deciding, lambda read: {**atoms_of(read), **given}, names, set(keys))
-    return [_told(thing, key, found, names) for thing, key in zip(things, keys, strict=True)]
+    return [
+        _account_and_rule(thing, key, found, names) for thing, key in zip(things, keys, strict=True)
+    ]
 
 
 def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence[TermId]]:
@@ -405,7 +407,7 @@ def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence
     return result
 
 
-def _told(
+def _account_and_rule(
     thing: Consequence | IntroducedNode,
     key: Key,
     found: Explanations,

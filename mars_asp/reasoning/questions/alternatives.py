@@ -153,8 +153,8 @@ class _AlternativesSearch:
             parts = [part for atom in chosen if (part := part_of(atom)) is not None]
         found = list(islice(_combined([self._choices(part, most + 1) for part in parts]), most + 1))
         own = _lines(self.synthesis.specification)
-        told = [self._told(extra, chosen, own) for extra, chosen in found[:most]]
-        bounds = self._bounds(parts)
+        told = [self._alternative(extra, chosen, own) for extra, chosen in found[:most]]
+        bounds = self._cores_by_level(parts)
         needs = [CertificateEntry((str(atom),), (names[atom],)) for atom in forced]
         for part in parts:
             needs += self._needs(part, bounds[id(part.component), NODES], names)
@@ -171,7 +171,7 @@ class _AlternativesSearch:
             (*self._explained(needs[:shown]), *needs[len(needs[:shown]) :]),
             len(forced) + sum(len(_costly(part)) for part in parts),
             levels,
-            self._conversions() if levels else (),
+            self._first_conversions() if levels else (),
             tuple(told),
             len(found) <= most,
         )
@@ -181,7 +181,9 @@ class _AlternativesSearch:
         grounding = self.analysis.grounding
         return sum(1 for each in _COUNTED for _ in grounding.symbols(*each))
 
-    def _bounds(self, parts: Iterable[Part]) -> Mapping[tuple[int, int], Sequence[AtomNeed]]:
+    def _cores_by_level(
+        self, parts: Iterable[Part]
+    ) -> Mapping[tuple[int, int], Sequence[AtomNeed]]:
         """Return the needs of each component at each level; equal components have equal ones."""
         found: dict[tuple[int, int], Sequence[AtomNeed]] = {}
         for part in parts:
@@ -212,7 +214,7 @@ class _AlternativesSearch:
             told.sort(key=lambda reason: reason.why is None)
             yield replace(need, reasons=tuple(told))
 
-    def _conversions(self) -> tuple[str, ...]:
+    def _first_conversions(self) -> tuple[str, ...]:
         """Return what is applied by the first transformers of the specification, and its cost."""
         nodes = self.synthesis.specification.nodes
         applying = [node.term for node in nodes if node.conversion and node.conversion.converter]
@@ -230,12 +232,14 @@ class _AlternativesSearch:
         """Return other answers of a component in the order of what they cost more."""
         return [
             _OpenChoice(
-                tuple(other.cost.get(level, 0) - cost for level, cost in _costs(part)), part, other
+                tuple(other.cost.get(level, 0) - cost for level, cost in _cost_levels(part)),
+                part,
+                other,
             )
             for other in others(part.component, part.best, most, self.deadline)
         ]
 
-    def _told(
+    def _alternative(
         self, extra: tuple[int, ...], chosen: Sequence[_OpenChoice], own: Sequence[str]
     ) -> Alternative:
         kept = set(self.synthesis.resolution.answer.decided)
@@ -299,7 +303,7 @@ def _lines(specification: Specification) -> list[str]:
     return [line for line in printed if _RELATES.search(line)]
 
 
-def _costs(part: Part) -> list[tuple[int, int]]:
+def _cost_levels(part: Part) -> list[tuple[int, int]]:
     """Return the levels that are a cost, highest first, with what the optimum costs there."""
     return [(level, part.best.cost.get(level, 0)) for level in _LEVELS]
 

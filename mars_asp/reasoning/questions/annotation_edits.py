@@ -99,7 +99,7 @@ class Annotations:
         inside = self._inside(module)
         if word in FUNCTIONS:
             heads = [d for d in inside if d.word in FUNCTIONS or d.word == "module_name"]
-            self._behind(heads[-1], f"@{word}")
+            self._write_after(heads[-1], f"@{word}")
             return
         lines = ["@DataOut NotifyWhenReady" if word == "DataOut" else f"@{word}"]
         if module.services:
@@ -188,7 +188,7 @@ class Annotations:
             return marks.before.lstrip()
         return _MARKS.get(self._source.language, "// ")
 
-    def _behind(self, directive: Directive, text: str) -> None:
+    def _write_after(self, directive: Directive, text: str) -> None:
         """Write an annotation on a line of its own behind another."""
         line = self._source.position(directive.end)[0]
         marks = self._marks(directive)

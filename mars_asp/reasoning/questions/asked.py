@@ -135,18 +135,18 @@ class Vocabulary:
                 (kind for kind, word in self._nodes.items() if call[1] in (kind, word)), None
             )
             if node is not None and subject not in self._modules:
-                about, title = self._about(name, self._nodes[node])
+                about, title = self._module_term(name, self._nodes[node])
                 return AbsenceQuestion(title, at_module(node, about), node, _module(about))
             if call[1] in self._kinds or self._is_kind(call[1]):
-                about, title = self._about(name, call[1])
+                about, title = self._module_term(name, call[1])
                 kind_term = clingo.Function(call[1])
                 pattern = clingo.Function("consequence", [kind_term, hole(), about, hole()])
                 return AbsenceQuestion(title, (pattern,), call[1], _module(about))
             if not self._is_predicate(call[1]):
                 raise self._unknown_predicate(call[1])
-        return AbsenceQuestion(subject, (self._atom(subject),))
+        return AbsenceQuestion(subject, (self._known_atom(subject),))
 
-    def _about(self, name: str | None, word: str) -> tuple[clingo.Symbol, str]:
+    def _module_term(self, name: str | None, word: str) -> tuple[clingo.Symbol, str]:
         """Return the term of a name, or of any, and how what is asked is called."""
         if name in (None, "", "_"):
             return hole(), word
@@ -161,10 +161,10 @@ class Vocabulary:
     def _is_predicate(self, name: str) -> bool:
         return any(name == known.name for known in self._predicates)
 
-    def _atom(self, subject: str) -> clingo.Symbol:
+    def _known_atom(self, subject: str) -> clingo.Symbol:
         found = pattern_in(subject)
         if found is None:
-            raise self._wrong(
+            raise self._query_error(
                 f"`{subject}` is not an atom", "write `KIND(NAME)`, `DataSplitter(NAME)` or an atom"
             )
         kind = signature_of(found).unsigned
@@ -179,10 +179,10 @@ class Vocabulary:
         shape = RELATIONSHIPS.get(asked.name)
         if shape is None or len(asked.arguments) != 2:
             return None
-        ends = map(self._end, asked.arguments)
+        ends = map(self._relationship_end, asked.arguments)
         return clingo.Function(asked.name, [next(ends) if end else hole() for end in shape])
 
-    def _end(self, term: clingo.Symbol) -> clingo.Symbol:
+    def _relationship_end(self, term: clingo.Symbol) -> clingo.Symbol:
         """Return the module at an end of a relationship, whatever its name is written like."""
         if is_hole(term):
             name = term.arguments[0].string
@@ -206,7 +206,7 @@ class Vocabulary:
         if not term.arguments and term.name in self._modules - known:
             return clingo.String(term.name)
         if term.name and term.name not in known and term.name not in self._constants:
-            raise self._unknown("constant", term.name, self._constants)
+            raise self._unknown_error("constant", term.name, self._constants)
         return clingo.Function(term.name, list(map(self._known, term.arguments)), term.positive)
 
     def _string(self, name: str, known: set[str]) -> clingo.Symbol:
@@ -214,9 +214,11 @@ class Vocabulary:
             near = nearest(name, self._modules) or nearest(name, known)
             if near is None and name in self._other_names:
                 message = f"`@modules` does not name `{name}`, so nothing follows from it by itself"
-                raise self._wrong(message, "ask about a module that takes part in a relationship")
+                raise self._query_error(
+                    message, "ask about a module that takes part in a relationship"
+                )
             help_text = f"did you mean `{near}`?" if near else "name a module, or write `_` for any"
-            raise self._wrong(f"there is no name `{name}`", help_text)
+            raise self._query_error(f"there is no name `{name}`", help_text)
         return clingo.String(name)
 
     def _other_arity(self, signature: Signature) -> MarsError:
@@ -224,7 +226,7 @@ class Vocabulary:
         same = sorted(str(other) for other in self._predicates if other.name == name)
         if not same:
             return self._unknown_predicate(name)
-        return self._wrong(
+        return self._query_error(
             f"no rule and no fact gives `{name}` with {arity} argument{'s' * (arity != 1)}",
             f"write `{name}(NAME, NAME)`"
             if name in RELATIONSHIPS
@@ -233,23 +235,23 @@ class Vocabulary:
 
     def _unknown_predicate(self, name: str) -> MarsError:
         if name in self._strings:
-            return self._wrong(
+            return self._query_error(
                 f"`{name}` is a module, which is there", f"ask for `DataSplitter({name})`"
             )
         known = {known.name for known in self._predicates} | self._kinds | set(self._nodes.values())
         if name in known:
             about = "the node" if name in self._nodes.values() else "the finding"
-            return self._wrong(
+            return self._query_error(
                 f"`{name}` takes one name", f"write `{name}(NAME)`; NAME is what {about} is about"
             )
-        return self._unknown("predicate, kind of consequence or kind of node", name, known)
+        return self._unknown_error("predicate, kind of consequence or kind of node", name, known)
 
-    def _unknown(self, what: str, name: str, known: Iterable[str]) -> MarsError:
+    def _unknown_error(self, what: str, name: str, known: Iterable[str]) -> MarsError:
         near = nearest(name, known, 0.75)
         help_text = f"did you mean `{near}`?" if near else "see `mars-asp rules list`"
-        return self._wrong(f"there is no {what} `{name}`", help_text)
+        return self._query_error(f"there is no {what} `{name}`", help_text)
 
-    def _wrong(self, message: str, help_text: str) -> MarsError:
+    def _query_error(self, message: str, help_text: str) -> MarsError:
         return wrong_question(self._path, message, help_text)
 
 

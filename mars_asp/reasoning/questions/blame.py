@@ -193,7 +193,9 @@ class _Told:
         parts = (told.rule.because or "").split("`")
         return "`".join(
             fill(
-                part, values, self._in_line if at % 2 and not HOLE.fullmatch(part) else self._shown
+                part,
+                values,
+                self._in_line if at % 2 and not HOLE.fullmatch(part) else self._symbol_text,
             )
             or ""
             for at, part in enumerate(parts)
@@ -202,7 +204,7 @@ class _Told:
     def evidence(self, reason: clingo.Symbol) -> tuple[Span, ...]:
         """Return the places that a reason cites, in the order of the file."""
         cited = self._cited.get(reason, ())
-        return tuple(sorted({self._place(identifier) for identifier in cited}))
+        return tuple(sorted({self._span_of_identifier(identifier) for identifier in cited}))
 
     @cached_property
     def _cited(self) -> Mapping[clingo.Symbol, Sequence[clingo.Symbol]]:
@@ -213,14 +215,14 @@ class _Told:
             cited.setdefault(clingo.Function(ABSENT.name, reason), []).append(identifier)
         return cited
 
-    def _place(self, identifier: clingo.Symbol) -> Span:
+    def _span_of_identifier(self, identifier: clingo.Symbol) -> Span:
         if identifier.type == clingo.SymbolType.Number:
             return self._span_of[identifier.number]
         return self._span_of.get(shown(identifier), self._header)
 
-    def _shown(self, value: clingo.Symbol) -> str:
+    def _symbol_text(self, value: clingo.Symbol) -> str:
         if value.match("at", 1):
-            span = self._place(value.arguments[0])
+            span = self._span_of_identifier(value.arguments[0])
             return f"{span.path}:{span.line}"
         return shown(value)
 

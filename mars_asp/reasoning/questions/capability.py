@@ -163,7 +163,7 @@ def _demands(query: str, project: Project) -> Iterator[Demand]:
             (module, names, "a module of this configuration"),
         ):
             if word not in known:
-                problems.append(_unknown(word, known, what, span, query))
+                problems.append(_unknown_word(word, known, what, span, query))
         yield Demand(match[1], module, span)
     if len(parts) > MOST_DEMANDS:
         span = Span(QUERY, 1, column, 1, column + 1)
@@ -173,7 +173,7 @@ def _demands(query: str, project: Project) -> Iterator[Demand]:
         raise MarsError(problems)
 
 
-def _unknown(word: str, known: Iterable[str], what: str, span: Span, query: str) -> Diagnostic:
+def _unknown_word(word: str, known: Iterable[str], what: str, span: Span, query: str) -> Diagnostic:
     near = nearest(word, known)
     help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(known))}"
     return Diagnostic("query", "error", f"`{word}` is not {what}", span, (), help_text, query)

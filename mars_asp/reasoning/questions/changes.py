@@ -172,7 +172,7 @@ def _again(made: _Changed, terms: list[Symbol]) -> None:
     made.add(made.relationships[terms[0].number])
 
 
-def _rank(made: _Changed, terms: list[Symbol]) -> None:
+def _set_priority(made: _Changed, terms: list[Symbol]) -> None:
     number, priority = (term.number for term in terms)
     stated = made.relationships[number]
     assert isinstance(stated, Control)
@@ -217,7 +217,7 @@ def _guard(made: _Changed, terms: list[Symbol]) -> None:
     made.renew(replace(made.description(terms[0]), guard=made.span))
 
 
-def _commands(made: _Changed, terms: list[Symbol]) -> None:
+def _set_commands(made: _Changed, terms: list[Symbol]) -> None:
     controller, function = terms
     made.annotate(controller, replace(_service(made, "ControlOut"), commands=(function.string,)))
 
@@ -266,14 +266,14 @@ _CHANGES: Mapping[str, Callable[[_Changed, list[Symbol]], None]] = {
     "drop": _drop,
     "forget": _forget,
     "again": _again,
-    "rank": _rank,
+    "rank": _set_priority,
     "hold": _hold,
     "require": _require,
     "architecture": _architecture,
     "unname": _unname,
     "annotate": _annotate,
     "guard": _guard,
-    "commands": _commands,
+    "commands": _set_commands,
     "sends": _sends,
     "outputs": _outputs,
     "inputs": _inputs,

@@ -114,7 +114,7 @@ class EditedTexts:
         return rates_in(configuration, known)
 
     @cached_property
-    def _ports(self) -> Mapping[str, tuple[str, str]]:
+    def _ports_by_name(self) -> Mapping[str, tuple[str, str]]:
         return port_names(self.project)
 
     def end(self, name: Symbol, prefix: str) -> str:
@@ -123,12 +123,12 @@ class EditedTexts:
         Raises:
             NoPlaceError: the module has no name in that file.
         """
-        module, port = self._ports.get(name.string, (name.string, None))
+        module, port = self._ports_by_name.get(name.string, (name.string, None))
         return end(_within(prefix, module), port)
 
     def module_of(self, name: Symbol) -> str:
         """Return a module, or that of a port."""
-        return self._ports.get(name.string, (name.string, None))[0]
+        return self._ports_by_name.get(name.string, (name.string, None))[0]
 
     @cached_property
     def ranked(self) -> Set[tuple[str, Token]]:
@@ -458,7 +458,7 @@ def _neighbour(drafts: _Drafts, path: str, client: str) -> _Statement:
     return drafts.statement_of(max(near, key=lambda each: each.span))
 
 
-def _rank(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
+def _edit_priority(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     assert isinstance(stated, Control)
     _, listed, member = drafts.member(stated)
@@ -583,7 +583,7 @@ _EDITS: dict[tuple[str, int], Callable[..., None]] = {
     ("swap", 1): _swap,
     ("drop", 1): _drop,
     ("relate", 2): _relate,
-    ("rank", 2): _rank,
+    ("rank", 2): _edit_priority,
     ("unrank", 1): _unrank,
     ("vertex", 2): _vertex,
     ("architecture", 1): _architecture,

@@ -144,7 +144,7 @@ def _explained(
     if resolving:
         evidence = reasoner.evidence(resolved=True)
     synthesis = reasoner.synthesis if resolving else None
-    asked = _asked(project, evidence, synthesis, subject, only, chosen, traced)
+    asked = _things_named(project, evidence, synthesis, subject, only, chosen, traced)
     # Of thousands of consequences no more is needed, and their traces take as much memory.
     del chosen
     nodes = () if synthesis is None else synthesis.specification.nodes
@@ -152,7 +152,7 @@ def _explained(
     return Explanation(subject, topics, evidence.analysis, synthesis)
 
 
-def _asked(
+def _things_named(
     project: Project,
     evidence: Evidence,
     synthesis: Synthesis | None,

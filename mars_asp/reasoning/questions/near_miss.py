@@ -96,10 +96,10 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
         seen.add(id(trace))
         attempt = trace.attempts[0]
         if attempt.cause is None:
-            return _compared(attempt, pattern, reasoner.rulebook.declarations)
+            return _insufficient(attempt, pattern, reasoner.rulebook.declarations)
         trace = attempt.cause
     if isinstance(trace, Absent | Underivable):
-        return _of_absent(trace, frozenset(_strings(pattern)))
+        return _of_absent(trace, frozenset(_string_arguments(pattern)))
     return _excluded(trace)
 
 
@@ -110,7 +110,7 @@ def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
         _, _, places = _LINES[found.name]
         ends = [found.arguments[place] for place in places]
         named = [end.type == clingo.SymbolType.String for end in ends]
-        asked = [_end(end) in kept for end in ends]
+        asked = [_end_name(end) in kept for end in ends]
         if ends[0] == ends[1]:
             asked[1] = False
         wider = _of_line(found.name, ends, asked) if asked != named and any(asked) else None
@@ -158,7 +158,7 @@ def _excluded(trace: Trace) -> _Lack:
     )
 
 
-def _compared(
+def _insufficient(
     attempt: NearMiss, pattern: clingo.Symbol, declared: Mapping[Signature, Declaration]
 ) -> _Lack:
     """Return that what is there does not suffice, or may be chosen and is not."""
@@ -166,7 +166,7 @@ def _compared(
         return _Lack("it is possible, but the minimal specification does without it")
     leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]
     spans = tuple(dict.fromkeys(leaf.span for leaf in leaves if leaf.span is not None))
-    failed = failed_value(attempt, declared, frozenset(_strings(pattern)))
+    failed = failed_value(attempt, declared, frozenset(_string_arguments(pattern)))
     if failed is not None:
         return _Lack(failed, spans[:MOST_LINES], *_another(leaves, pattern))
     if attempt.value is None and not spans:
@@ -179,7 +179,7 @@ def _compared(
 
 def _another(leaves: Sequence[Given], pattern: clingo.Symbol) -> tuple[clingo.Symbol | None, str]:
     """Return a further line like one of some, which keeps what the pattern names."""
-    kept = set(_strings(pattern))
+    kept = set(_string_arguments(pattern))
     for leaf in leaves:
         symbol = symbol_in(leaf.atom)
         if symbol is None or symbol.name not in _LINES:
@@ -198,13 +198,13 @@ def _new(number: int) -> clingo.Symbol:
     return clingo.Function("new", [clingo.Number(number)])
 
 
-def _end(term: clingo.Symbol) -> str:
+def _end_name(term: clingo.Symbol) -> str:
     return term.string if term.type == clingo.SymbolType.String else "..."
 
 
-def _strings(term: clingo.Symbol) -> Sequence[str]:
+def _string_arguments(term: clingo.Symbol) -> Sequence[str]:
     if term.type == clingo.SymbolType.String:
         return (term.string,)
     if term.type != clingo.SymbolType.Function or is_hole(term):
         return ()
-    return tuple(name for each in term.arguments for name in _strings(each))
+    return tuple(name for each in term.arguments for name in _string_arguments(each))

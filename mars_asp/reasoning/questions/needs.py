@@ -77,7 +77,7 @@ def _reason(parts: Mapping[str, Sequence[RenderedMessage]], names: TermNames) ->
     whats, whys, costs = (parts.get(part, ()) for part in ("what", "why", "cost"))
 
     def told(each: RenderedMessage) -> str:
-        return each.filled(each.rule.because, lambda term: _written(term, names, lines)) or ""
+        return each.filled(each.rule.because, lambda term: _term_text(term, names, lines)) or ""
 
     first = min(whats, key=lambda each: each.number)
     why = min(whys, key=lambda each: each.number) if whys else None
@@ -97,7 +97,7 @@ def _order(each: RenderedMessage, names: TermNames) -> tuple[object, ...]:
     return names.order(order), names.place(thing), each.number
 
 
-def _written(term: TermId, names: TermNames, lines: Mapping[Span, Iterable[str]]) -> str:
+def _term_text(term: TermId, names: TermNames, lines: Mapping[Span, Iterable[str]]) -> str:
     """Return a term as a sentence shows it; members(W) are those on the lines."""
     symbol = as_symbol(term)
     if not symbol.match("members", 1):

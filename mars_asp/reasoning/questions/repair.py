@@ -132,7 +132,7 @@ def repairs(
     analysis = analyse(facts, rulebook, project.configuration.span, with_labels=True)
     if project.format is not None:
         return repairs_by_hand(project, rulebook, analysis, subject)
-    findings = _asked(analysis.consequences, subject, with_warnings)
+    findings = _findings_to_repair(analysis.consequences, subject, with_warnings)
     if not findings:
         if subject is not None:
             _check_subject(subject, project, rulebook)
@@ -163,7 +163,7 @@ def repairs_by_hand(
     return tuple(Repair(finding, (), 0, 0, True, False) for finding in findings)
 
 
-def _asked(
+def _findings_to_repair(
     found: Sequence[Consequence], subject: str | None, with_warnings: bool
 ) -> list[Consequence]:
     if subject is not None:
@@ -426,23 +426,23 @@ class FindingCounts:
     def __init__(self, consequences: Iterable[Consequence]) -> None:
         """Count by kind and subject, and by what else tells two of them apart."""
         self._consequences = tuple(consequences)
-        self._about = Counter(map(_about, self._consequences))
+        self._kind_and_subject = Counter(map(_kind_and_subject, self._consequences))
         self._taking_part = Counter(map(_taking_part, self._consequences))
         self._messages = Counter(map(_message, self._consequences))
 
     def lacks(self, finding: Consequence, before: "FindingCounts") -> bool:
         """Say whether a finding of `before` is gone, and none of its kind stands in its place."""
-        about, message = _about(finding), _message(finding)
+        about, message = _kind_and_subject(finding), _message(finding)
         return (
-            self._about[about] < before._about[about]
+            self._kind_and_subject[about] < before._kind_and_subject[about]
             and self._messages[message] < before._messages[message]
         )
 
     def fewer(self, findings: Iterable[Consequence], before: "FindingCounts") -> int:
         """Return how many there are less of the kinds and subjects of findings of `before`."""
         return sum(
-            max(0, before._about[about] - self._about[about])
-            for about in set(map(_about, findings))
+            max(0, before._kind_and_subject[about] - self._kind_and_subject[about])
+            for about in set(map(_kind_and_subject, findings))
         )
 
     def beyond(self, before: "FindingCounts") -> list[Consequence]:
@@ -458,16 +458,16 @@ class FindingCounts:
         ]
 
 
-def _about(consequence: Consequence) -> tuple[str, ...]:
+def _kind_and_subject(consequence: Consequence) -> tuple[str, ...]:
     return consequence.kind, consequence.subject
 
 
 def _taking_part(consequence: Consequence) -> tuple[str, ...]:
-    return *_about(consequence), *consequence.participants
+    return *_kind_and_subject(consequence), *consequence.participants
 
 
 def _message(consequence: Consequence) -> tuple[str, ...]:
-    return *_about(consequence), consequence.message
+    return *_kind_and_subject(consequence), consequence.message
 
 
 def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

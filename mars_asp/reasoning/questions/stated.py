@@ -39,10 +39,10 @@ class StatedRelationship(NamedTuple):
         """Return the atom that says the same: of a client, which input it is is not part of it."""
         client = (read_end(self.left) or (self.left, None))[0]
         source = ".".join(filter(None, read_end(self.right) or (self.right, None)))
-        return f"{self.keyword}({_argument(client)},{_argument(source)})"
+        return f"{self.keyword}({_quoted_name(client)},{_quoted_name(source)})"
 
 
-def _argument(name: str) -> str:
+def _quoted_name(name: str) -> str:
     return name if _WORD.fullmatch(name) else quoted(name)
 
 
@@ -54,7 +54,7 @@ def stated(subject: str, project: Project) -> StatedRelationship | None:
     """
     atom, words = _ATOM.fullmatch(subject), _STATED.fullmatch(subject)
     if atom is not None:
-        return StatedRelationship(atom[1], _end(atom[2]), _end(atom[3]))
+        return StatedRelationship(atom[1], _end_text(atom[2]), _end_text(atom[3]))
     if words is None or subject in {name.text for name in project.configuration.modules}:
         return None
     if words[2] not in _KEYWORDS:
@@ -63,7 +63,7 @@ def stated(subject: str, project: Project) -> StatedRelationship | None:
             return None
         message = f"`{words[2]}` is not a relationship"
         raise wrong_subject(project, message, f"did you mean `{near}`?")
-    return StatedRelationship(words[2], _end(words[1]), _end(words[3]))
+    return StatedRelationship(words[2], _end_text(words[1]), _end_text(words[3]))
 
 
 def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
@@ -76,10 +76,10 @@ def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
     if place is not None:
         found = tuple(
             span
-            for span in _places(project)
+            for span in _stated_spans(project)
             if span.line == int(place[2]) and f"/{span.path}".endswith(f"/{place[1]}")
         )
-        if not found and any(f"/{s.path}".endswith(f"/{place[1]}") for s in _places(project)):
+        if not found and any(f"/{s.path}".endswith(f"/{place[1]}") for s in _stated_spans(project)):
             help_text = "name a line with a relationship or an annotation"
             raise wrong_subject(project, f"nothing is stated at {subject}", help_text)
         return found
@@ -100,7 +100,7 @@ def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
     return lines
 
 
-def _end(text: str) -> str:
+def _end_text(text: str) -> str:
     """Return an end as a configuration writes it."""
     read = read_end(text)
     return text if read is None else end(*read)
@@ -122,7 +122,7 @@ def _said(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
                     yield StatedRelationship("uses_data_from", left, right)
 
 
-def _places(project: Project) -> Iterator[Span]:
+def _stated_spans(project: Project) -> Iterator[Span]:
     configuration = project.configuration
     yield from (each.span for each in configuration.relationships)
     described = described_modules(configuration, project.modules)

@@ -132,7 +132,7 @@ def _near(reasoner: Reasoner, question: AbsenceQuestion) -> Reasoner:
 
     Packs may bring together what no relationship does, and numbers are those of the whole.
     """
-    names = frozenset(name for each in question.patterns for name in _strings(each))
+    names = frozenset(name for each in question.patterns for name in _strings_in(each))
     numbered = question.kind is None and any(map(_has_numbers, question.patterns))
     if reasoner.rulebook.packs or reasoner.is_resolved or not names or numbered:
         return reasoner
@@ -278,7 +278,9 @@ def _present(
 def is_there(shown: str, resolves: Sequence[str], number: int = 1) -> str:
     """Return the answer that a node is there, or several of its kind are."""
     there = "is there" if number < 2 else f"is there {_times(number)}"
-    return f"{shown} {there}{f', and resolves {listing(_named(resolves))}' if resolves else ''}."
+    return (
+        f"{shown} {there}{f', and resolves {listing(_first_words(resolves))}' if resolves else ''}."
+    )
 
 
 def holds(shown: str, message: str = "") -> str:
@@ -441,7 +443,9 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
     found = blame(reasoner.project, reasoner.rulebook, kind, None, _never)
     because = "the minimal specification has none" if found is None else found.because
     if same:
-        named = _named([f"{n} ({listing(_named(specification.resolves[n]))})" for n in same])
+        named = _first_words(
+            [f"{n} ({listing(_first_words(specification.resolves[n]))})" for n in same]
+        )
         words = f"{len(same)} {word}s" if len(same) > 1 else f"one {word}"
         because = f"the minimal specification has {words}: {listing(named)}"
     pattern = at_module(kind, hole())[0]
@@ -459,7 +463,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
     )
 
 
-def _named(words: Sequence[str]) -> Sequence[str]:
+def _first_words(words: Sequence[str]) -> Sequence[str]:
     """Return the first of some words, and how many more there are."""
     rest = len(words) - _MOST_NAMED
     return [*words[:_MOST_NAMED], f"{rest} more"] if rest > 0 else words
@@ -511,12 +515,12 @@ def _cheapest(
     return (None, None) if best is None else (best[1], best[2])
 
 
-def _strings(term: clingo.Symbol) -> Iterable[str]:
+def _strings_in(term: clingo.Symbol) -> Iterable[str]:
     if term.type == clingo.SymbolType.String:
         yield term.string
     elif term.type == clingo.SymbolType.Function and not is_hole(term):
         for argument in term.arguments:
-            yield from _strings(argument)
+            yield from _strings_in(argument)
 
 
 def _has_numbers(term: clingo.Symbol) -> bool:

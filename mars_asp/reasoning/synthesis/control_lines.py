@@ -58,10 +58,10 @@ class ControlLines:
         node = self._stand_ins.pop(module, None)
         if node is not None:
             self._write_into(node)
-            for provider in sorted(set(self._ends(node)), key=self._derived.string):
+            for provider in sorted(set(self._reached_modules(node)), key=self._derived.string):
                 self._write_into(provider)
 
-    def _ends(self, node: TermId) -> Iterator[TermId]:
+    def _reached_modules(self, node: TermId) -> Iterator[TermId]:
         """Yield the modules to which what a node says leads."""
         stack = [node]
         for each in stack:

@@ -169,7 +169,7 @@ class InheritanceNodes:
             return False
         native = self.functions(name)
         commanders, direct = set(self.commanders(node)), set(self.commanders(name))
-        said = {each: self._commands(each) for each in commanders | direct}
+        said = {each: self._commanded_functions(each) for each in commanders | direct}
         own = {c for c in commanders | direct if (said[c] & native if said[c] else native)}
         borrows = all(said[c] - native if said[c] else not native for c in commanders)
         return borrows and direct & commanders == own & commanders and direct <= own
@@ -194,7 +194,7 @@ class InheritanceNodes:
 
     def _wanted(self, node: str) -> frozenset[str]:
         """Return the motions that a node's commanders name, all where one of them names none."""
-        said = [self._commands(name) for name in self.commanders(node)]
+        said = [self._commanded_functions(name) for name in self.commanders(node)]
         return frozenset(MOTION_FUNCTIONS if not all(said) else set().union(*said))
 
     def _effect(self, node: str, name: str) -> _Effect:
@@ -244,7 +244,7 @@ class InheritanceNodes:
         functions = self.modules[name].functions if name in self.modules else ()
         return frozenset(function.name for function in functions)
 
-    def _commands(self, name: str) -> frozenset[str]:
+    def _commanded_functions(self, name: str) -> frozenset[str]:
         return frozenset(function for s in self._services(name) for function in s.commands)
 
     def _services(self, name: str) -> tuple[Service, ...]:

@@ -31,10 +31,10 @@ def one_by_one(read: Sequence[Clause], judged: frozenset[int]) -> Iterator[Diagn
     """Yield what comparing each rule with each finds: those of its constant first."""
     plain = [number for number, each in enumerate(read) if each.sort in ("rule", "constraint")]
     for number in sorted(judged.intersection(plain)):
-        about = copies._about(read[number])
+        about = copies._head_pattern(read[number])
         for general in dict.fromkeys((about, (*about[:-1], ""))):
-            others = [o for o in plain if copies._about(read[o]) == general]
-            told = (copies._compared(read, number, other) for other in others if other != number)
+            others = [o for o in plain if copies._head_pattern(read[o]) == general]
+            told = (copies._subsumed(read, number, other) for other in others if other != number)
             if first := next(filter(None, told), None):
                 yield first.diagnostic
                 break
@@ -72,12 +72,12 @@ def test_rules_with_one_head_are_compared_with_few_others(
     form: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read = clauses([form.format(number) for number in range(200)])
-    compared, compare = [], copies._compared
+    compared, compare = [], copies._subsumed
 
     def counted(*each: Any) -> LintFinding | None:
         compared.append(each)
         return compare(*each)
 
-    monkeypatch.setattr(copies, "_compared", counted)
+    monkeypatch.setattr(copies, "_subsumed", counted)
     assert not found(read, frozenset(range(200)))
     assert len(compared) <= 200
