@@ -53,7 +53,7 @@ def read_signature(
                     "state its output: `@Output TYPE`",
                 )
             )
-    found = tuple(_inputs(parameters, overrides))
+    found = tuple(_named_inputs(parameters, overrides))
     inputs = tuple(representation for _, representation in found)
     names = tuple(name for name, _ in found)
     builtin = [name for name in inputs if name in BUILTIN]
@@ -95,7 +95,7 @@ def _builtin(names: Sequence[str | None]) -> tuple[str, str, str]:
     )
 
 
-def _inputs(
+def _named_inputs(
     parameters: Sequence[DeclaredParameter], overrides: Overrides
 ) -> Iterator[tuple[str | None, str | None]]:
     """Yield the name and the representation of each input."""

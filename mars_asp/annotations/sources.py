@@ -120,7 +120,7 @@ class Source:
                     text = _WORD.match(word.decode(self._encoding, "replace"))
                     ours[word] = text is not None and known(text[0], at)
                 if ours[word]:
-                    yield self._line(at, end, mark)
+                    yield self._comment_line(at, end, mark)
 
     def following(self, line: CommentLine) -> CommentLine | None:
         """Return the comment line on the line below, if there is one without an annotation.
@@ -144,10 +144,10 @@ class Source:
         elif begin == until:
             return None
         match = (opening or _OPENING_HERE[self._kind]).match(self.data, begin, until)
-        below = self._line(match.end() if match else begin, until, mark)
+        below = self._comment_line(match.end() if match else begin, until, mark)
         return None if below.text.startswith("@") else below
 
-    def _line(self, offset: int, until: int, mark: bytes) -> CommentLine:
+    def _comment_line(self, offset: int, until: int, mark: bytes) -> CommentLine:
         """Read the comment line whose text begins at a place, of a comment that goes on `until`."""
         end = self.data.find(b"\n", offset, until)
         end = until if end < 0 else end

@@ -35,7 +35,7 @@ class Folder:
     def __init__(self, path: Path) -> None:
         importlib.invalidate_caches()  # files may be new
         self.path = path
-        self.names = frozenset(_names(path))
+        self.names = frozenset(_module_names(path))
         self.modules: dict[str, ModuleType] = {}
         self._aside: dict[str, ModuleType] = {}
         self._sought = False
@@ -137,7 +137,7 @@ def place_of(error: BaseException) -> tuple[str, int] | None:
     return found
 
 
-def _names(folder: Path) -> Iterator[str]:
+def _module_names(folder: Path) -> Iterator[str]:
     """Yield the modules that are imported from the files and folders of a folder."""
     for entry in folder.iterdir():
         name = entry.stem if entry.suffix == ".py" else entry.name

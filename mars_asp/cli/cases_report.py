@@ -41,7 +41,7 @@ def print_outcomes(
         return
     for outcome, check in checks:
         if not check.passed:
-            print(f"FAILED {visible(_name(outcome, check))}")
+            print(f"FAILED {visible(_check_name(outcome, check))}")
             for line in _failure_lines(check):
                 print(line)
     updated = sum(outcome.updated is not None for outcome in outcomes) if arguments.update else 0
@@ -51,7 +51,7 @@ def print_outcomes(
         print(line)
 
 
-def _name(outcome: Outcome, check: Check) -> str:
+def _check_name(outcome: Outcome, check: Check) -> str:
     return str(outcome.path) if check.title is None else f"{outcome.path}: {check.title}"
 
 

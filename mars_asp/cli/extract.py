@@ -79,7 +79,7 @@ def _service_json(service: Service) -> dict[str, object]:
         "output": service.output,
         "inputs": list(service.inputs),
         "modes": [mode.text or mode.name for mode in service.modes],
-        "hz": _number(service.hz),
+        "hz": _json_number(service.hz),
         "port": service.port,
         "parameters": list(parameter_names(service)),
     }
@@ -88,13 +88,13 @@ def _service_json(service: Service) -> dict[str, object]:
 def _function_json(function: Function) -> dict[str, object]:
     return {
         "function": function.name,
-        "min": _number(function.min),
-        "max": _number(function.max),
-        "rate": _number(function.rate),
+        "min": _json_number(function.min),
+        "max": _json_number(function.max),
+        "rate": _json_number(function.rate),
     }
 
 
-def _number(value: Decimal | Fraction | None) -> int | float | None:
+def _json_number(value: Decimal | Fraction | None) -> int | float | None:
     if value is None:
         return None
     return int(value) if value == int(value) else float(value)
@@ -113,7 +113,7 @@ def module_lines(module: Module) -> Iterator[str]:
         yield f"  {annotation}: {service.function}({inputs}){output}"
     for function in module.functions:
         bounds = (function.min, function.max, function.rate)
-        shown = " ".join("_" if value is None else str(_number(value)) for value in bounds)
+        shown = " ".join("_" if value is None else str(_json_number(value)) for value in bounds)
         yield f"  {function.name} {shown}"
     for attribute in module.attributes:
         yield f"  {print_attribute(attribute).removeprefix('@')}"

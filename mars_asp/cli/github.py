@@ -33,7 +33,7 @@ def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
                 properties["endLine"] = span.end_line
         properties["title"] = found.kind or found.code
         told = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
-        yield f"::{_COMMANDS[found.severity]} {told}::{_message(_annotation_text(result))}"
+        yield f"::{_COMMANDS[found.severity]} {told}::{_escaped(_annotation_text(result))}"
 
 
 def _annotation_text(result: Result) -> str:
@@ -44,9 +44,9 @@ def _annotation_text(result: Result) -> str:
     return "\n".join(visible(part) for part in parts if part)
 
 
-def _message(text: str) -> str:
+def _escaped(text: str) -> str:
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:
-    return visible(_message(text).replace(":", "%3A").replace(",", "%2C"))
+    return visible(_escaped(text).replace(":", "%3A").replace(",", "%2C"))

@@ -311,14 +311,14 @@ def _owners(question: Question, options: argparse.Namespace) -> tuple[str, ...]:
             looked += 1
             if looked > _MOST_OWNERS:
                 return tuple(found)
-            if path.is_file() and _names(path, source):
+            if path.is_file() and _names_source(path, source):
                 found.append(str(path))
         if str(folder) == question.about or (folder / ".git").exists():
             break
     return tuple(found)
 
 
-def _names(configuration: Path, source: Path) -> bool:
+def _names_source(configuration: Path, source: Path) -> bool:
     """Whether `@sources` of a configuration, or of what it includes, name a file."""
     try:
         text = EditorFiles(str(configuration)).text(str(configuration))

@@ -34,7 +34,7 @@ def kinds(rulebook: Rulebook) -> dict[str, Kind]:
         rules = tuple(
             rule
             for rule in rulebook.rules
-            if rule.because and rule.stage not in _SENTENCES and _names(rule, kind)
+            if rule.because and rule.stage not in _SENTENCES and _names_kind(rule, kind)
         )
         node = Kind(kind, "node", rules, brought.get(kind), name)
         found |= {kind: node, name: node}
@@ -44,7 +44,7 @@ def kinds(rulebook: Rulebook) -> dict[str, Kind]:
     return found
 
 
-def _names(rule: Rule, kind: str) -> bool:
+def _names_kind(rule: Rule, kind: str) -> bool:
     return kind in rule.text.replace("(", " ").replace(",", " ").replace(")", " ").split()
 
 

@@ -143,7 +143,7 @@ class Selection:
 
             check_replaceable(arguments.write_baseline)
         if arguments.baseline is not None and arguments.write_baseline is None:
-            check_inputs(*_inputs(arguments), arguments.baseline)
+            check_inputs(*_input_paths(arguments), arguments.baseline)
             self._baseline(arguments.baseline)
 
     def of(
@@ -425,7 +425,7 @@ def _names_in(rulebook: Rulebook) -> frozenset[str]:
     return consequence_kinds(rulebook).union(ids)
 
 
-def _inputs(arguments: argparse.Namespace) -> Sequence[str]:
+def _input_paths(arguments: argparse.Namespace) -> Sequence[str]:
     """Return what a verb reads, which takes one FILE or several."""
     files: Sequence[str] | None = getattr(arguments, "files", None)
     return [arguments.file] if files is None else files

@@ -198,7 +198,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
         listed.append(
             {
                 "name": name,
-                "kind": kind or _kind(described.get(name)),
+                "kind": kind or _first_class(described.get(name)),
                 "origin": "declared",
                 **_conversion_json(said.get(name)),
                 **({"stands_for": stands_for[name]} if name in stands_for else {}),
@@ -229,7 +229,7 @@ def _conversion_json(conversion: Conversion | None) -> dict[str, object]:
     }
 
 
-def _kind(module: Module | None) -> str | None:
+def _first_class(module: Module | None) -> str | None:
     """Return the first class of a declared module, nothing where it is not described."""
     return None if module is None else next(module_classes(module), None)
 

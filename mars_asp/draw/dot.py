@@ -20,7 +20,7 @@ def dot_text(picture: Picture) -> str:
         '  edge [fontname="Helvetica", fontsize=10];',
     ]
     parts += (f"  n{index} [{_box(box)}];" for index, box in enumerate(picture.boxes))
-    parts += (f"  n{line.tail} -> n{line.head} [{_line(line)}];" for line in picture.lines)
+    parts += (f"  n{line.tail} -> n{line.head} [{_dot_style(line)}];" for line in picture.lines)
     return "\n".join([*parts, "}"]) + "\n"
 
 
@@ -37,7 +37,7 @@ def _box(box: Box) -> str:
     return f'label={label}, shape={shape}, fillcolor="{fill}", color="{stroke}"{width}'
 
 
-def _line(line: Line) -> str:
+def _dot_style(line: Line) -> str:
     colour = LINES[line.kind]
     text = quoted(*line.label.split("\n"), numbers(line.findings))
     label = f'label={text}, fontcolor="{colour}", ' if text != quoted() else ""

@@ -16,7 +16,7 @@ def mermaid_text(picture: Picture) -> str:
     for each in picture.marks:
         parts.append(f"  %% {''.join(map(_code, str(each).replace('`', '')))}")
     parts += (f"  n{index}{_box(box)}" for index, box in enumerate(picture.boxes))
-    parts += (_line(line) for line in picture.lines)
+    parts += (_mermaid_edge(line) for line in picture.lines)
     for index, box in enumerate(picture.boxes):
         fill, stroke = box_colours(box)
         width = ",stroke-width:3px" if box.findings else ""
@@ -41,7 +41,7 @@ def _box(box: Box) -> str:
     return f"[{text}]" if box.node is None else f"([{text}])"
 
 
-def _line(line: Line) -> str:
+def _mermaid_edge(line: Line) -> str:
     text = quoted(*line.label.split("\n"), numbers(line.findings))
     label = f"|{text}|" if text != quoted() else ""
     return f"  n{line.tail} {_ARROWS[line.kind]}{label} n{line.head}"

@@ -128,9 +128,9 @@ def depict(
     boxes = [
         Box(
             _one_line(name),
-            _note(described.get(name), conversions.get(name), classes),
+            _module_note(described.get(name), conversions.get(name), classes),
             *(
-                _node(name, configuration)
+                _node_look(name, configuration)
                 if introduces and name not in described
                 else (None, None, None)
             ),
@@ -139,12 +139,17 @@ def depict(
         for name in names
     ]
     number = {name: index for index, name in enumerate(names)}
-    lines = [_line(relationship, number, described) for relationship in configuration.relationships]
+    lines = [
+        _picture_line(relationship, number, described)
+        for relationship in configuration.relationships
+    ]
     stated = f"{configuration.architecture} " if configuration.stated else ""
     return Picture(f"{stated}{configuration.kind}", tuple(boxes), tuple(lines))
 
 
-def _node(name: str, configuration: Configuration) -> tuple[str | None, str | None, str | None]:
+def _node_look(
+    name: str, configuration: Configuration
+) -> tuple[str | None, str | None, str | None]:
     """Return the kind of a node, the colour that a pack gives it, and what it carries."""
     kind = configuration.node_kind(name)
     brought = next((each for each in configuration.kinds if each.kind == kind), None)
@@ -163,7 +168,7 @@ def _relationship_ends(relationship: Relationship) -> tuple[str, str]:
             return source, client
 
 
-def _line(
+def _picture_line(
     relationship: Relationship, number: Mapping[str, int], described: Mapping[str, Module]
 ) -> Line:
     outlet = inlet = rank = None
@@ -230,7 +235,7 @@ def _only_port(
     return names[0] if len(names) == 1 else None
 
 
-def _note(module: Module | None, conversion: Conversion | None, classes: bool) -> str:
+def _module_note(module: Module | None, conversion: Conversion | None, classes: bool) -> str:
     if conversion is not None:
         return _one_line(f"{conversion.source} → {conversion.target}")
     if module is None:

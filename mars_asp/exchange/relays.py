@@ -53,7 +53,7 @@ def contracted(graph: Graph) -> Contracted:
     fed = reached(sent, forth)
     taken = reached(heard | obeyed, back) | reached(obeyed, forth)
     used = tuple(each for each in graph.relays if each.source in fed and each.target in taken)
-    idle = (_node(each) for each in graph.relays if each not in used)
+    idle = (_relay_node(each) for each in graph.relays if each not in used)
     plain = replace(graph, nodes=(*graph.nodes, *idle), relays=())
     return Contracted(plain, tuple(_passages(used, sent)), used)
 
@@ -68,7 +68,7 @@ def reached(topics: Set[str], ways: Mapping[str, Iterable[str]]) -> set[str]:
     return found
 
 
-def _node(relay: Relay) -> GraphNode:
+def _relay_node(relay: Relay) -> GraphNode:
     published = (Endpoint(relay.target, None, relay.span),)
     subscribed = (Endpoint(relay.source, None, relay.span),)
     return GraphNode(relay.name, relay.span, published, subscribed, relays=True)

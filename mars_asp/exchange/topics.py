@@ -295,7 +295,7 @@ def _control_lines(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], l
             for mux in wiring.outputs.get(topic, ()):
                 if wiring.is_contracted(mux):
                     muxed.append(_muxed(controlled, mux, topic))
-                    direct += _inputs(wiring, mux)
+                    direct += _mux_controls(wiring, mux)
                 else:
                     direct.append(Control("", mux.name, mux.span, 0, topic=topic))
             if direct and topic not in wiring.subscribed:
@@ -306,7 +306,7 @@ def _control_lines(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], l
         if not wiring.is_contracted(mux):
             muxed.append(_muxed(mux.name, mux, mux.output))
             ends.append(Name(mux.name, mux.span))
-            for line in _inputs(wiring, mux):
+            for line in _mux_controls(wiring, mux):
                 command(mux.name, line)
     return list(found.values()), tuple(muxed), ends
 
@@ -315,7 +315,7 @@ def _muxed(module: str, mux: Mux, topic: str) -> Muxed:
     return Muxed(module, mux.engine, mux.span, mux.numbers, mux.inner, mux.name, topic)
 
 
-def _inputs(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
+def _mux_controls(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
     """Yield a control of each input of a mux: by what is behind it, or else by its own name.
 
     One publisher stands where the mux ranks it; of several each stands where it publishes.

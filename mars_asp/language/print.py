@@ -34,7 +34,7 @@ _TYPE_WORDS = frozenset(
 
 def print_configuration(configuration: Configuration) -> str:
     """Return a configuration or specification as text, the modules it declares at its end."""
-    return "".join(f"{line}\n" for line in _lines(configuration))
+    return "".join(f"{line}\n" for line in _configuration_lines(configuration))
 
 
 def print_module(module: Module) -> str:
@@ -62,10 +62,10 @@ def print_relationship(relationship: Relationship) -> str:
         case Mount(mounting, mounted, _, at, on, transformation):
             words = [
                 written(mounting),
-                *_number(at),
+                *_number_words(at),
                 "is_mounted_on",
                 written(mounted),
-                *_number(on),
+                *_number_words(on),
             ]
             if transformation is not None:
                 words.append(transformation.text or print_transformation(transformation))
@@ -111,7 +111,7 @@ def fill(head: str, parts: Iterable[str]) -> Iterator[str]:
     yield line
 
 
-def _lines(configuration: Configuration) -> Iterator[str]:
+def _configuration_lines(configuration: Configuration) -> Iterator[str]:
     header = f"@{configuration.kind}"
     if configuration.stated:
         header += f" {configuration.architecture}"
@@ -177,7 +177,7 @@ def _conversion(conversion: Conversion) -> str:
     return f"// {conversion.transformer}: {converter} ({conversion.source} -> {conversion.target})"
 
 
-def _number(number: int | None) -> tuple[str, ...]:
+def _number_words(number: int | None) -> tuple[str, ...]:
     return () if number is None else (str(number),)
 
 

@@ -100,7 +100,7 @@ class ListEdit:
         kept = [member for member in self.members if not member.gone]
         left = [*(member.written() for member in kept), *self._added]
         if not left:
-            for line in self._lines(draft):
+            for line in self._tokens_by_line(draft):
                 draft.delete(line)
             return
         listed = self._heads == 2 and len(self.members) > 1
@@ -109,13 +109,13 @@ class ListEdit:
         unchanged = ListEdit(self.tokens, self.indent)
         before = unchanged._rendered(draft, unchanged.members, apart=False)
         after = self._rendered(draft, kept, apart)
-        for line, tokens in self._lines(draft).items():
+        for line, tokens in self._tokens_by_line(draft).items():
             if before.get(line) != after.get(line):
                 draft.put(draft.offset(line, 1), tokens[-1].end, after.get(line, ""))
         if self._added:
             self._append(draft, kept)
 
-    def _lines(self, draft: Draft) -> dict[int, list[Token]]:
+    def _tokens_by_line(self, draft: Draft) -> dict[int, list[Token]]:
         """Return the tokens on each line of the statement."""
         lines: dict[int, list[Token]] = {}
         for token in self.tokens:
@@ -145,12 +145,12 @@ class ListEdit:
         """Write names behind the last that is left, in the way in which the list is laid out."""
         if not kept:
             line = draft.line_at(self.tokens[0].begin)
-            end = self._lines(draft)[line][-1].end
+            end = self._tokens_by_line(draft)[line][-1].end
             text = f"{self.indent}{self.head} {', '.join(self._added)}"
             draft.put(draft.offset(line, 1), end, text)
             return
         line = draft.line_at(kept[-1].name.begin)
-        end = self._lines(draft)[line][-1].end
+        end = self._tokens_by_line(draft)[line][-1].end
         text = self._rendered(draft, kept, apart=False, more=True)[line]
         alone = line > draft.line_at(self.tokens[0].begin) and text.count(",") == 1
         whole = f"{text} {', '.join(self._added)}"

@@ -126,7 +126,9 @@ class Builder:
             self._base = 0
             first = len(self.layout.grammatical) - len(self.layout.grammatical.lstrip())
             at = min(first, max(0, len(self.layout.text) - 1))
-            self._note(at, at, "the file has no `@configuration`", "begin it with `@configuration`")
+            self._note_problem(
+                at, at, "the file has no `@configuration`", "begin it with `@configuration`"
+            )
             return Configuration(self.layout.path, self._header_span)
         kind, architecture = self._header
         if self._modules is None and not self._includes and complete:
@@ -191,7 +193,7 @@ class Builder:
                 begin, end = word.begin + match.start("name"), word.begin + match.end("name")
                 message = f"expected a name after `as`, found `{match['name']}`"
                 help_text = "write letters, digits, `_`, `-` and `/`, or put the name in quotes"
-                self._note(self._base + begin, self._base + end, message, help_text)
+                self._note_problem(self._base + begin, self._base + end, message, help_text)
         self._includes.append(Include(path, name, self._span(word, word)))
 
     def _add_tag(self, children: list[Word]) -> None:
@@ -206,7 +208,7 @@ class Builder:
         read = read_attribute(word, text)
         if isinstance(read, AttributeProblem):
             begin = self._base + first.begin
-            self._note(begin + read.begin, begin + read.end, read.message, read.help)
+            self._note_problem(begin + read.begin, begin + read.end, read.message, read.help)
         else:
             name, value = read
             attribute = Attribute(name, self._span(module, last), value)
@@ -309,7 +311,7 @@ class Builder:
         """Note a port that does not stand right behind the `.` behind its module."""
         if isinstance(port, Word) and self.layout.grammatical[self._base + name.end] != ".":
             begin, end = self._base + name.end, self._base + port.end
-            self._note(
+            self._note_problem(
                 begin, end, f"a blank before `.{port}`", "write `MODULE.PORT` without a blank"
             )
 
@@ -328,7 +330,7 @@ class Builder:
             return None, child
         return found, child
 
-    def _number(self, word: "Word | Raw | None", wanted: NumberRange) -> Decimal | None:
+    def _read_number(self, word: "Word | Raw | None", wanted: NumberRange) -> Decimal | None:
         """Return the number that a word writes; note what is wrong with it."""
         if not isinstance(word, Word):
             return None
@@ -342,7 +344,7 @@ class Builder:
         return FOREVER if word == FOREVER else self._read_integer(word, HOLD)
 
     def _read_integer(self, word: "Word | Raw | None", wanted: NumberRange) -> int | None:
-        found = self._number(word, wanted)
+        found = self._read_number(word, wanted)
         return None if found is None else int(found)
 
     def _span(self, first: Word, last: Word) -> Span:
@@ -350,13 +352,13 @@ class Builder:
 
     def _note_word(self, word: Word, message: str, help_text: str) -> None:
         begin, end = word.begin, word.end
-        self._note(self._base + begin, self._base + end, message, help_text)
+        self._note_problem(self._base + begin, self._base + end, message, help_text)
 
     def _note_offset(self, word: Word, problem: ModeProblem) -> None:
         begin = self._base + word.begin + problem.offset
-        self._note(begin, self._base + word.end, problem.message, problem.help)
+        self._note_problem(begin, self._base + word.end, problem.message, problem.help)
 
-    def _note(self, begin: int, end: int, message: str, help_text: str) -> None:
+    def _note_problem(self, begin: int, end: int, message: str, help_text: str) -> None:
         span = self.layout.span(begin, end)
         excerpt = self.layout.line(span.line)
         self.problems.append(

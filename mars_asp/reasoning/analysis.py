@@ -234,7 +234,7 @@ def read_consequences(
                 write(kind),
                 severity_of(severity),
                 written(about),
-                _in_order(part_of.get(key, ())),
+                _unique_texts(part_of.get(key, ())),
                 told.message or str(as_symbol(head)),
                 told.help,
                 told.rule,
@@ -364,7 +364,7 @@ def _spans_by_identifier(
     }
 
 
-def _in_order(rows: Sequence[Sequence[TermId]]) -> tuple[str, ...]:
+def _unique_texts(rows: Sequence[Sequence[TermId]]) -> tuple[str, ...]:
     if len(rows) > 1:
         rows = sorted(rows, key=lambda row: (as_symbol(row[0]), str(as_symbol(row[1]))))
     return tuple(dict.fromkeys(written(row[1]) for row in rows))

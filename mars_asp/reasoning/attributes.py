@@ -207,7 +207,7 @@ class _AttributeReader:
         value = self._read_value(attribute.value, kind.value, module)
         if isinstance(value, _Wrong):
             # Of a description that several share it is said once.
-            self._note(f"`{attribute.name}`: {value.message}", attribute.span, value.help)
+            self._note_attribute(f"`{attribute.name}`: {value.message}", attribute.span, value.help)
             return None
         return Atom(kind.predicate, (module, value))
 
@@ -220,7 +220,7 @@ class _AttributeReader:
             _number(written, sort) for sort in sorted(argument.sorts & NUMBERS)
         ]
         if "module" in argument.sorts:
-            reads.append(self._module(written, module))
+            reads.append(self._configured_module(written, module))
         for read in reads:
             if not isinstance(read, _Wrong):
                 return read
@@ -231,7 +231,7 @@ class _AttributeReader:
             return plain(written)
         return wrong
 
-    def _module(self, written: str, beside: str) -> "str | _Wrong":
+    def _configured_module(self, written: str, beside: str) -> "str | _Wrong":
         name = read_name(written)
         found = None if name is None else module_named(name, beside, self._named)
         if found is not None:
@@ -248,7 +248,7 @@ class _AttributeReader:
             form = f"@Tag {kind.name}" if kind.value is None else f"@Property {kind.name} VALUE"
             other = "a tag" if kind.value is None else "a property"
             message = f"`{attribute.name}` is {other}, not a {word}"
-            self._note(message, attribute.span, f"write `{form}`")
+            self._note_attribute(message, attribute.span, f"write `{form}`")
             return
         near = nearest(attribute.name, self._kinds)
         known = ", ".join(f"`{name}`" for name in sorted(self._kinds))
@@ -258,19 +258,19 @@ class _AttributeReader:
         elif known:
             advice = f"{advice}; declared so far: {known}"
         message = f"no rule pack declares the {word} `{attribute.name}`"
-        self._note(message, attribute.span, advice)
+        self._note_attribute(message, attribute.span, advice)
 
     def _unnamed(self, module: str, span: Span) -> None:
         near = nearest(module, self._known)
         advice = f"did you mean `{near}`?" if near else "name it in `@modules`"
-        self._note(f"`{module}` is not a module of the configuration", span, advice)
+        self._note_attribute(f"`{module}` is not a module of the configuration", span, advice)
 
     def _twice(self, module: str, attribute: Attribute, earlier: Fact) -> None:
         message = f"the property `{attribute.name}` of `{module}` has two values"
         labels = ((earlier.span, "the first value"),)
-        self._note(message, attribute.span, "keep one of the two", labels)
+        self._note_attribute(message, attribute.span, "keep one of the two", labels)
 
-    def _note(
+    def _note_attribute(
         self,
         message: str,
         span: Span,

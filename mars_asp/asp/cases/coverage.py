@@ -138,11 +138,11 @@ def _one_by_one(
         rules = [*map(rulebook.text, case.stages)]
         rules += [text for stage in case.stages for text in told.get(stage, ())]
         for facts in case.texts:
-            held |= _held("\n".join([facts, *rules]))
+            held |= _true_probes("\n".join([facts, *rules]))
     return held
 
 
-def _held(program: str) -> set[tuple[str, int]]:
+def _true_probes(program: str) -> set[tuple[str, int]]:
     """Return the probes that hold in an answer set, least where something is minimised."""
     control = clingo.Control(["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=none"])
     control.add("base", [], program)

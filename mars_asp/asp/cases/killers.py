@@ -67,7 +67,7 @@ def judge(
     kills: Counter[tuple[str, str]] = Counter()
 
     def rank(mutant: Mutant, case: Case) -> tuple[int, bool]:
-        return -kills[mutant.before, _name(case)], not _is_near(mutant, case)
+        return -kills[mutant.before, _case_name(case)], not _is_near(mutant, case)
 
     def questions() -> Iterator[tuple[Mutant, tuple[Case, ...]]]:
         for mutant in mutants:
@@ -91,7 +91,7 @@ def judge(
         yield MutantVerdict(mutant, killer or None)
 
 
-def _name(case: Case) -> str:
+def _case_name(case: Case) -> str:
     return f"{case.path.parent.name}/{case.path.stem}"
 
 
@@ -108,7 +108,7 @@ def _killing_case(cases: Iterable[Case], rulebook: Rulebook) -> str | None:
         except MarsError:
             passed = False
         if not passed:
-            return _name(case)
+            return _case_name(case)
     return None
 
 

@@ -304,7 +304,7 @@ def _edits(
     new: list[str] = []
     for answer in sorted(answers, key=lambda each: each.compared):
         atoms = [atom for atom in answer.compared if not atom.startswith("%")]
-        new += _expectation_lines("%=", _in_order(atoms, exact))
+        new += _expectation_lines("%=", _as_expected_order(atoms, exact))
     for each in (*exact, *block.of(">", "~")):
         if each.span.line - 1 != place:
             yield each.span.line - 1, each.last, []
@@ -329,7 +329,7 @@ def _closed(answer: FoundAnswer, own: Sequence[str], shows: bool) -> Iterator[st
             yield f"%not: {pattern}"
 
 
-def _in_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:
+def _as_expected_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:
     """Return atoms in the order in which they were expected, others behind."""
     order = {_even(each): at for at, each in enumerate(e for one in exact for e in one.stated)}
     return sorted(atoms, key=lambda atom: (order.get(atom, len(order)), atom))

@@ -169,7 +169,7 @@ def _speaks(rule: Rule, stages: Sequence[str]) -> bool:
     return bool(rule.because and rule.stage in stages)
 
 
-def _message(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
+def _message_line(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
     told = heard(as_term(atom), speakers)
     return f"%> {told.rule.id}: {told.message}"
 
@@ -212,7 +212,7 @@ def _solved(
             return
         atoms = model.symbols(atoms=True)
         compared = {plain(str(a)) for a in atoms if _signature(a) in wanted}
-        said = {_message(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
+        said = {_message_line(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
         cost = _cost(model)
         compared |= said | ({cost} if with_costs else set())
         key = tuple(sorted(compared))

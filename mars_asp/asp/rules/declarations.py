@@ -216,7 +216,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
     read = tuple(filter(None, (_read_argument(each, place, problems) for each in arguments)))
     if len(read) < len(arguments):
         return None
-    words, said = _lines(rest, place, problems)
+    words, said = _split_docstring(rest, place, problems)
     first = {key: values[0] for key, values in said.items()}
     attribution = next((each for each in get_args(Attribution) if each == first.get("from")), None)
     origin = next((each for each in get_args(Origin) if each == first.get("from")), None)
@@ -349,7 +349,7 @@ def _read_argument(
     return PredicateArgument(match[1], frozenset(sorts), tuple(named))
 
 
-def _lines(
+def _split_docstring(
     text: str, place: Span, problems: list[Diagnostic]
 ) -> tuple[str, Mapping[str, Sequence[str]]]:
     """Return the words for readers, and what the lines behind them say by their keys."""

@@ -270,7 +270,7 @@ class Grounding:
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         with self._choosing(program):
-            return self._least(COST_LEVEL, deadline, progress)
+            return self._minimal(COST_LEVEL, deadline, progress)
 
     @contextmanager
     def _choosing(self, program: Sequence[Fragment]) -> Iterator[None]:
@@ -315,7 +315,7 @@ class Grounding:
             if not is_fact
         }
         self._program.projected.update(self._names)
-        return self._least(None, deadline, None, counting)
+        return self._minimal(None, deadline, None, counting)
 
     def _assign(self, externals: Mapping[clingo.Symbol, bool | None]) -> None:
         """Give externals their values, in the solver and in the program that is cut."""
@@ -331,7 +331,7 @@ class Grounding:
             elif value is None:
                 self._program.note(True, (atom.literal,), ())
 
-    def _least(
+    def _minimal(
         self,
         counted: int | None,
         deadline: float | None,

@@ -25,12 +25,12 @@ class CountedBelow:
         """Return what the elements of a group add that have less than a height."""
         key = (group.counted, height)
         if key not in self._known:
-            low = takewhile(lambda pair: pair[0] < height, self._in_order(group))
+            low = takewhile(lambda pair: pair[0] < height, self._by_height(group))
             elements = [element for _, element in low]
             self._known[key] = support_of(elements, lambda atom: self._height(atom) < height)
         return self._known[key]
 
-    def _in_order(self, group: AggregateGroup) -> list[tuple[int, AggregateElement]]:
+    def _by_height(self, group: AggregateGroup) -> list[tuple[int, AggregateElement]]:
         if group.counted not in self._ordered:
             heights = [
                 max(map(self._height, e.premises), default=0) for e in group.counted.elements

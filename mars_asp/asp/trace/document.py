@@ -65,9 +65,9 @@ class TraceDocument:
         while stack:
             step, target, level = stack.pop()
             inside = _inside(step, self._order)
-            key = _key(step)
+            key = _step_key(step)
             if key in self._numbers:
-                kind, message = _kind(step), _message(step)
+                kind, message = _step_kind(step), _message(step)
                 target |= {"shared": True, "ref": self._numbers[key]}
                 target |= {"atom": plain(step.atom), "message": message, "kind": kind}
                 continue
@@ -87,7 +87,11 @@ class TraceDocument:
         return root
 
     def _step(self, step: _Step) -> _Json:
-        entry: _Json = {"atom": plain(step.atom), "message": _message(step), "kind": _kind(step)}
+        entry: _Json = {
+            "atom": plain(step.atom),
+            "message": _message(step),
+            "kind": _step_kind(step),
+        }
         entry |= {"rule": None, "bindings": {}, "location": None, "premises": []}
         match step:
             case Given(_, _, origin):
@@ -151,7 +155,7 @@ class _JsonLines:
 
     def number(self, step: _Step) -> int:
         """Return the number of a step that was written."""
-        return self._numbers[_key(step)]
+        return self._numbers[_step_key(step)]
 
     def below(self, trace: Trace) -> Iterator[str]:
         """Yield the lines of a trace that were not written yet.
@@ -160,19 +164,19 @@ class _JsonLines:
         """
         waiting: list[Derived | Trace] = [trace]
         for root in waiting:
-            for step in self._in_order(root):
+            for step in self._premises_first(root):
                 yield from self._step(step)
                 if isinstance(step, Derived) and step.others:
                     waiting += step.others
                     for other in step.others:
                         self._other_of[id(other)] = self.number(step)
 
-    def _in_order(self, root: _Step) -> Iterator[_Step]:
+    def _premises_first(self, root: _Step) -> Iterator[_Step]:
         """Yield the new steps behind a root, premises first."""
         stack: list[tuple[_Step, bool]] = [(root, False)]
         while stack:
             step, are_written = stack.pop()
-            if _key(step) in self._numbers:
+            if _step_key(step) in self._numbers:
                 continue
             inside = _inside(step, self._order)
             if are_written or not inside:
@@ -190,8 +194,8 @@ class _JsonLines:
         if isinstance(step, Derived | NearMiss):
             yield from self._rule_entry(step.rule)
             rule = self._rules[id(step.rule)]
-        number = self._numbers[_key(step)] = len(self._numbers) + 1
-        entry: _Json = {"step": number, "kind": _kind(step), "atom": plain(step.atom)}
+        number = self._numbers[_step_key(step)] = len(self._numbers) + 1
+        entry: _Json = {"step": number, "kind": _step_kind(step), "atom": plain(step.atom)}
         entry |= {"says": _message(step), "at": at, "rule": rule}
         entry["with"] = _bindings(step) if isinstance(step, Derived | NearMiss) else {}
         entry["from"] = [self.number(each) for each in _inside(step, self._order)]
@@ -219,7 +223,7 @@ class _JsonLines:
             yield json.dumps({"rule": number, **rule_json(rule)})
 
 
-def _key(step: _Step) -> object:
+def _step_key(step: _Step) -> object:
     """Return what tells steps apart: facts by their atoms, what is derived by itself."""
     return (type(step), step.atom) if isinstance(step, Given | Absent) else id(step)
 
@@ -236,7 +240,7 @@ def _inside(step: _Step, order: PremiseOrder) -> Sequence[_Step]:
             return ()
 
 
-def _kind(step: _Step) -> str:
+def _step_kind(step: _Step) -> str:
     match step:
         case Given(_, _, origin):
             return "given" if origin == "stated" else origin

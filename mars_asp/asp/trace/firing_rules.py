@@ -78,7 +78,7 @@ class Rewriter:
         What a rule is rewritten into depends on its text and on which of its predicates are open,
         so that of our own rules is made when the package is built.
         """
-        keys = {number: self._key(rules[number]) for number in numbers}
+        keys = {number: self._firing_key(rules[number]) for number in numbers}
         first = {key: number for number, key in reversed(keys.items())}
         makers = (
             __file__,
@@ -101,7 +101,7 @@ class Rewriter:
                 self.unsupported[number] = unsupported
         return _answered("\n".join(parts))
 
-    def _key(self, rule: Rule) -> "_Key":
+    def _firing_key(self, rule: Rule) -> "_Key":
         return rule.text, frozenset(s for s in self.open if s[0] in rule.text)
 
     def _explanation_rules(self, number: int, rules: Sequence[Rule]) -> "_Written":

@@ -170,7 +170,7 @@ class NearMisses:
             element = f"{lack} : {', '.join((*tests, *terms.equations))}"
             deciding = ",".join(sorted(needs(left_out, shared) & bound))
             lack, tests, terms = f"{IN_QUESTION}({deciding})", [], Terms("N")
-            self.lacking[len(self.candidates)] = self._least(candidate.rule, element, lack)
+            self.lacking[len(self.candidates)] = self._least_lacking(candidate.rule, element, lack)
         tag = f"near({len(self.candidates)},{lack})"
         self.candidates.append(candidate)
         names = {name for name in bound if not name.startswith("_")}
@@ -213,7 +213,7 @@ class NearMisses:
             bound |= named
         return body, counting, rules
 
-    def _least(self, rule: int, element: str, values: str) -> str:
+    def _least_lacking(self, rule: int, element: str, values: str) -> str:
         """Return a rule for the least term that could be lacking for some values.
 
         It is the least, so that no order of grounding shows.

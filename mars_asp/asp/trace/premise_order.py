@@ -44,7 +44,7 @@ class PremiseOrder:
             return found
         for places in alike.values():
             if len(places) > 1:
-                ordered = sorted((premises[at] for at in places), key=self._key)
+                ordered = sorted((premises[at] for at in places), key=self._premise_key)
                 for at, premise in zip(places, ordered, strict=True):
                     found[at] = premise
         return found
@@ -53,9 +53,9 @@ class PremiseOrder:
         """Return facts that lines state, line by line: those that are ranked before others."""
         if len(quoted) < 2:
             return quoted
-        return sorted(quoted, key=lambda givens: min(map(self._key, givens)))
+        return sorted(quoted, key=lambda givens: min(map(self._premise_key, givens)))
 
-    def _key(self, premise: Trace) -> _Key:
+    def _premise_key(self, premise: Trace) -> _Key:
         key = self._keys.get(id(premise))
         if key is None:
             leaf = _first_leaf(premise)

@@ -142,7 +142,7 @@ class _Teller:
     ) -> None:
         self._read, self._chosen = line_at, chosen
         #: What was read, by its place; a line is quoted wherever a trace leads to it.
-        self._lines: dict[Span, str] = {}
+        self._wrapped_lines: dict[Span, str] = {}
         self._paths: dict[str, str] = {}
         self._depth = depth
         self._folded = folded
@@ -231,9 +231,9 @@ class _Teller:
         return found
 
     def _line_at(self, span: Span) -> str:
-        line = self._lines.get(span)
+        line = self._wrapped_lines.get(span)
         if line is None:
-            line = self._lines[span] = self._read(span)
+            line = self._wrapped_lines[span] = self._read(span)
         return line
 
     def _location_text(self, span: Span) -> str:
@@ -248,7 +248,7 @@ class _Teller:
             span = givens[0].span
             assert span is not None
             line = self._line_at(span)
-            notes = dict.fromkeys(filter(None, (_note(each, line) for each in givens)))
+            notes = dict.fromkeys(filter(None, (_fact_sentence(each, line) for each in givens)))
             found.append(_Quoted(self._location_text(span), line, "; ".join(notes)))
         if len(found) == 1:
             return found
@@ -331,7 +331,7 @@ class _Teller:
         line = given.span[:2]
         if not any(line in near.lines for near in nears):
             return False
-        return _note(given, self._line_at(given.span)) is None
+        return _fact_sentence(given, self._line_at(given.span)) is None
 
 
 def _is_told(given: Given) -> bool:
@@ -339,7 +339,7 @@ def _is_told(given: Given) -> bool:
     return given.span is None or given.origin != "stated" or is_pseudo(given.span)
 
 
-def _note(given: Given, line: str) -> str | None:
+def _fact_sentence(given: Given, line: str) -> str | None:
     """Return the sentence of a fact, unless all that it names can be seen in the line."""
     told = given.told
     if told is None or all(value.partition(" ")[0] in line for value in told.values):
@@ -358,7 +358,7 @@ def _quoted_lines(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
     yield line
     if leaf.notes:
         further = indent + " " * _FURTHER
-        yield from _lines(leaf.notes, further, further, width)
+        yield from _wrapped_lines(leaf.notes, further, further, width)
 
 
 def _placed(line: str, span: Span, level: int, width: int) -> Sequence[str]:
@@ -462,7 +462,7 @@ def wrapped(text: str, level: int, width: int = WIDTH, end: str = "") -> Sequenc
     if len(indent) + len(text) + len(end) <= width:
         return (indent + text + end,) if text or end else ()
     further = indent + " " * _FURTHER
-    lines = list(_lines(text, indent, further, width))
+    lines = list(_wrapped_lines(text, indent, further, width))
     if not end:
         return lines
     last = lines.pop() if lines else indent
@@ -480,7 +480,7 @@ def _indent(level: int, width: int) -> int:
     return _STEP * min(level, width // 2 // _STEP)
 
 
-def _lines(text: str, indent: str, further: str, width: int) -> Iterator[str]:
+def _wrapped_lines(text: str, indent: str, further: str, width: int) -> Iterator[str]:
     """Yield the lines of a text, as `textwrap` does at many times the cost."""
     while text:
         end = len(text)

@@ -106,21 +106,21 @@ def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
         architecture="hierarchical",
         stated=True,
         modules=tuple(names),
-        relationships=tuple(_line(w.name, wire) for w in workers for wire in w.wires),
+        relationships=tuple(_wire_relationship(w.name, wire) for w in workers for wire in w.wires),
         declared=(
-            *(_module(worker) for worker in workers if worker.complete),
+            *(_worker_module(worker) for worker in workers if worker.complete),
             *(_source(name, wire) for name, wire in virtual.items()),
         ),
     )
 
 
-def _line(client: str, wire: Wire) -> Data:
+def _wire_relationship(client: str, wire: Wire) -> Data:
     """Return the relationship of a wire."""
     mode = None if wire.rate is None else _PERIODIC
     return Data(client, wire.source, wire.span, mode, wire.rate, wire.input, wire.output)
 
 
-def _module(worker: Worker) -> Module:
+def _worker_module(worker: Worker) -> Module:
     services = (
         *(ports.output(port.name, port.type, port.span, None) for port in worker.outputs),
         *(ports.taken(port.name, port.type, port.span) for port in worker.inputs),

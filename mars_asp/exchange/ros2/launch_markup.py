@@ -176,7 +176,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
         tests = _tests(entity)
         match entity.name:
             case "node" | "composable_node":
-                yield from _node(entity, tests)
+                yield from _started_node(entity, tests)
             case "node_container" | "load_composable_node":
                 if entity.name == "node_container":
                     called = entity.attributes.get("name", "?")
@@ -246,7 +246,7 @@ def _evaluated(written: str) -> Iterator[Part | Text]:
     yield inside[at:]
 
 
-def _node(entity: _Entity, tests: Tests) -> Iterator[Action]:
+def _started_node(entity: _Entity, tests: Tests) -> Iterator[Action]:
     """Yield the node that an element starts."""
     package = entity.text("pkg", "package") or UNKNOWN
     plugin = entity.name == "composable_node"

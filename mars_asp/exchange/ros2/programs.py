@@ -67,7 +67,7 @@ class Programs:
     def __init__(self, workspace: Workspace) -> None:
         """Take the workspace in which they lie."""
         self.workspace = workspace
-        self._python = PythonPrograms(self._module)
+        self._python = PythonPrograms(self._module_source)
         self._read: dict[RosProgram, Interface | None] = {}
         # Many programs share headers.
         self._included = cache(self._headers_of)
@@ -356,7 +356,7 @@ class Programs:
                 return self._compiled(package, targets.of(targets.plugins[plugin]))
         return None
 
-    def _module(self, module: str) -> tuple[str, str] | None:
+    def _module_source(self, module: str) -> tuple[str, str] | None:
         """Return the text of a module of the workspace, and its path."""
         name = module.removeprefix("file:")
         file = Path(name) if name != module else self._modules.get(module)

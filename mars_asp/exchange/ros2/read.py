@@ -648,7 +648,7 @@ class _WorkspaceRobot:
     def _node(self, started: Started, of_ros2: bool | None) -> GraphNode | Mux | Relay | None:
         """Return the node that is started, or the mux or relay that it is."""
         program = RosProgram(started.package, started.executable, started.plugin)
-        known = self.catalogue.interface(*_key(program))
+        known = self.catalogue.interface(*_program_key(program))
         if started.package in _HELPERS and known is None:
             sort, called = _HELPERS[started.package], started.name or started.executable
             if started.executable in MANAGERS:
@@ -974,7 +974,7 @@ class _WorkspaceRobot:
             self.problems.append(Diagnostic("catalogue", "note", message, first, kind="catalogue"))
 
 
-def _key(program: RosProgram) -> tuple[str, str, bool]:
+def _program_key(program: RosProgram) -> tuple[str, str, bool]:
     return program.package, program.executable, program.plugin
 
 

@@ -195,7 +195,7 @@ class _CppFile(ScopedCode):
         for body in self.bodies:
             groups = split(body.parameters)
             if len(groups) == 1:
-                kind = _message(groups[0])
+                kind = _parameter_type(groups[0])
                 if kind is not None:
                     found[body.name] = kind
         # A definition may be in another file, so declarations count.
@@ -368,7 +368,7 @@ class _CppFile(ScopedCode):
                 opening = next((i for i, t in enumerate(texts) if t == "("), None)
                 if opening is not None:
                     inner = argument[opening + 1 : closing(argument, opening) - 1]
-                    return _message(list(inner))
+                    return _parameter_type(list(inner))
             for text in reversed(texts):
                 if text in kinds:
                     return kinds[text]
@@ -500,7 +500,7 @@ def _declared_type(kind: str | None) -> str | None:
     return None if kind in (None, "", "auto") else kind
 
 
-def _message(tokens: Sequence[SourceToken]) -> str | None:
+def _parameter_type(tokens: Sequence[SourceToken]) -> str | None:
     """Return the type of a parameter: all but its name, without wrappers."""
     words = list(tokens)
     if len(words) > 1 and is_word(words[-1].text) and words[-2].text not in ("::", "<", ","):

@@ -82,7 +82,7 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
     for entry in maps(dump, value(node, "publishes", "publish"), "publishes"):
         topic = word(entry, "topic_name")
         if topic is not None and topic.text != _UNDEFINED:
-            by = _names(value(entry, "callback_names", "callback_name"))
+            by = _callback_names(value(entry, "callback_names", "callback_name"))
             if not by and len(callbacks) == 1:
                 # Nothing else calls the node, so that is when it publishes.
                 by = tuple(rates)
@@ -118,7 +118,7 @@ def rate_of(period_ns: int) -> Rate | None:
     return Rate(hz) if 0 < hz <= Fraction(MOST, 1000) else None
 
 
-def _names(node: Node | None) -> tuple[str, ...]:
+def _callback_names(node: Node | None) -> tuple[str, ...]:
     """Return the names of callbacks, without those that were never filled in."""
     scalars = node.nodes if isinstance(node, Items) else () if node is None else (node,)
     return tuple(

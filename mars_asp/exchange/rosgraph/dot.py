@@ -54,7 +54,7 @@ def read_dot(text: str, path: str) -> Dump:
     drawing.read()
     dump = Dump()
     topics = set(_topics(drawing.elements))
-    names = {each.id: _name(each, drawing.places) for each in drawing.elements.values()}
+    names = {each.id: _element_name(each, drawing.places) for each in drawing.elements.values()}
     for element in drawing.elements.values():
         if element.id not in topics:
             dump.node(names[element.id], element.span)
@@ -94,7 +94,7 @@ def _said(attributes: dict[str, DotToken], key: str) -> str:
     return attributes[key].text if key in attributes else ""
 
 
-def _name(element: _DotElement, places: DotPlaces) -> str:
+def _element_name(element: _DotElement, places: DotPlaces) -> str:
     """Return what an element is called: its label, else its tooltip, else its identifier."""
     label = _label(element.attributes, places)
     if label:

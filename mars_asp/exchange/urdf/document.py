@@ -175,7 +175,7 @@ class _UrdfReader:
         if element is None or written is None:
             return default
         words = written[:_MOST].split()
-        match tuple(map(_number, words)):
+        match tuple(map(_decimal, words)):
             case (Decimal() as x, Decimal() as y, Decimal() as z) if len(written) < _MOST:
                 if max(abs(x), abs(y), abs(z)) < FARTHEST:
                     return x, y, z
@@ -203,7 +203,7 @@ class _UrdfReader:
 
     def stated(self, limit: XmlElement, key: str) -> Decimal:
         written = limit.attributes.get(key, "0")
-        found = _number(written) if len(written) < _MOST else None
+        found = _decimal(written) if len(written) < _MOST else None
         if found is None:
             shown = f'`{key}="{written[:_MOST]}"`'
             self.note(limit, f"{shown} is not a number", "write one in metres or radians")
@@ -226,5 +226,5 @@ class _UrdfReader:
             )
 
 
-def _number(word: str) -> Decimal | None:
+def _decimal(word: str) -> Decimal | None:
     return Decimal(word) if _NUMBER.fullmatch(word) else None

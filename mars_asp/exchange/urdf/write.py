@@ -87,7 +87,7 @@ def _fresh(name: str, taken: set[str]) -> str:
     return word
 
 
-def _kind(function: Function | None) -> str:
+def _joint_type(function: Function | None) -> str:
     if function is None:
         return "fixed"
     if function.name.startswith("Trans"):
@@ -99,7 +99,7 @@ def _add_joint(
     robot: ElementTree.Element, name: str, function: Function | None, parent: str, child: str
 ) -> ElementTree.Element:
     named = f"{name}_{function.name if function else 'mount'}"
-    joint = ElementTree.SubElement(robot, "joint", name=named, type=_kind(function))
+    joint = ElementTree.SubElement(robot, "joint", name=named, type=_joint_type(function))
     ElementTree.SubElement(joint, "parent", link=parent)
     ElementTree.SubElement(joint, "child", link=child)
     return joint

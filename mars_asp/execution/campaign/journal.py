@@ -41,7 +41,7 @@ class Journal:
 
 def header_of(configuration: str, scenario: str, tool: str) -> bytes:
     """Return the first line: hashes of all that results depend on, and the version of the tool."""
-    return _line(
+    return _json_line(
         {
             "format": FORMAT,
             "version": VERSION,
@@ -56,7 +56,7 @@ def ended_run(run: Run, result: Mapping[str, Any]) -> FinishedRun:
     """Return the line of a run from the result that `run` prints."""
     # The seed stands first, where it is looked for.
     whole = {"seed": run.seed, "vary": run.vary, **result}
-    return FinishedRun(_line(whole), _counted_values(whole))
+    return FinishedRun(_json_line(whole), _counted_values(whole))
 
 
 def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
@@ -98,7 +98,7 @@ def in_order(runs: Iterable[Run], ended: Mapping[str, FinishedRun]) -> list[Fini
 
 def whole_text(header: bytes, ended: Iterable[FinishedRun], summary: Mapping[str, Any]) -> bytes:
     """Return the file of a campaign that has come to its end."""
-    return b"".join((header, *(each.line for each in ended), _line(summary)))
+    return b"".join((header, *(each.line for each in ended), _json_line(summary)))
 
 
 def _check_header(line: bytes, header: bytes, path: str) -> None:
@@ -194,7 +194,7 @@ def _object(line: bytes) -> dict[str, Any] | None:
     return found if isinstance(found, dict) and unusable_part(found) is None else None
 
 
-def _line(value: Mapping[str, Any]) -> bytes:
+def _json_line(value: Mapping[str, Any]) -> bytes:
     return json.dumps(value).encode() + b"\n"
 
 

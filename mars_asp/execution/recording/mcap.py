@@ -179,7 +179,7 @@ def _motion(trial: Trial) -> Iterator[Entry]:
     yield _scene(0, "/world", "world", cylinders=fixed, lines=[_walls(world)])
     for body in trial.bodies:
         rim = _cylinder(0.0, 0.0, body.radius, _BLUE)
-        nose = _line([(0.0, 0.0), (body.radius, 0.0)], _HEIGHT + 0.01)
+        nose = _line_entity([(0.0, 0.0), (body.radius, 0.0)], _HEIGHT + 0.01)
         yield _scene(0, f"/{body.name}", body.name, cylinders=[rim], lines=[nose])
         for seconds, pose in body.way:
             at = round(seconds * SECOND)
@@ -231,10 +231,10 @@ def _cylinder(x: float, y: float, radius: float, colour: tuple[float, float, flo
 
 def _walls(world: World) -> dict[str, Any]:
     ends = [end for a, b, c, d in world.segments.tolist() for end in ((a, b), (c, d))]
-    return _line(ends, 0.0)
+    return _line_entity(ends, 0.0)
 
 
-def _line(ends: list[tuple[float, float]], height: float) -> dict[str, Any]:
+def _line_entity(ends: list[tuple[float, float]], height: float) -> dict[str, Any]:
     """Return a line from each of `ends` (mm) at an even place to the next."""
     return {
         "type": 2,

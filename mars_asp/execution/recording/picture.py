@@ -81,11 +81,11 @@ def _way(frame: Frame, robot: ScenarioRobot, body: Body) -> Iterator[str]:
         held = span is not None and span[0] <= since
         now = frame.colours[span[2]] if held and span is not None else "#bbb"
         if now != colour:
-            yield from _line(points, colour)
+            yield from _polyline(points, colour)
             colour, points = now, [_point(frame, p.forward, p.side)]
         if (p.forward, p.side) != (q.forward, q.side):
             points.append(_point(frame, q.forward, q.side))
-    yield from _line(points, colour)
+    yield from _polyline(points, colour)
 
 
 def _point(frame: Frame, forward: float, side: float) -> str:
@@ -93,7 +93,7 @@ def _point(frame: Frame, forward: float, side: float) -> str:
     return f"{x:.1f},{y:.1f}"
 
 
-def _line(points: list[str], colour: str) -> Iterator[str]:
+def _polyline(points: list[str], colour: str) -> Iterator[str]:
     if len(points) > 1:
         way = " ".join(points)
         yield f'<polyline points="{way}" fill="none" stroke="{colour}" stroke-width="3"/>'

@@ -126,11 +126,11 @@ def _sensor(
     if kind == "odometry":
         return odometry(body, noise, **stated("sigma"))
     if kind == "joystick":
-        return joystick([(float(at), _held(*held)) for at, *held in script])
+        return joystick([(float(at), _scripted_command(*held)) for at, *held in script])
     return bumper(body)
 
 
-def _held(function: str, rate: float | None = None) -> tuple[str, float] | None:
+def _scripted_command(function: str, rate: float | None = None) -> tuple[str, float] | None:
     """Return what an entry of a script commands; nothing where it lets go."""
     return None if rate is None else (function, float(rate))
 

@@ -15,7 +15,7 @@ _Schema: TypeAlias = dict[str, Any]
 _Path: TypeAlias = tuple[str | int, ...]
 
 
-def _number(least: float | None = -1e9, most: float | None = 1e9) -> _Schema:
+def _number_schema(least: float | None = -1e9, most: float | None = 1e9) -> _Schema:
     return {"type": "number"} | _range_schema(least, most)
 
 
@@ -72,12 +72,12 @@ def _with_description(words: str, schema: _Schema) -> _Schema:
 
 #: In the place of a function and its rate, where a joystick is let go.
 RELEASE = "release"
-_ANY = _number(None, None)
-_POSITIVE = _number(0)
+_ANY = _number_schema(None, None)
+_POSITIVE = _number_schema(0)
 _WORD = {"type": "string"}
 _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 _FUNCTION = {"enum": list(_FUNCTIONS)}
-_PAIR = _row(_number(), _number())
+_PAIR = _row(_number_schema(), _number_schema())
 _POINT = _with_description("a point `[forward, side]`", _PAIR)
 _WALL = _with_description(
     "a list of 2 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 2}
@@ -87,11 +87,16 @@ _POLYGON = _with_description(
 )
 _CIRCLE = _with_description(
     "`[forward, side, radius]`, the radius above 0",
-    _row(_number(), _number(), _number(0) | {"exclusiveMinimum": True}),
+    _row(_number_schema(), _number_schema(), _number_schema(0) | {"exclusiveMinimum": True}),
 )
 _ENTRY = _with_description(
     f'`[second, function, rate]` of {", ".join(_FUNCTIONS)}, or `[second, "{RELEASE}"]`',
-    {"anyOf": [_row(_number(0), _FUNCTION, _number()), _row(_number(0), {"enum": [RELEASE]})]},
+    {
+        "anyOf": [
+            _row(_number_schema(0), _FUNCTION, _number_schema()),
+            _row(_number_schema(0), {"enum": [RELEASE]}),
+        ]
+    },
 )
 _MOVING = _with_description(
     "a table `{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points",
@@ -123,7 +128,7 @@ _SCATTER = _table_schema(
         "free": _POSITIVE,
         "moving": _integer_schema(0, 100_000),
         # It turns every 2000 mm, so no more often than what `moving` lists may.
-        "speed": _number(0, 2e6),
+        "speed": _number_schema(0, 2e6),
     }
 )
 _WORLD = _table_schema(
@@ -137,14 +142,14 @@ _WORLD = _table_schema(
     }
 )
 _REACH = _table_schema({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
-_GRADUAL = _table_schema(dict.fromkeys(MOTION_FUNCTIONS, _number(0.001)))
+_GRADUAL = _table_schema(dict.fromkeys(MOTION_FUNCTIONS, _number_schema(0.001)))
 _ROBOT = _table_schema(
     {
         "name": _with_description("a name of at least one character", _WORD | {"minLength": 1}),
         "module": _WORD,
         "radius": _POSITIVE,
-        "start": _with_description("`[forward, side, heading]`", _row(*3 * [_number()])),
-        "limits": _table_schema(dict.fromkeys(_FUNCTIONS, _number())),
+        "start": _with_description("`[forward, side, heading]`", _row(*3 * [_number_schema()])),
+        "limits": _table_schema(dict.fromkeys(_FUNCTIONS, _number_schema())),
         "acceleration": _GRADUAL,
         "deceleration": _GRADUAL,
         "reach": _REACH,
@@ -152,22 +157,22 @@ _ROBOT = _table_schema(
     "module",
 )
 _KEYS: Mapping[str, _Schema] = {
-    "period": _number(0.001),
+    "period": _number_schema(0.001),
     "beams": _integer_schema(1, 100_000),
-    "cone": _number(),
+    "cone": _number_schema(),
     "rays": _integer_schema(1, 100_000),
     "reach": _POSITIVE,
-    "view": _number(),
+    "view": _number_schema(),
     "sigma": _POSITIVE,
     "script": _list(_ENTRY),
     "function": _FUNCTION,
     "low": _ANY,
     "high": _ANY,
-    "rate": _number(0, None),
-    "value": _number(),
-    "from": _number(),
-    "until": _number(0, None),
-    "by": _number(0.001),
+    "rate": _number_schema(0, None),
+    "value": _number_schema(),
+    "from": _number_schema(),
+    "until": _number_schema(0, None),
+    "by": _number_schema(0.001),
 }
 _MOVED = "function low high rate value"
 _DEVICE = _one_of(
@@ -190,7 +195,7 @@ _BINDING = _table_schema(
             '`"FILE.py:FUNCTION"`, `"FILE.py:CLASS"` or `"FILE.py:CLASS.METHOD"`',
             {"type": "string", "pattern": r"^[^\n]+\.py:[^:.\s]+(\.[^:.\s]+)*$"},
         ),
-        "period": _number(0.001),
+        "period": _number_schema(0.001),
         "delay": _POSITIVE,
         "parameters": {"type": "object"},
     }
@@ -214,7 +219,7 @@ _REQUIREMENTS = _table_schema(
                 f"two functions of {', '.join(_FUNCTIONS)}", _row(_FUNCTION, _FUNCTION)
             )
         ),
-        "coverage": _number(0, 1),
+        "coverage": _number_schema(0, 1),
     }
 )
 
@@ -223,10 +228,10 @@ def _scenario(robot: _Schema) -> _Schema:
     """Return the schema of scenarios with such a `robot`."""
     keys = {
         "seed": _integer_schema(-(2**63), 2**63 - 1),
-        "duration": _number(0.001),
+        "duration": _number_schema(0.001),
         "up": {"enum": ["y", "z"]},
         # Without one no command would be obeyed that no arbiter holds.
-        "command_timeout": _number(0.001),
+        "command_timeout": _number_schema(0.001),
         "world": _WORLD,
         "robot": robot,
         "devices": _table_by_module(_DEVICE),

@@ -166,7 +166,7 @@ class Fleet:
         for name in {*body.on, *(self.bodies[k].name for k in np.flatnonzero(gaps <= APART))}:
             if name != THING:
                 number = self._numbers[name]
-                _note(body, self.bodies[number], float(gaps[number]))
+                _note_gap(body, self.bodies[number], float(gaps[number]))
         return gaps
 
     def _halted(
@@ -229,9 +229,9 @@ class Fleet:
             return least_gap(gaps, bend(way) + bend(passing), least, way.since, way.since + step)
 
         def note(gap: float) -> None:
-            _note(one, other, gap, way.since)
+            _note_gap(one, other, gap, way.since)
             if gap <= APART:
-                _note(one, other, dist(one.place, other.place) - apart)
+                _note_gap(one, other, dist(one.place, other.place) - apart)
 
         return _Search(search, way.speed + passing.speed, note, *_end_gaps(now))
 
@@ -246,7 +246,7 @@ def _end_gaps(gap: float) -> tuple[float, float]:
     return (0.0, gap / 2) if gap > 0 else (gap - _DEEPER, _DEEPER)
 
 
-def _note(one: Body, other: Body, gap: float, since: float | None = None) -> None:
+def _note_gap(one: Body, other: Body, gap: float, since: float | None = None) -> None:
     """Let two robots note the gap that there is between them, or was since a time (s)."""
     one.note(gap, other.name, since)
     other.note(gap, one.name, since)

@@ -134,7 +134,7 @@ def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
     """
     text = read_text(path)
     robot = _Robot(str(path), rulebook)
-    lines = _lines(text, robot)
+    lines = _expectation_lines(text, robot)
     failures = tuple(failure for line in lines for failure in _unmet(line, lines, robot))
     if not lines:
         advice = "write what is expected, as in `# expect: warning KIND at LINE`, or use --update"
@@ -235,7 +235,7 @@ class _Robot:
 # ---- What lines expect ---------------------------------------------------------------------------
 
 
-def _lines(text: str, robot: _Robot) -> tuple[ExpectationLine, ...]:
+def _expectation_lines(text: str, robot: _Robot) -> tuple[ExpectationLine, ...]:
     """Return the lines that expect something.
 
     Raises:
@@ -250,13 +250,13 @@ def _lines(text: str, robot: _Robot) -> tuple[ExpectationLine, ...]:
             span = Span(robot.path, number, begin, number, end)
             what = " ".join(match["what"].split())
             before = line[: match.start("rest")]
-            found.append(_line(what, before, match["rest"], span, robot, problems))
+            found.append(_expectation_line(what, before, match["rest"], span, robot, problems))
     if problems:
         raise MarsError(problems)
     return tuple(found)
 
 
-def _line(
+def _expectation_line(
     what: str, before: str, text: str, span: Span, robot: _Robot, problems: list[Diagnostic]
 ) -> ExpectationLine:
     if what in _KNOWN:

@@ -132,7 +132,7 @@ def _nodes(
         for topic in specification.resolves[node.name]:
             resolving.setdefault((node.kind, topic), node)
     by_term = {node.term: node for node in specification.nodes}
-    held = _held(evidence, synthesis, words)
+    held = _true_nodes(evidence, synthesis, words)
     for kind, word in words.items():
         for module in modules:
             atoms = (
@@ -152,7 +152,7 @@ def _nodes(
                 yield (kind, module), Absence(word, module, answer, (), name or word)
 
 
-def _held(
+def _true_nodes(
     evidence: Evidence, synthesis: Synthesis, kinds: Iterable[str]
 ) -> Mapping[tuple[str, clingo.Symbol], Sequence[clingo.Symbol]]:
     """Return the true atoms that stand for nodes, by name and first argument."""

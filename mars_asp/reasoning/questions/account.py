@@ -297,11 +297,11 @@ def _inserts(each: RenderedMessage) -> bool:
 
 
 def _account(parts: Mapping[str, Sequence[RenderedMessage]], names: TermNames) -> Account:
-    answers, notes = _in_order(parts.get("answer", ()), names), parts.get("notes", ())
+    answers, notes = _sorted_messages(parts.get("answer", ()), names), parts.get("notes", ())
     return Account(
         _sentence(answers[0], names) if answers else None,
         tuple(_cited(parts.get("cites", ()), names)),
-        tuple(dict.fromkeys(_sentence(each, names) for each in _in_order(notes, names))),
+        tuple(dict.fromkeys(_sentence(each, names) for each in _sorted_messages(notes, names))),
         tuple(dict.fromkeys(each.rule.id for part in parts.values() for each in part)),
     )
 
@@ -311,7 +311,7 @@ def _cited(cites: Sequence[RenderedMessage], names: TermNames) -> Iterator[Cited
     # Two things may be on one line.
     lines: dict[tuple[str, int], tuple[_Order, Span]] = {}
     labels: dict[tuple[str, int], dict[str, None]] = {}
-    for each in _in_order(cites, names):
+    for each in _sorted_messages(cites, names):
         *_, order, thing = arguments(each.head)
         span = names.place(thing)
         lines.setdefault(span[:2], (names.order(order), span))
@@ -325,7 +325,9 @@ def _sentence(each: RenderedMessage, names: TermNames) -> str:
     return each.filled(each.rule.because, names.written) or ""
 
 
-def _in_order(told: Sequence[RenderedMessage], names: TermNames) -> Sequence[RenderedMessage]:
+def _sorted_messages(
+    told: Sequence[RenderedMessage], names: TermNames
+) -> Sequence[RenderedMessage]:
     """Return what is told by its order, then by rules, then by values."""
     if len(told) < 2:
         return told

@@ -239,7 +239,7 @@ def _outputs(made: _Changed, terms: list[Symbol]) -> None:
     made.renew(replace(source, services=services))
 
 
-def _inputs(made: _Changed, terms: list[Symbol]) -> None:
+def _add_inputs(made: _Changed, terms: list[Symbol]) -> None:
     client, representation = made.description(terms[0]), terms[1].string
     known = (
         replace(each, inputs=tuple(i or representation for i in each.inputs))
@@ -276,5 +276,5 @@ _CHANGES: Mapping[str, Callable[[_Changed, list[Symbol]], None]] = {
     "commands": _set_commands,
     "sends": _sends,
     "outputs": _outputs,
-    "inputs": _inputs,
+    "inputs": _add_inputs,
 }

@@ -161,7 +161,7 @@ class _Side:
         rates = rates_in(
             project.configuration, described_modules(project.configuration, project.modules)
         )
-        self.lines = _lines((*reasoner.facts, *_stated_besides(project)), rates)
+        self.lines = _facts_by_span((*reasoner.facts, *_stated_besides(project)), rates)
         self.texts = _Texts(self.lines, lines_of)
         self.changed: frozenset[Span] = frozenset()
         #: Lines of both sides that mean another thing here.
@@ -228,11 +228,11 @@ class _Texts:
         starts: dict[str, set[int]] = {}
         for span in spans:
             starts.setdefault(span.path, set()).add(span.line)
-        self._lines = {path: [line.strip() for line in lines_of(path)] for path in starts}
+        self._facts_by_span = {path: [line.strip() for line in lines_of(path)] for path in starts}
         self._ends: dict[tuple[str, int], int] = {}
         for path, numbers in starts.items():
             ordered = sorted(numbers)
-            ends = [*ordered[1:], len(self._lines[path]) + 1]
+            ends = [*ordered[1:], len(self._facts_by_span[path]) + 1]
             self._ends.update(((path, n), end) for n, end in zip(ordered, ends, strict=True))
 
     def differing(self, spans: Iterable[Span], other: "_Texts") -> dict[Span, Span]:
@@ -240,12 +240,12 @@ class _Texts:
 
         Left out are places whose text the other side has.
         """
-        left = Counter(line for lines in self._lines.values() for line in lines)
-        left.subtract(line for lines in other._lines.values() for line in lines)
+        left = Counter(line for lines in self._facts_by_span.values() for line in lines)
+        left.subtract(line for lines in other._facts_by_span.values() for line in lines)
         found: dict[tuple[str, int], int] = {}
         spans = tuple(spans)
         for span in spans:
-            key, lines = (span.path, span.line), self._lines[span.path]
+            key, lines = (span.path, span.line), self._facts_by_span[span.path]
             if key in found:
                 continue
             if not lines:
@@ -275,7 +275,7 @@ def _stated_besides(project: Project) -> Iterator[Fact]:
             yield Fact(Atom("vertex", (module.name, vertex.number, pose)), vertex.span)
 
 
-def _lines(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
+def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
     """Return for each place the facts that it gives, without identifiers and with exact rates."""
     facts = tuple(facts)
     identifiers = {f.atom.arguments[0] for f in facts if f.atom.name == "place"}

@@ -499,7 +499,7 @@ def _architecture(drafts: _Drafts, kind: Symbol) -> None:
             statement.cut(rest[0], rest[-1])
 
 
-def _name(drafts: _Drafts, module: Symbol) -> None:
+def _add_name(drafts: _Drafts, module: Symbol) -> None:
     """Write a name into the `@modules` of the innermost file that uses it."""
     main = drafts.texts.path
     stated = drafts.texts.relationships.values()
@@ -587,7 +587,7 @@ _EDITS: dict[tuple[str, int], Callable[..., None]] = {
     ("unrank", 1): _unrank,
     ("vertex", 2): _vertex,
     ("architecture", 1): _architecture,
-    ("name", 1): _name,
+    ("name", 1): _add_name,
     ("unname", 1): _unname,
     ("rename", 2): _rename,
     ("annotate", 2): _annotate,

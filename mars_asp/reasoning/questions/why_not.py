@@ -153,7 +153,7 @@ def _answer(reasoner: Reasoner, question: AbsenceQuestion, depth: int) -> WhyNot
         return unrealised_answer(question.shown, evidence, reasoner.analysis)
     offered: str | None = None
     extra: Mapping[int, int] | None = None
-    held = _held(question, evidence, synthesis)
+    held = _true_atom(question, evidence, synthesis)
     if held is not None:
         return _present(question, held, evidence, synthesis)
     if synthesis is not None:
@@ -210,7 +210,7 @@ def _sentences(found: Blame) -> str | None:
     return ". ".join(filter(None, (found.to_get, found.beside))) + "."
 
 
-def _held(
+def _true_atom(
     question: AbsenceQuestion, evidence: Evidence, synthesis: Synthesis | None
 ) -> clingo.Symbol | None:
     """Return a true atom that a question asks for."""
@@ -342,7 +342,7 @@ def _blame(reasoner: Reasoner, question: AbsenceQuestion, evidence: Evidence) ->
         synthesis = other.synthesis if resolved else None
         if question.kind in _CIRCLES:
             return _goes_round(question, other.analysis)
-        return _held(question, other.evidence(resolved), synthesis) is not None
+        return _true_atom(question, other.evidence(resolved), synthesis) is not None
 
     gives: Callable[[Project], bool] = tried
     kind, module = question.kind, question.module
@@ -408,7 +408,7 @@ def _meant(
     synthesis = None if node is None or not reasoner.is_resolved else reasoner.synthesis
     if node is not None and synthesis is None:
         return None, None
-    if _held(question, evidence, synthesis) is not None:
+    if _true_atom(question, evidence, synthesis) is not None:
         return None, None
     return kind, about.string
 
