@@ -156,8 +156,8 @@ class GrowingFile:
             try:
                 _lock(handle)
             except BlockingIOError:
-                told = "another command is writing to it"
-                raise BlockingIOError(errno.EAGAIN, told, path) from None
+                text = "another command is writing to it"
+                raise BlockingIOError(errno.EAGAIN, text, path) from None
             if os.fstat(handle).st_size != size:
                 raise OSError(errno.EBUSY, "it has changed since it was read", path)
             os.ftruncate(handle, kept)

@@ -163,9 +163,9 @@ def test_the_settings_of_the_page_are_settings(
     shutil.copy(ROBOT, "robot.mars")
     run_here(["check", "robot.mars", "--select", "data_cycle", "--write-baseline", "known.json"])
     Path("mars.toml").write_text(text)
-    stated: dict[str, Any] = tomllib.loads(text)
+    declared: dict[str, Any] = tomllib.loads(text)
     settings = settings_for(Path())
-    assert [*(settings.select or ())] == stated["select"]
+    assert [*(settings.select or ())] == declared["select"]
     capsys.readouterr()
     assert run_here(["check", "robot.mars"]) == 0
     assert "1 warning in 1 file\nnot reported: 1 hidden by a comment\n" in capsys.readouterr().err

@@ -313,12 +313,12 @@ def test_outcomes_of_cases_come_as_json_too(tmp_path: Path) -> None:
     result = json.loads(done.stdout)
     assert (done.returncode, result["passed"], result["failed"]) == (1, 1, 1)
     right, wrong = result["cases"]
-    told = {"path": str(tmp_path / "right.lp"), "passed": True, "difference": []}
-    assert right == {**told, "title": None, "line": 1, "failures": []}
-    told = {"path": str(tmp_path / "wrong.lp"), "passed": False, "difference": ["  - foo(1)"]}
+    entries = {"path": str(tmp_path / "right.lp"), "passed": True, "difference": []}
+    assert right == {**entries, "title": None, "line": 1, "failures": []}
+    entries = {"path": str(tmp_path / "wrong.lp"), "passed": False, "difference": ["  - foo(1)"]}
     failure = {"path": str(tmp_path / "wrong.lp"), "line": 1, "column": 1, "nearest": None}
     failure |= {"expected": "exactly this answer set", "found": [""]}
-    assert wrong == {**told, "title": None, "line": 1, "failures": [failure]}
+    assert wrong == {**entries, "title": None, "line": 1, "failures": [failure]}
 
 
 def test_rules_of_a_pack_are_no_cases(tmp_path: Path) -> None:

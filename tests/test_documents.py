@@ -73,8 +73,8 @@ def test_the_commands_of_the_case_study_work(tmp_path: Path) -> None:
                 short += f" --vary {key}={kept}"
         scenario = words[words.index("--scenario") + 1]
         given = f"{words[2]} --scenario {scenario} --seeds 1 -o {tmp_path}/{file}"
-        told = run(f"mars-asp campaign {given} --vary {short}")
-        assert re.search(r"^passed +\d of \d ", told, re.MULTILINE), words
+        output = run(f"mars-asp campaign {given} --vary {short}")
+        assert re.search(r"^passed +\d of \d ", output, re.MULTILINE), words
 
 
 def told_by(file: str, what: str) -> str:

@@ -156,8 +156,8 @@ def test_mutants_of_rules_are_killed(folder: str) -> None:
     mutants: list[Mutant] = []
     for name in RULES_HELD:
         if name.partition("/")[0] == folder:
-            told = (m for m in rule_mutants(files[f"rules/{name}.lp"]) if m.key not in known)
-            mutants += drawn(told, 2 if IS_CAMPAIGN else 1, SEED)
+            result = (m for m in rule_mutants(files[f"rules/{name}.lp"]) if m.key not in known)
+            mutants += drawn(result, 2 if IS_CAMPAIGN else 1, SEED)
     cases = ROOT / "tests" / "rules" / folder
     verdicts = judge_rules(tuple(files.values()), mutants, 1, cases, stronger=False)
     assert alive(verdicts) == []

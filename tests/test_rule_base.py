@@ -67,10 +67,10 @@ def test_a_rule_of_any_stage_is_shown(
     assert bool(rules) == ((stage, speaks) != ("cost", True))
     for rule in rules[:1]:
         assert run_here(["rules", "show", rule.id, "--source"]) == 0
-        told = capsys.readouterr().out
-        assert f"## {rule.id}\n" in told
-        assert f"{rule.span.path}:{rule.span.line}\n" in told
-        assert rule.text in told
+        output = capsys.readouterr().out
+        assert f"## {rule.id}\n" in output
+        assert f"{rule.span.path}:{rule.span.line}\n" in output
+        assert rule.text in output
         assert run_here(["rules", "show", rule.id, "--format", "json"]) == 0
         assert json.loads(capsys.readouterr().out)["stage"] == stage
 
@@ -154,10 +154,10 @@ def test_the_document_has_each_file_and_each_rule_that_speaks(
     rulebook: Rulebook, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_here(["rules", "doc"]) == 0
-    told = capsys.readouterr().out
-    rules = [line[4:] for line in told.split("\n") if line.startswith("### ")]
+    output = capsys.readouterr().out
+    rules = [line[4:] for line in output.split("\n") if line.startswith("### ")]
     assert sorted(rules) == sorted(r.id for r in rulebook.built_in.rules if r.because is not None)
-    files = [line[3:] for line in told.split("\n") if line.startswith("## ")]
+    files = [line[3:] for line in output.split("\n") if line.startswith("## ")]
     written = [path.relative_to(ROOT / "rules") for path in ROOT.glob("rules/**/*.lp")]
     assert sorted(files) == sorted(file_name(str(path), _stage(path)) for path in written)
 
@@ -166,13 +166,13 @@ def test_what_packs_may_do_with_a_predicate_is_what_the_gate_lets_them(rulebook:
     sealed = seal()
     for signature, declaration in rulebook.declarations.items():
         found: Any = shown_json(rulebook, str(signature))["predicates"]
-        (told,) = found
+        (result,) = found
         extended = signature.unsigned in sealed.extensible
         is_open = signature.unsigned in sealed.reserved
-        assert told["packs"] == ("extend" if extended else "read" if is_open else None), signature
+        assert result["packs"] == ("extend" if extended else "read" if is_open else None), signature
         written = shown(rulebook, str(signature)).split("\n")
         assert [line for line in written if line.startswith("packs: ")] == (
-            [f"packs: {told['packs']}"] if is_open else []
+            [f"packs: {result['packs']}"] if is_open else []
         ), declaration.name
 
 
@@ -186,10 +186,10 @@ def test_a_file_of_rules_is_shown(name: str, rulebook: Rulebook) -> None:
     assert (found["path"], found["stage"]) == ("rules/specify/rates.lp", "specify")
     assert found["shows"] == ["lowers/3", "makes_for/4", "states_need/3"]
     assert found["decides"] == []
-    told = shown(rulebook, name)
-    assert "Shows: `lowers/3`, `makes_for/4`, `states_need/3`" in told
-    assert "Decides" not in told
-    assert "- `specify/rates/lowers`: " in told
+    result = shown(rulebook, name)
+    assert "Shows: `lowers/3`, `makes_for/4`, `states_need/3`" in result
+    assert "Decides" not in result
+    assert "- `specify/rates/lowers`: " in result
 
 
 def test_each_file_says_what_it_is_for_and_leaves_the_rest_to_its_rules(
@@ -244,11 +244,11 @@ def test_what_a_pack_says_reaches_no_terminal_as_it_is(
         "%# T\x1b[31m\n% Purpose: x\x1b[31m.\n\n%! id: e/x\n%! because: \x1b[31m\nq(\t1).\n"
     )
     assert run_here(["rules", *words, "--rules", str(pack)]) == 0
-    told = capsys.readouterr().out
-    assert "\x1b" not in told
+    output = capsys.readouterr().out
+    assert "\x1b" not in output
     # As Markdown has it, where the words are part of a document.
-    assert "\\x1b[31m" in told.replace("\\[", "[")
-    assert ("q(\t1)." in told) == (words in (["show", "e/x", "--source"], ["doc"]))
+    assert "\\x1b[31m" in output.replace("\\[", "[")
+    assert ("q(\t1)." in output) == (words in (["show", "e/x", "--source"], ["doc"]))
 
 
 LINTED = sorted((ROOT / "tests/lint").glob("*.lp"))
@@ -265,15 +265,15 @@ def test_what_lint_tells_an_analysis_does_not(
     monkeypatch.chdir(ROOT)
     pack = str(path.relative_to(ROOT))
     assert run_here(["rules", "lint", pack]) == 0
-    told = capsys.readouterr().err
+    output = capsys.readouterr().err
     if update_golden:
-        path.with_suffix(".txt").write_text(told, encoding="utf-8")
-    assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
+        path.with_suffix(".txt").write_text(output, encoding="utf-8")
+    assert output == path.with_suffix(".txt").read_text(encoding="utf-8")
     robot = "tests/packs/robot.mars"
     status = run_here(["analyse", robot])
-    said = capsys.readouterr()
+    printed = capsys.readouterr()
     assert run_here(["analyse", robot, "--rules", pack]) == status
-    assert capsys.readouterr() == said
+    assert capsys.readouterr() == printed
 
 
 def test_no_name_of_a_built_in_rule_means_two_things() -> None:

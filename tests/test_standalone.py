@@ -95,12 +95,12 @@ def test_random_configurations(seed: int, tmp_path: Path, capsys: Captured) -> N
 def test_a_run_is_the_same(
     configuration: str, scenario: str, tmp_path: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:
-    path, told = ROOT / "examples" / configuration, str(ROOT / "examples" / scenario)
+    path, result = ROOT / "examples" / configuration, str(ROOT / "examples" / scenario)
     monkeypatch.chdir(tmp_path)
     spec = synthesised(path, tmp_path / "specs")
     records = []
     for file in (path, spec):
-        words = ["run", str(file), "--scenario", told, "--duration", "2", "--record", "r.jsonl"]
+        words = ["run", str(file), "--scenario", result, "--duration", "2", "--record", "r.jsonl"]
         found = asked(capsys, *words)
         records.append((found, Path("r.jsonl").read_text().splitlines()[1:]))
     assert records[0] == records[1]
@@ -156,8 +156,8 @@ def test_sources_are_found_from_elsewhere(
     path = tmp_path / "robot/config.mars"
     path.write_text(CONFIG.format(written))
     monkeypatch.chdir(tmp_path / "up")
-    stated = parse_file(path).configuration
-    (seen,) = sources_seen_from(tmp_path / place, stated)
+    declared = parse_file(path).configuration
+    (seen,) = sources_seen_from(tmp_path / place, declared)
     assert str(tmp_path) not in seen.text
     spec = tmp_path / place / "spec.mars"
     spec.write_text(CONFIG.format(seen.text))
@@ -207,9 +207,9 @@ def test_a_path_that_cannot_be_written_is_told(tmp_path: Path, capsys: Captured)
     (folder / "config.mars").write_text(CONFIG.format("a.py"))
     words = ["synthesise", str(folder / "config.mars"), "-o", str(tmp_path / "spec.mars")]
     assert run_here(words) == 2
-    told = " ".join(capsys.readouterr().err.split())
-    assert "config.mars:2:10: error: `a, b/a.py`" in told
-    assert "Traceback" not in told
+    output = " ".join(capsys.readouterr().err.split())
+    assert "config.mars:2:10: error: `a, b/a.py`" in output
+    assert "Traceback" not in output
     assert not (tmp_path / "spec.mars").exists()
 
 

@@ -76,20 +76,20 @@ class Pending:
                     self._note_idle()
                     self._overrides = []
             return []
-        behind = self._following(offset)
-        if not (behind.over or closing):
+        after = self._following(offset)
+        if not (after.over or closing):
             return []
         pending, self._services = self._services, []
         overrides, self._overrides = self._overrides, []
-        if not isinstance(behind.found, SourceDeclaration):
-            self._note_missing(behind, pending[0][0])
+        if not isinstance(after.found, SourceDeclaration):
+            self._note_missing(after, pending[0][0])
             return []
         written = [d for d in overrides if d.word != "Signature" and d.rest]
-        said, wrong = read_overrides(written, behind.found)
+        result, wrong = read_overrides(written, after.found)
         for directive, problem in wrong:
             self._problems.note_wrong(directive, problem)
         services = [service for _, service in pending if service is not None]
-        return self._bind(services, behind.found, behind.place, said)
+        return self._bind(services, after.found, after.place, result)
 
     def _following(self, offset: int) -> Following:
         """Read the declaration that a `@Signature` states, else the one before an offset."""

@@ -100,11 +100,11 @@ def _named_inputs(
 ) -> Iterator[tuple[str | None, str | None]]:
     """Yield the name and the representation of each input."""
     if overrides.inputs is not None:
-        stated = [written for written in overrides.inputs if written != "none"]
+        declared = [written for written in overrides.inputs if written != "none"]
         # Where types are stated of as many inputs as there are parameters, it is of these.
         own = [parameter.name for parameter in parameters]
-        names = own if len(own) == len(stated) else [None] * len(stated)
-        for name, written in zip(names, stated, strict=True):
+        names = own if len(own) == len(declared) else [None] * len(declared)
+        for name, written in zip(names, declared, strict=True):
             yield name, representation(written) or None
         return
     for parameter in parameters:

@@ -182,8 +182,8 @@ class Source:
             if low >= last:
                 break
             first = len(self._decode(begin, low))
-            behind = len(self._decode(begin, min(high, last)))
-            code = code[:first] + re.sub(r"[^\n]", " ", code[first:behind]) + code[behind:]
+            after = len(self._decode(begin, min(high, last)))
+            code = code[:first] + re.sub(r"[^\n]", " ", code[first:after]) + code[after:]
         return SourceRange(text, code, last < end)
 
     def within(self, offset: int, text: str, index: int) -> int:

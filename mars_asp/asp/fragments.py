@@ -173,8 +173,8 @@ def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Dia
         yield from unbound(note)
         if note.unsafe:
             continue
-        place, told = note.place, note.said
-        what, colon, term = told.partition(_UNDEFINED)
+        place, result = note.place, note.said
+        what, colon, term = result.partition(_UNDEFINED)
         if colon and not what:
             message = f"`{term}` has no value" if term.startswith("(") else f"{term}"
             advice = (
@@ -183,7 +183,7 @@ def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Dia
             )
             yield Diagnostic("rule-undefined", "error", message, place, help=advice)
         else:
-            yield Diagnostic("rules-refused", "error", told, place)
+            yield Diagnostic("rules-refused", "error", result, place)
 
 
 def _column(fragment: Fragment, line: int, column: int) -> int:

@@ -131,8 +131,8 @@ class Program:
     @cached_property
     def explained(self) -> Rulebook:
         """Return the rules by which atoms are explained: facts are leaves."""
-        stated = {id(rule) for rule in self._fact_rules}
-        rules = tuple(rule for rule in self.rulebook.rules if id(rule) not in stated)
+        declared = {id(rule) for rule in self._fact_rules}
+        rules = tuple(rule for rule in self.rulebook.rules if id(rule) not in declared)
         return replace(self.rulebook, rules=rules)
 
     @cached_property
@@ -163,9 +163,9 @@ class Program:
         program = self.with_parts(parts)
         defined, given = _definitions(constants or {}), _externals(externals or {}, self._file_path)
         grounding = Grounding((), options=defined)
-        stated = program._fact_rules
+        declared = program._fact_rules
         marked = (e.fragment(_EXTERNAL, at) for at, e in enumerate(program.externals))
-        fragments = [*program.rulebook.fragments(_STAGE), *saying(_STAGE, stated), *marked]
+        fragments = [*program.rulebook.fragments(_STAGE), *saying(_STAGE, declared), *marked]
         try:
             resolution = grounding.choose(fragments, deadline, count, given)
         except UnsatisfiableError:
@@ -183,7 +183,7 @@ class Program:
             found = Diagnostic("unsatisfiable", "error", message, place, help=advice)
             raise Unsatisfiable((found,))
         spans: dict[str, Span] = {}
-        for each in said(grounding.control, _STAGE, stated):
+        for each in said(grounding.control, _STAGE, declared):
             spans.setdefault(text(each.head), each.rule.span)
         return Answer(program, defined, grounding, resolution, spans)
 

@@ -127,9 +127,9 @@ def prepared(
     given = None if signature is None else _context_of(signature)
     order = None
     if context.parameters and given is None and not knows:
-        told = ", ".join(f"`{name}`" for name in context.parameters)
+        text = ", ".join(f"`{name}`" for name in context.parameters)
         help_text = "add a parameter `ctx`, and read `ctx.parameters`"
-        raise UnfitError(f"`{shown}` takes no `ctx`, so it cannot read {told}", help_text)
+        raise UnfitError(f"`{shown}` takes no `ctx`, so it cannot read {text}", help_text)
     if signature is not None and inputs is not None:
         entries = [EntryPoint(each) if isinstance(each, str) else each for each in inputs]
         _refuse_inputs(signature, given, entries, shown)

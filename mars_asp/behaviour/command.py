@@ -53,6 +53,6 @@ def command_of(result: object) -> Command:
         return result
     pairs = list(result.items()) if isinstance(result, dict) else [result]
     if len(pairs) != 1 or not isinstance(pairs[0], tuple) or len(pairs[0]) != 2:
-        told = "a controller returns one `Command(function, rate)`, or None"
-        raise ValueError(f"{told}, not {shown(result)}")
+        text = "a controller returns one `Command(function, rate)`, or None"
+        raise ValueError(f"{text}, not {shown(result)}")
     return Command(*pairs[0])

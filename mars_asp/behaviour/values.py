@@ -42,8 +42,8 @@ def copied(value: _Value) -> _Value:
     try:
         return _copier(value)(value)  # type: ignore[no-any-return]
     except Exception as error:  # how a class copies its objects is its author's
-        told = f"a message of type `{kind.__name__}` cannot be copied for its receivers"
-        raise TypeError(f"{told}: {error}") from error
+        text = f"a message of type `{kind.__name__}` cannot be copied for its receivers"
+        raise TypeError(f"{text}: {error}") from error
 
 
 def is_constant(value: Any) -> bool:

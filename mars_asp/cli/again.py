@@ -18,8 +18,8 @@ def command_on_one(verb: str, arguments: argparse.Namespace, *words: str) -> str
     """Return the command of a verb that takes its words before its file; `None` for several."""
     if len(arguments.files) > 1:
         return None
-    said = ["mars-asp", verb, *words, *arguments.files, *_readings(arguments)]
-    return visible(shlex.join(said))
+    lines = ["mars-asp", verb, *words, *arguments.files, *_readings(arguments)]
+    return visible(shlex.join(lines))
 
 
 def _readings(arguments: argparse.Namespace) -> list[str]:

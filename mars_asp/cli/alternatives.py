@@ -67,9 +67,9 @@ def _alternative_lines(
     yield from _needs_table(found.needs[:_MOST_NEEDS], width)
     if len(found.needs) > _MOST_NEEDS:
         yield f"{_GAP}and {counted(len(found.needs) - _MOST_NEEDS, 'more need')}"
-    told = " ".join(_levels(found))
-    if told:
-        yield from wrapped(told, width)
+    text = " ".join(_levels(found))
+    if text:
+        yield from wrapped(text, width)
     yield from _example(found, arguments, width)
     for number, other in enumerate(found.others, 1):
         yield ""
@@ -125,8 +125,8 @@ def _needs_table(needs: Sequence[CertificateEntry], width: int) -> Iterator[str]
         yield from wrapped(what, width, head, further)
         if why:
             # A number is not parted from its word.
-            told = f"{why} ({clause.replace(' ', _KEPT)})"
-            for line in wrapped(told, width, further, further + _GAP):
+            text = f"{why} ({clause.replace(' ', _KEPT)})"
+            for line in wrapped(text, width, further, further + _GAP):
                 yield line.replace(_KEPT, " ")
 
 
@@ -154,15 +154,15 @@ def _levels(found: Alternatives) -> Iterator[str]:
     resolution = found.synthesis.resolution
     conversion, relationships = found.levels[CONVERSION], found.levels[RELATIONSHIPS]
     searched = "that less does not suffice was proved by search"
-    told = f"Conversion {conversion.cost}: {_conversion_list(found)}"
+    text = f"Conversion {conversion.cost}: {_conversion_list(found)}"
     if conversion.cost and resolution.proven:
         is_met = conversion.bound == conversion.cost
-        told += f"; {'no specification of as few nodes needs less' if is_met else searched}"
-    yield f"{told}."
-    told = f"Relationships {relationships.cost}: {_relationships(found)}"
+        text += f"; {'no specification of as few nodes needs less' if is_met else searched}"
+    yield f"{text}."
+    text = f"Relationships {relationships.cost}: {_relationships(found)}"
     if resolution.proven and relationships.bound != relationships.cost:
-        told += f"; {searched}"
-    yield f"{told}."
+        text += f"; {searched}"
+    yield f"{text}."
     if not resolution.proven:
         yield "The time limit ended the proof that nothing costs less."
     elif resolution.count is None:
@@ -183,8 +183,8 @@ def _conversion_list(found: Alternatives) -> str:
     applied = sum(bool(node.conversion and node.conversion.converter) for node in nodes)
     more = applied - len(found.conversions)
     is_cut = len(found.conversions) == MOST_CONVERSIONS and more > 0
-    told = (each.replace("`", "") for each in found.conversions)
-    return ", ".join([*told, *([f"and {more} more"] if is_cut else [])])
+    result = (each.replace("`", "") for each in found.conversions)
+    return ", ".join([*result, *([f"and {more} more"] if is_cut else [])])
 
 
 def _relationships(found: Alternatives) -> str:
@@ -204,20 +204,20 @@ def _relationships(found: Alternatives) -> str:
         return "none is declared"
     first = f"the {declared} declared" if declared > 1 else "the one declared"
     repeated = found.written - declared
-    told = [f"{first} ({repeated} repeated aside)" if repeated else first]
+    texts = [f"{first} ({repeated} repeated aside)" if repeated else first]
     if nodes:
-        told.append("one more for each node" if len(nodes) > 1 else "one more for the node")
+        texts.append("one more for each node" if len(nodes) > 1 else "one more for the node")
     if fanned:
-        told.append(f"{fanned} more from InheritanceNodes to further modules")
+        texts.append(f"{fanned} more from InheritanceNodes to further modules")
     if heard:
-        told.append(f"{heard} more to nodes that listen in several places")
+        texts.append(f"{heard} more to nodes that listen in several places")
     if shared < 0:
-        told.append(f"{-shared} more for what is commanded in two parts")
+        texts.append(f"{-shared} more for what is commanded in two parts")
     if shared > 0:
-        told.append(f"{shared} fewer, because nodes share lines")
-    if len(told) == 1:
-        return told[0]
-    return f"{', '.join(told[:-1])}, and {told[-1]}"
+        texts.append(f"{shared} fewer, because nodes share lines")
+    if len(texts) == 1:
+        return texts[0]
+    return f"{', '.join(texts[:-1])}, and {texts[-1]}"
 
 
 def _example(found: Alternatives, arguments: argparse.Namespace, width: int) -> Iterator[str]:
@@ -230,13 +230,13 @@ def _example(found: Alternatives, arguments: argparse.Namespace, width: int) -> 
                 if asked is None:
                     return
                 asked = f"See it break: {asked}"
-                told = f"->  clause {reason.clause} at {places(reason.lines, path)}"
+                text = f"->  clause {reason.clause} at {places(reason.lines, path)}"
                 # A command is not broken.
-                if cells(asked) + len(_GAP) + cells(told) <= width:
-                    yield f"{asked}{_GAP}{told}"
+                if cells(asked) + len(_GAP) + cells(text) <= width:
+                    yield f"{asked}{_GAP}{text}"
                 else:
                     yield asked
-                    yield from wrapped(told, width, _GAP, _GAP * 3)
+                    yield from wrapped(text, width, _GAP, _GAP * 3)
                 return
 
 

@@ -54,8 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     remarks = (*selected.remarks, *selection.end())
     status = int(selected.has_errors)
     if is_published(arguments):
-        told = (*messages, *remarks[len(selected.remarks) :])
-        return publish([*results_of(selected), *map(Result, told)], arguments, status)
+        entries = (*messages, *remarks[len(selected.remarks) :])
+        return publish([*results_of(selected), *map(Result, entries)], arguments, status)
     report(remarks, arguments)
     if arguments.format == "json":
         print(encoded(analysis_json(project, analysis, selected)))

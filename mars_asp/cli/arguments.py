@@ -188,9 +188,9 @@ class Parser(argparse.ArgumentParser):
         near = nearest(unknown[1], sorted(names - _WRITING), _ALIKE) if unknown else None
         if choice := re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message):
             near = nearest(choice[1], re.findall(r"'([^']*)'", choice[2]))
-        told = f"{message}: did you mean `{near}`?" if near else message
-        mark = "" if told.endswith("?") else ";"
-        whole = f"{self.prog}: {visible(told)}{mark} see `{self.prog} --help`"
+        text = f"{message}: did you mean `{near}`?" if near else message
+        mark = "" if text.endswith("?") else ";"
+        whole = f"{self.prog}: {visible(text)}{mark} see `{self.prog} --help`"
         lines = wrapped(whole, columns(sys.stderr), "", "  ")
         self.exit(USAGE, "\n".join([*lines, ""]))
 

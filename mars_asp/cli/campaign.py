@@ -228,9 +228,9 @@ def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     from mars_asp.execution.scenario.vary import written_change
 
     changes = [written_change(key, value) for key, value in run.changes.items()]
-    told = ", ".join((f"seed {run.seed}", *changes))
+    text = ", ".join((f"seed {run.seed}", *changes))
     for each in problems:
-        effect = f"The run with {told} cannot begin."
+        effect = f"The run with {text} cannot begin."
         yield Diagnostic(each.code, "error", each.message, each.span, help=each.help, effect=effect)
 
 

@@ -59,8 +59,8 @@ def _client(address: str) -> "Iterator[Client]":
     try:
         client = Client(address, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:
-        told = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
-        raise _cluster_error(f"no scheduler answers at `{address}`: {told}") from None
+        text = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
+        raise _cluster_error(f"no scheduler answers at `{address}`: {text}") from None
     with client:
         yield client
 
@@ -126,8 +126,8 @@ def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
         raise _cluster_error(
             f"a worker of {shown} cannot import mars-asp: install it there"
         ) from None
-    told = f"{type(error).__name__}: {error}"[:300]
-    raise _cluster_error(f"a worker of {shown} cannot carry out runs: {told}") from None
+    text = f"{type(error).__name__}: {error}"[:300]
+    raise _cluster_error(f"a worker of {shown} cannot carry out runs: {text}") from None
 
 
 def _task() -> Callable[[str, bytes, tuple[Any, ...]], RunOutcome | None]:

@@ -53,8 +53,8 @@ def needs_of(
         raise MarsError(problems)
     missing = [file for file in files if not file.is_file()]
     if missing:
-        told = "this file, which runs import, is not there"
-        raise refusal("campaign", told, str(missing[0]))
+        message = "this file, which runs import, is not there"
+        raise refusal("campaign", message, str(missing[0]))
     return JobNeeds(imported_code(files), tuple(found))
 
 

@@ -284,8 +284,8 @@ def serve_runs() -> None:
             job = _unpacked(job, root)
         os.chdir(job.folder)
         carry_out = _Carrier(job, given, root)
-        while select.select([given], [], [], _IDLE)[0] and (asked := _received(given)):
-            _send(answers, pickle.dumps(carry_out(pickle.loads(asked))))
+        while select.select([given], [], [], _IDLE)[0] and (query := _received(given)):
+            _send(answers, pickle.dumps(carry_out(pickle.loads(query))))
 
 
 def _unpacked(job: Job, root: str) -> Job:
@@ -338,27 +338,27 @@ class _Carrier:
         scenario = replace(self._scenarios[key], seed=run.seed)
         seconds = self._job.seconds or 60.0 + 10 * scenario.duration
         for _ in range(_TRIES):
-            said, how = self._contained(scenario, seconds)
-            if said is not None:
-                return _outcome(json.loads(said.decode("utf-8", "surrogatepass")))
+            result, how = self._contained(scenario, seconds)
+            if result is not None:
+                return _outcome(json.loads(result.decode("utf-8", "surrogatepass")))
             if how is None:
-                told = f"the run took longer than {seconds:g} s, so it was ended"
-                return RunOutcome(_unfinished(scenario, NOT_DECIDED, told))
-        told = f"the code of a behaviour ended the run ({how})"
-        return RunOutcome(_unfinished(scenario, FAIL, told))
+                text = f"the run took longer than {seconds:g} s, so it was ended"
+                return RunOutcome(_unfinished(scenario, NOT_DECIDED, text))
+        text = f"the code of a behaviour ended the run ({how})"
+        return RunOutcome(_unfinished(scenario, FAIL, text))
 
     def _contained(self, scenario: Scenario, seconds: float) -> tuple[bytes | None, str | None]:
         """Return what a child says of a run; else how it ended, `None` where its time was over."""
         if not hasattr(os, "fork"):
             return self._result(scenario), None
-        results, said = os.pipe()
+        results, result = os.pipe()
         watched, alive = os.pipe()
         child = os.fork()
         if not child:
             os.close(results)
             os.close(alive)
-            self._work(scenario, said, watched)
-        os.close(said)
+            self._work(scenario, result, watched)
+        os.close(result)
         os.close(watched)
         status = None
         try:
@@ -429,8 +429,8 @@ class _Carrier:
             ]
             found = {"problems": problems}
         except MemoryError:
-            told = "the memory limit ended the run; --memory-limit MB allows more"
-            found = {"result": _unfinished(scenario, NOT_DECIDED, told)}
+            text = "the memory limit ended the run; --memory-limit MB allows more"
+            found = {"result": _unfinished(scenario, NOT_DECIDED, text)}
         # No result depends on where it was found.
         raw = json.dumps(found, ensure_ascii=False).encode("utf-8", "surrogatepass")
         return (raw.replace(self._root, b"") if self._root else raw) + b"\n"

@@ -47,8 +47,8 @@ def print_table(
     among = f" of {failed}" if failed > MOST_WORST else ""
     print(f"the worst{among} that did not pass, each with its command:", file=stream)
     for result, command in zip(shown, commands, strict=True):
-        told = wrapped(visible(_result_text(result)), columns(stream), "  ", "    ")
-        print("\n".join(told), file=stream)
+        outcome = wrapped(visible(_result_text(result)), columns(stream), "  ", "    ")
+        print("\n".join(outcome), file=stream)
         print(f"    {command['command']}", file=stream)
 
 
@@ -108,12 +108,12 @@ def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
     for count, names in by_count.items():
         head = f"warnings in {count} of {passed.of}: "
         yield from map(visible, wrapped(", ".join(names), width, head, "  "))
-    for told, among in (
+    for item, among in (
         ("in control in each run: ", [n for n, s in controls.items() if 0 < s.held == s.of]),
         ("in control in no run: ", [n for n, s in controls.items() if s.held == 0]),
     ):
         if among:
-            yield from map(visible, wrapped(", ".join(among), width, told, "  "))
+            yield from map(visible, wrapped(", ".join(among), width, item, "  "))
 
 
 def _spread_title(name: str) -> tuple[str, str]:
@@ -152,8 +152,8 @@ def _filled(text: str, width: int) -> str:
 
 def _label(cell: Cell, fixed: Mapping[str, Any]) -> str:
     """Return what a cell has and others have not; a cell of the scenario as it is has a dash."""
-    stated = (written_change(*each) for each in cell.vary.items() if each[0] not in fixed)
-    return ", ".join(stated) or "-"
+    declared = (written_change(*each) for each in cell.vary.items() if each[0] not in fixed)
+    return ", ".join(declared) or "-"
 
 
 def _result_text(result: _Result) -> str:
@@ -162,11 +162,11 @@ def _result_text(result: _Result) -> str:
     violated = [r["name"] for r in result["requirements"] if r["holds"] is False]
     undecided = [r["name"] for r in result["requirements"] if r["holds"] is None]
     if result.get("error"):
-        told = result["error"]
+        outcome = result["error"]
     elif violated:
-        told = f"violated: {', '.join(violated)}"
+        outcome = f"violated: {', '.join(violated)}"
     else:
-        told = f"not decided: {', '.join(undecided)}"
+        outcome = f"not decided: {', '.join(undecided)}"
     if result.get("collisions"):
-        told += f"; {counted(result['collisions'], 'collision')}"
-    return f"{', '.join(named)}: {told}"
+        outcome += f"; {counted(result['collisions'], 'collision')}"
+    return f"{', '.join(named)}: {outcome}"

@@ -39,14 +39,14 @@ def measured(
         cases = [tried(each.path, rulebook) for each in found if each.pack == pack]
         of = "the given rules" if pack is None else visible(str(pack))
         if arguments.coverage:
-            told, entry, is_bad = _coverage(of, _rules(pack, rulebook), rulebook, cases)
-            lines += told
+            outcome, entry, is_bad = _coverage(of, _rules(pack, rulebook), rulebook, cases)
+            lines += outcome
             coverage.append({"pack": None if pack is None else str(pack), **entry})
             status = max(status, is_bad)
         if arguments.mutate:
             files = tuple(_mutated_files(pack, rulebook))
-            told, entry, is_bad = _mutants(of, files, rulebook, cases, arguments.jobs)
-            lines += told
+            outcome, entry, is_bad = _mutants(of, files, rulebook, cases, arguments.jobs)
+            lines += outcome
             mutation.append({"pack": None if pack is None else str(pack), **entry})
             status = max(status, is_bad)
     result |= {"coverage": coverage} if arguments.coverage else {}

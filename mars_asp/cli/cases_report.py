@@ -115,8 +115,8 @@ def _cases(suite: ElementTree.Element, ran: CaseFileResult) -> None:
             suite, "testcase", name=visible(ran.path.name), classname=classname, file=path
         )
         for problem in ran.problems:
-            told = f"{_location_text(problem.span)}: {problem.message}"
-            ElementTree.SubElement(case, "error", message=visible(told))
+            text = f"{_location_text(problem.span)}: {problem.message}"
+            ElementTree.SubElement(case, "error", message=visible(text))
         return
     for check in ran.outcome.checks:
         title = ran.path.name if check.title is None else f"{ran.path.name}: {check.title}"

@@ -202,8 +202,8 @@ def _fish(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
             )
             values = kinds if not _LISTS.isdisjoint(option.names) else " ".join(option.values)
             value = f" -xa '{values}'" if values else " -r"
-            said = f"{forms}{value if option.takes else ''} -d {_shell_word(option.about)}"
-            yield f"complete -c {_COMMAND} {seen} {said}"
+            text = f"{forms}{value if option.takes else ''} -d {_shell_word(option.about)}"
+            yield f"complete -c {_COMMAND} {seen} {text}"
 
 
 def _shell_word(text: str) -> str:

@@ -475,8 +475,8 @@ def _check_unchanged(file: OutputFile) -> None:
         if not os.fstat(there.fileno()).st_mode & 0o222:
             raise PermissionError(errno.EACCES, "it is read-only, so it was left alone", file.path)
         if _digest(there.read()) != file.read:
-            told = "it has changed since it was read, so it was left alone"
-            raise ChangedError(0, told, file.path)
+            text = "it has changed since it was read, so it was left alone"
+            raise ChangedError(0, text, file.path)
 
 
 def _digest(content: bytes) -> str:

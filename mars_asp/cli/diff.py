@@ -94,8 +94,8 @@ def difference_lines(found: Difference, coloured: bool, quiet: bool, width: int)
     for node in found.nodes:
         reasons = ", ".join(_resolves(node, found))
         word = paint(f"{node.how} {visible(node.item.name)}", "strong", coloured)
-        told = f"{word}, which resolves {visible(reasons)}" if reasons else word
-        yield from wrapped(told, width, "", "  ")
+        text = f"{word}, which resolves {visible(reasons)}" if reasons else word
+        yield from wrapped(text, width, "", "  ")
         yield from _causes(node)
     if quiet:
         return

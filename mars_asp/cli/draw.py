@@ -97,11 +97,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
     kind = arguments.kind or _kind_of(arguments.output)
     if kind not in FORMATS:
-        told = (
+        text = (
             f"mars-asp draw: `{visible(arguments.output)}` does not show what to write; "
             f"end it in .{', .'.join(FORMATS)}, or add --as"
         )
-        for line in wrapped(told, columns(sys.stderr), further="  "):
+        for line in wrapped(text, columns(sys.stderr), further="  "):
             print(line, file=sys.stderr)
         return 2
     if arguments.depth is not None and arguments.about is None:

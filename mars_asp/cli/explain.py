@@ -343,8 +343,8 @@ def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Seque
 
     names = [name.text for name in reasoner.project.configuration.modules]
     if answer.subject is not None:
-        told = [title for each in answer.topics for title in (each.name, *each.resolves)]
-        about = {answer.subject, *(title.partition("(")[2].removesuffix(")") for title in told)}
+        entries = [title for each in answer.topics for title in (each.name, *each.resolves)]
+        about = {answer.subject, *(title.partition("(")[2].removesuffix(")") for title in entries)}
         names = [name for name in names if name in about]
     return tuple(absences(reasoner, names, only))
 
@@ -490,8 +490,8 @@ def why_not_paragraphs(
     if answer.extra is not None:
         yield below(_price(answer.extra))
     if answer.obstacles:
-        asked = command("explain", arguments, "--repair")
-        yield [f"{BELOW}To see what would fix that:", f"{BELOW}{BELOW}{asked}"]
+        query = command("explain", arguments, "--repair")
+        yield [f"{BELOW}To see what would fix that:", f"{BELOW}{BELOW}{query}"]
     if answer.see is not None:
         yield [f"{BELOW}Why: {command('explain', arguments, answer.see)}"]
 
@@ -540,8 +540,8 @@ def _topic_lines(
     """Yield the lines of topics: accounts, or traces where these are wanted or all there is."""
     coloured = colours(arguments, sys.stdout)
     if traced or any(topic.account is None for topic in topics):
-        told = [(topic.title, topic.trace) for topic in topics]
-        yield from _trace_lines(told, getattr(arguments, "depth", DEPTH), arguments)
+        entries = [(topic.title, topic.trace) for topic in topics]
+        yield from _trace_lines(entries, getattr(arguments, "depth", DEPTH), arguments)
         return
     width = columns(sys.stdout)
     repeated = set(_covered_by_nodes(topics))

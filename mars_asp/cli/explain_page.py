@@ -301,8 +301,8 @@ def _traces(topics: Sequence[Topic], sources: _Sources) -> dict[str, Any]:
                 paths[number] = path
             case {"why": numbers}:
                 why.append(numbers)
-    told = iter(why)
-    return {"steps": steps, "why": [[] if _is_untraced(each) else next(told) for each in topics]}
+    result = iter(why)
+    return {"steps": steps, "why": [[] if _is_untraced(each) else next(result) for each in topics]}
 
 
 def _is_untraced(topic: Topic) -> bool:

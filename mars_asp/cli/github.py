@@ -32,8 +32,8 @@ def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
             else:
                 properties["endLine"] = span.end_line
         properties["title"] = found.kind or found.code
-        told = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
-        yield f"::{_COMMANDS[found.severity]} {told}::{_escaped(_annotation_text(result))}"
+        text = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
+        yield f"::{_COMMANDS[found.severity]} {text}::{_escaped(_annotation_text(result))}"
 
 
 def _annotation_text(result: Result) -> str:

@@ -41,7 +41,7 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
         return 3
     except (RuntimeError, ImportError) as error:
         # clingo hands on what C++ says when there is no memory, and Python what the loader says.
-        if not any(told in str(error) for told in ("bad_alloc", "failed to map segment")):
+        if not any(item in str(error) for item in ("bad_alloc", "failed to map segment")):
             raise
         say_memory_ended(arguments)
         return 3
@@ -150,8 +150,8 @@ def say_memory_ended(arguments: argparse.Namespace) -> None:
     most = memory_limit(arguments)
     asked = arguments.memory_limit is not None
     half = "" if asked else ", half of what there is; --memory-limit MB allows more"
-    told = "" if most is None else f" of {most:.0f} MB{half}"
-    print(f"mars-asp: the memory limit{told} ended this", file=sys.stderr)
+    text = "" if most is None else f" of {most:.0f} MB{half}"
+    print(f"mars-asp: the memory limit{text} ended this", file=sys.stderr)
 
 
 def _machine() -> int | None:

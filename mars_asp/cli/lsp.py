@@ -33,8 +33,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until the editor is gone; 2 where the extra is missing."""
     if find_spec("pygls") is None:
-        told = "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
-        print(f"mars-asp lsp: {told}", file=sys.stderr)
+        text = "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
+        print(f"mars-asp lsp: {text}", file=sys.stderr)
         return 2
     from mars_asp.cli.limits import limit_memory, memory_limit
     from mars_asp.lsp.server import serve

@@ -221,17 +221,17 @@ class _EditorQuery:
 
 def _survey(question: Question, options: argparse.Namespace) -> Survey | Failed:
     """Answer which consequences and nodes there are for each module."""
-    asked = _EditorQuery(question, options)
+    query = _EditorQuery(question, options)
     try:
-        reasoner = asked.reasoner("resolve")
+        reasoner = query.reasoner("resolve")
         found = reasoner.analysis.consequences
         synthesis = reasoner.synthesis
     except MarsError as error:
         return Failed(str(error))
-    ports = {text: module for text, (module, _) in port_names(asked.project).items()}
+    ports = {text: module for text, (module, _) in port_names(query.project).items()}
     names = {
-        each.text for each in asked.project.configuration.modules
-    } | asked.project.modules.keys()
+        each.text for each in query.project.configuration.modules
+    } | query.project.modules.keys()
     about: dict[str, dict[str, None]] = {}
     by_title: dict[str, dict[str, None]] = {}
     for each in found:
@@ -256,14 +256,14 @@ def _as_tuples(found: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]
 
 def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
     """Answer why there is what a question is about, in lines: its trace to the usual depth."""
-    asked = _EditorQuery(question, options)
+    query = _EditorQuery(question, options)
     try:
-        reasoner = asked.reasoner("resolve", "account")
+        reasoner = query.reasoner("resolve", "account")
         found = explain(reasoner, question.about)
     except MarsError as error:
         return Failed(str(error))
-    told = [(topic.title, topic.trace) for topic in found.topics]
-    lines = list(islice(traces_text(told, line_at, width=_WIDTH), _MOST_LINES + 1))
+    entries = [(topic.title, topic.trace) for topic in found.topics]
+    lines = list(islice(traces_text(entries, line_at, width=_WIDTH), _MOST_LINES + 1))
     if len(lines) > _MOST_LINES:
         lines[_MOST_LINES:] = ["    ..."]
     home = f"{Path(question.path).parent}{os.sep}"
@@ -272,10 +272,10 @@ def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
 
 def _repairs(question: Question, options: argparse.Namespace) -> tuple[Action, ...]:
     """Answer the edits that remove findings, each of them tried."""
-    asked = _EditorQuery(question, options)
+    query = _EditorQuery(question, options)
     try:
-        rulebook = rulebook_for(asked.arguments, REPAIRING)
-        found = repairs(asked.project, rulebook, seconds=_REPAIR_SECONDS, with_warnings=True)
+        rulebook = rulebook_for(query.arguments, REPAIRING)
+        found = repairs(query.project, rulebook, seconds=_REPAIR_SECONDS, with_warnings=True)
     except MarsError:
         # They are findings of the check.
         return ()

@@ -57,8 +57,8 @@ def _rules(path: Path, files: EditorFiles, is_own: bool) -> Rules:
         # What is declared begins with the name, behind `%*! `.
         place = files.place(each.span) or Place(str(path), _START)
         key = signature.name, signature.arity
-        said = Predicate(signature.signed, each.written, each.words, place)
-        predicates[key] = (*predicates.get(key, ()), said)
+        result = Predicate(signature.signed, each.written, each.words, place)
+        predicates[key] = (*predicates.get(key, ()), result)
     mentions: dict[str, tuple[PredicateMention, ...]] = {}
     own = sorted(rules_directory().rglob("*.lp"))
     for file in (*beside, *own):

@@ -61,8 +61,8 @@ class CaseFile(pytest.File):
         try:
             outcome = run_case(self.path, _rulebook(self.config, self.pack, self.path.parent))
         except MarsError as error:
-            told = (f"{d.span.path}:{d.span.line}: {d.message}" for d in error.diagnostics)
-            raise self.CollectError("\n".join(told)) from None
+            text = (f"{d.span.path}:{d.span.line}: {d.message}" for d in error.diagnostics)
+            raise self.CollectError("\n".join(text)) from None
         for check in outcome.checks:
             item = CaseItem.from_parent(self, name=check.title or self.path.stem)
             item.check = check

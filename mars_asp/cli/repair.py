@@ -132,8 +132,8 @@ def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> It
         yield f"{_BELOW}{counted(mend.errors, 'other error')} {are} left"
     elif mend.spent is not None:
         costs = spent(_costs_by_name(mend.spent))
-        told = f"then there is a specification of {costs}" if costs else _NOTHING_LEFT
-        yield from wrapped(told, width, _BELOW, _BELOW)
+        message = f"then there is a specification of {costs}" if costs else _NOTHING_LEFT
+        yield from wrapped(message, width, _BELOW, _BELOW)
 
 
 def _costs_by_name(spent: Mapping[int, int]) -> dict[str, int]:

@@ -93,8 +93,8 @@ def report(
         diagnostic = brief(whole)
         for_programs = arguments.format in ("json", "jsonl")
         # What was not read of a file no program may miss.
-        told = for_programs and diagnostic.code == NOT_READ
-        if arguments.quiet and diagnostic.severity == "note" and not told:
+        result = for_programs and diagnostic.code == NOT_READ
+        if arguments.quiet and diagnostic.severity == "note" and not result:
             continue
         if for_programs:
             found = diagnostic_json(diagnostic, suggestions.get(whole))

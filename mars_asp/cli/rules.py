@@ -329,8 +329,8 @@ def _find_named(
 
 def _near(name: str, known: Collection[str]) -> str | None:
     """Return the id that is meant by one that leaves out the stage, or is misspelt."""
-    behind = (each for each in known if each.endswith(f"/{name}"))
-    return next(behind, None) or nearest(name, known)
+    after = (each for each in known if each.endswith(f"/{name}"))
+    return next(after, None) or nearest(name, known)
 
 
 def _stage_list(rulebook: Rulebook, stage: str) -> str:

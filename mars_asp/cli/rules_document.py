@@ -145,19 +145,19 @@ def rule_summary(rule: Rule, heading: str, example: RuleExample | None) -> str:
 def predicate_document(declaration: Declaration) -> str:
     """Return what is declared of a predicate."""
     sentences = {"says": declaration.says, "unless": declaration.unless}
-    said = [f"{key}: {markdown(each)}" for key, found in sentences.items() for each in found]
+    lines = [f"{key}: {markdown(each)}" for key, found in sentences.items() for each in found]
     origin = declaration.attribution or declaration.origin
-    said += [f"from: {origin}"] if origin else []
-    said += (f"key: {', '.join(key) or 'nothing'}" for key in declaration.named_keys)
-    said += [f"packs: {use}"] if (use := _use_by_packs(declaration)) else []
-    said += [] if declaration.joins else ["joins: nothing"]
-    said += [] if declaration.cited else ["cited: never"]
-    said += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]
+    lines += [f"from: {origin}"] if origin else []
+    lines += (f"key: {', '.join(key) or 'nothing'}" for key in declaration.named_keys)
+    lines += [f"packs: {use}"] if (use := _use_by_packs(declaration)) else []
+    lines += [] if declaration.joins else ["joins: nothing"]
+    lines += [] if declaration.cited else ["cited: never"]
+    lines += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]
     place = f"{declaration.span.path}:{declaration.span.line}"
     parts = (
         f"## {markdown(declaration.written)}",
         markdown(declaration.words),
-        "\n".join(said),
+        "\n".join(lines),
         markdown(place),
     )
     return "\n\n".join(filter(None, parts))

@@ -56,24 +56,24 @@ def kind_document(kind: Kind) -> Iterator[str]:
     else:
         yield f"## {kind.called}"
         yield f"A kind of node, `{kind.name}` in rules."
-    stated = kind.stated
-    if stated is not None:
-        takes = "several inputs" if stated.inputs == "several" else "one input"
-        yield f"It carries {stated.carries}, with {takes} and {_OUTPUTS[stated.outputs]}."
-        yield f"{stated.span.path}:{stated.span.line}"
+    declared = kind.stated
+    if declared is not None:
+        takes = "several inputs" if declared.inputs == "several" else "one input"
+        yield f"It carries {declared.carries}, with {takes} and {_OUTPUTS[declared.outputs]}."
+        yield f"{declared.span.path}:{declared.span.line}"
 
 
 def kind_json(kind: Kind) -> dict[str, object]:
     """Return what is said of a kind, for programs."""
-    stated = kind.stated
+    declared = kind.stated
     more: dict[str, object] = {}
-    if stated is not None:
+    if declared is not None:
         more = {
-            "carries": stated.carries,
-            "inputs": stated.inputs,
-            "outputs": stated.outputs,
-            "path": stated.span.path,
-            "line": stated.span.line,
+            "carries": declared.carries,
+            "inputs": declared.inputs,
+            "outputs": declared.outputs,
+            "path": declared.span.path,
+            "line": declared.span.line,
         }
     named = {} if kind.called is None else {"name": kind.called}
     rules = [rule.id for rule in kind.rules]

@@ -134,8 +134,8 @@ def new_pack(topic: str, rulebook: Rulebook) -> tuple[str, ...]:
             write_file(str(place), Template(text).substitute(names))
             written.append(str(place))
     except OSError as error:
-        told = f"`{topic}` cannot be written: {error.strerror or error}"
-        raise _topic_error(topic, told, "choose a folder that you may write to") from None
+        message = f"`{topic}` cannot be written: {error.strerror or error}"
+        raise _topic_error(topic, message, "choose a folder that you may write to") from None
     return tuple(written)
 
 

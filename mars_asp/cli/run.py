@@ -200,8 +200,8 @@ def _print_plan(
         head = visible(f"  {os.path.normpath(file)}: ")
         print("\n".join(wrapped(visible(uses), width, head, "    ")))
     if devices:
-        told = ", ".join(f"{name} ({kind})" for name, kind in devices.items())
-        print("\n".join(wrapped(visible(told), width, "simulated: ", "  ")))
+        text = ", ".join(f"{name} ({kind})" for name, kind in devices.items())
+        print("\n".join(wrapped(visible(text), width, "simulated: ", "  ")))
     print(f"{scenario.duration:g} s, seed {scenario.seed}; nothing was run")
     return 2 if missing else 0
 
@@ -211,8 +211,8 @@ def _write_report(trial: "Trial", judgement: "Judgement", arguments: argparse.Na
     from mars_asp.execution.recording.picture import plot_run
 
     replay = arguments.replay and replay_seen_from(arguments.report, arguments.replay)
-    told, title = run_json(trial, judgement), _title(trial.scenario)
-    page = report_page(told, plot_run(trial, judgement), title, replay)
+    result, title = run_json(trial, judgement), _title(trial.scenario)
+    page = report_page(result, plot_run(trial, judgement), title, replay)
     write_file(arguments.report, page)
 
 

@@ -96,8 +96,8 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
         row = held["seconds"], held["holder"] or "no controller", held["why"]
         winners.setdefault(held["node"], []).append(row)
     for node, rows in winners.items():
-        told = [(f"{since:.3f} s", holder, why) for since, holder, why in in_turn(rows)]
-        yield from _html_table(f"Who won at {node}", ("from", "winner", "because"), told)
+        entries = [(f"{since:.3f} s", holder, why) for since, holder, why in in_turn(rows)]
+        yield from _html_table(f"Who won at {node}", ("from", "winner", "because"), entries)
     failures = [
         (each["name"], f"{each['count']} times", f"first at {each['seconds']:g} s: {each['first']}")
         for each in run["failures"]

@@ -81,11 +81,11 @@ def _verdict(judgement: "Judgement") -> str:
     if judgement.verdict == "pass":
         warned = f", with {counted(warnings, 'warning')}" if warnings else ""
         return f"pass: all {count} requirements hold{warned}"
-    state, told = (False, "violated") if judgement.verdict == "fail" else (None, "not decided")
+    state, result = (False, "violated") if judgement.verdict == "fail" else (None, "not decided")
     names = [each.name for each in judgement.requirements if each.holds is state]
     are = "is" if len(names) == 1 else "are"
     named = ", ".join(names)
-    return f"{judgement.verdict}: {len(names)} of {count} requirements {are} {told}: {named}"
+    return f"{judgement.verdict}: {len(names)} of {count} requirements {are} {result}: {named}"
 
 
 def print_winners(trial: "Trial") -> None:

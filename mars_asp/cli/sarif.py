@@ -41,11 +41,11 @@ def sarif_log(results: Sequence[Result], status: int) -> _Json:
         "semanticVersion": __version__,
         "rules": [_descriptor(code, first) for code, first in rules.items()],
     }
-    told = "what relative paths are relative to: the root of the repository, else the folder in use"
+    text = "what relative paths are relative to: the root of the repository, else the folder in use"
     run: _Json = {
         "tool": {"driver": driver},
         "invocations": [_invocation(results, status)],
-        "originalUriBaseIds": {_ROOT: {"description": {"text": plain_text(told)}}},
+        "originalUriBaseIds": {_ROOT: {"description": {"text": plain_text(text)}}},
         "columnKind": "unicodeCodePoints",
         "results": [_result(each, numbers) for each in found],
     }

@@ -254,7 +254,7 @@ class Selection:
         found: Sequence[Consequence],
         notes: bool = True,
     ) -> Selected:
-        said = {
+        entries = {
             (span.path, span.line, kind): ignore.reason
             for ignore in reversed(ignores)
             for kind, span in ignore.kinds
@@ -268,7 +268,7 @@ class Selection:
             if not choice.has(names) or (each.severity == "note" and not notes):
                 continue
             path, line = each.spans[0][:2]
-            reasons = [said[path, line, name] for name in names if (path, line, name) in said]
+            reasons = [entries[path, line, name] for name in names if (path, line, name) in entries]
             if reasons:
                 hidden.append(Hidden(each, "comment", reasons[0]))
             elif is_known:
@@ -298,8 +298,8 @@ class Selection:
             print(text, end="")
             return
         write_file(path, text)
-        told = f"the baseline lists {counted(len(self._written), 'finding')}"
-        yield Diagnostic("baseline", "note", told, whole_file(path), excerpt="")
+        words = f"the baseline lists {counted(len(self._written), 'finding')}"
+        yield Diagnostic("baseline", "note", words, whole_file(path), excerpt="")
 
     # ---- What is chosen --------------------------------------------------------------------------
 

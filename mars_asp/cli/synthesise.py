@@ -189,7 +189,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
         **{module.name: module for module in project.configuration.declared},
     }
     configuration = project.configuration
-    said = {conversion.transformer: conversion for conversion in configuration.conversions}
+    entries = {conversion.transformer: conversion for conversion in configuration.conversions}
     stands_for = {each.node: each.module for each in found.specification.configuration.stand_ins}
     muxes = realised_by(found.specification.configuration)
     listed: list[dict[str, object]] = []
@@ -200,7 +200,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
                 "name": name,
                 "kind": kind or _first_class(described.get(name)),
                 "origin": "declared",
-                **_conversion_json(said.get(name)),
+                **_conversion_json(entries.get(name)),
                 **({"stands_for": stands_for[name]} if name in stands_for else {}),
                 **({"realised_by": muxes[name]} if name in muxes else {}),
             }

@@ -27,8 +27,8 @@ def topics_document(subject: str | None, topics: Sequence[Topic]) -> dict[str, o
     """Return topics with the keys of the contract."""
     document = TraceDocument()
     traces = [{"title": each.title, **document.trace(each.trace)} for each in topics]
-    told = list(map(_topic_json, topics))
-    return {**_head(subject), "traces": traces, "topics": told}
+    entries = list(map(_topic_json, topics))
+    return {**_head(subject), "traces": traces, "topics": entries}
 
 
 def why_not_document(answer: WhyNot) -> dict[str, object]:
@@ -36,8 +36,8 @@ def why_not_document(answer: WhyNot) -> dict[str, object]:
     lines = [line_json(span) for span in answer.evidence]
     title, trace = answer.subject, trace_json(answer.trace)
     cited = [{**line, "label": ""} for line in lines]
-    told = {"answer": answer.answer, "lines": cited, "notes": [], "decided_by": None}
-    topic = {"title": title, "sort": "atom", "name": title, "resolves": [], **told}
+    entries = {"answer": answer.answer, "lines": cited, "notes": [], "decided_by": None}
+    topic = {"title": title, "sort": "atom", "name": title, "resolves": [], **entries}
     found = {
         "present": answer.present,
         "answer": answer.answer,
@@ -56,12 +56,12 @@ def _head(subject: str | None) -> dict[str, object]:
 
 
 def _topic_json(topic: Topic) -> dict[str, object]:
-    told = {"title": topic.title, "sort": topic.sort, "name": topic.name}
+    entries = {"title": topic.title, "sort": topic.sort, "name": topic.name}
     account = topic.account
     if account is None:
-        return {**told, "resolves": list(topic.resolves)}
+        return {**entries, "resolves": list(topic.resolves)}
     resolves = list(topic.resolves)
-    return {**told, "resolves": resolves, **account_json(account), "decided_by": topic.rule}
+    return {**entries, "resolves": resolves, **account_json(account), "decided_by": topic.rule}
 
 
 def _batches(lines: Iterable[str]) -> Iterator[list[str]]:

@@ -176,13 +176,13 @@ def verification_lines(
     for caution in verification.cautions:
         yield from _finding_text("warning", caution, width)
     if not verification.violations:
-        told = f"the specification realises the configuration{_minimality(compared)}"
-        yield from wrapped(told, width, "", "  ")
+        text = f"the specification realises the configuration{_minimality(compared)}"
+        yield from wrapped(text, width, "", "  ")
 
 
 def _finding_text(head: str, found: Violation | Caution, width: int) -> Iterator[str]:
-    told = visible(f"{head}: {found.message} [{found.rule.id}]")
-    yield from wrapped(told, width, "", "  ")
+    result = visible(f"{head}: {found.message} [{found.rule.id}]")
+    yield from wrapped(result, width, "", "  ")
     yield from wrapped(visible(found.help or ""), width, "    help: ", "          ")
 
 
@@ -205,8 +205,8 @@ def _run_without(arguments: argparse.Namespace) -> int:
         return 1
     if arguments.format == "json":
         violations = [{"clause": b.violation.clause, **_finding_json(b.violation)} for b in found]
-        for told, broken in zip(violations, found, strict=True):
-            told["locations"] = _locations(each.span for each in broken.relationships)
+        for item, broken in zip(violations, found, strict=True):
+            item["locations"] = _locations(each.span for each in broken.relationships)
         print(
             encoded(
                 {
@@ -232,8 +232,8 @@ def _without_text(name: str, found: Sequence["ViolatedClause"], width: int) -> I
     yield f"Without {name}:"
     for broken in found:
         violation = broken.violation
-        told = f"clause {violation.clause}: {violation.message}  [{violation.rule.id}]"
-        yield from wrapped(visible(told), width, "  ", "    ")
+        text = f"clause {violation.clause}: {violation.message}  [{violation.rule.id}]"
+        yield from wrapped(visible(text), width, "  ", "    ")
         yield from _lines_at([each.span for each in broken.relationships])
 
 
@@ -256,9 +256,9 @@ def _report_own(
 
     Modules that SPEC leaves to CONFIG to describe are not.
     """
-    said = {(each.code, each.message) for each in told}
+    entries = {(each.code, each.message) for each in told}
     own = (each for each in warnings if each.code != "annotations-missing")
-    report((each for each in own if (each.code, each.message) not in said), arguments)
+    report((each for each in own if (each.code, each.message) not in entries), arguments)
 
 
 def _compare(

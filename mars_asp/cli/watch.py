@@ -50,12 +50,12 @@ class Stage:
         from mars_asp.execution.recording.picture import plot_run
 
         began = time.monotonic()
-        told = {
+        entries = {
             "svg": plot_run(trial, judgement),
             "state": _state(trial, judgement),
             "verdict": judgement and judgement.verdict,
         }
-        latest = json.dumps(told).encode()
+        latest = json.dumps(entries).encode()
         ended = time.monotonic()
         self._resting = ended + (ended - began) * (1 / _SHARE - 1)
         with self._changed:
@@ -131,8 +131,8 @@ def _state(trial: "Trial", judgement: "Judgement | None") -> str:
     clearance = trial.clearance
     near = f", least clearance {clearance:.0f} mm" if clearance < float("inf") else ""
     spent = f"{trial.executor.schedule.now / 1e9:.1f} of {trial.scenario.duration:g} s"
-    told = f"{spent}: {counted(trial.collisions, 'collision')}{near}"
-    return told if judgement is None else f"{judgement.verdict}, after {told}"
+    text = f"{spent}: {counted(trial.collisions, 'collision')}{near}"
+    return text if judgement is None else f"{judgement.verdict}, after {text}"
 
 
 class _WatchServer(ThreadingHTTPServer):

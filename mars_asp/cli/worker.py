@@ -60,15 +60,15 @@ def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.
         return run_plain(run, arguments)
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
-    results, said = os.pipe()
+    results, result = os.pipe()
     watched, alive = os.pipe()
     with _held_back():
         worker = os.fork()
         if not worker:
             os.close(results)
             os.close(alive)
-            _work(run, arguments, said, watched)
-        os.close(said)
+            _work(run, arguments, result, watched)
+        os.close(result)
         os.close(watched)
     try:
         return _await(worker, results, arguments)
@@ -145,8 +145,8 @@ def _work(
         try:
             status = run_plain(run, arguments)
         except Exception as error:  # whatever it is, the worker must not end without a word
-            told = f"{error!r:.300}"
-            print(f"mars-asp: internal error, please report it: {told}", file=sys.stderr)
+            text = f"{error!r:.300}"
+            print(f"mars-asp: internal error, please report it: {text}", file=sys.stderr)
         deliver.end(status)
         sys.stderr.flush()
     finally:
@@ -195,7 +195,7 @@ def _watch(*watched: int) -> None:
 
 def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
     """Wait for the worker and deliver what it says; end it when that is asked for."""
-    limit, told = arguments.time_limit, deliver.WorkerOutput()
+    limit, result = arguments.time_limit, deliver.WorkerOutput()
     try:
         with ended_by_signals(), _paused_together(worker):
             if limit is not None:
@@ -203,20 +203,20 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
                 spent = time.monotonic() - arguments.started
                 signal.setitimer(signal.ITIMER_REAL, max(0.001, limit - spent) + _GRACE_SECONDS)
             with suppress(ValueError), closing(_heard(results, worker)) as chunks:
-                while told.status is None and (chunk := next(chunks, b"")):
-                    told.hear(chunk)
-                    if told.failed:
+                while result.status is None and (chunk := next(chunks, b"")):
+                    result.hear(chunk)
+                    if result.failed:
                         break
-            if told.status is None:
+            if result.status is None:
                 end_group(worker)
             _, status = os.waitpid(worker, 0)
             signal.setitimer(signal.ITIMER_REAL, 0)
             end_group(worker)
-            if told.failed:
+            if result.failed:
                 return 2
-            if told.status is None:
-                return _broken(status, told.code, arguments)
-            return told.deliver()
+            if result.status is None:
+                return _broken(status, result.code, arguments)
+            return result.deliver()
     except Ended as ended:
         end_group(worker)
         os.waitpid(worker, 0)
@@ -226,7 +226,7 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
             return 3
         return 128 + ended.number
     finally:
-        told.drop()
+        result.drop()
 
 
 def _heard(results: int, worker: int) -> Generator[bytes]:

@@ -143,8 +143,8 @@ def depict(
         _picture_line(relationship, number, described)
         for relationship in configuration.relationships
     ]
-    stated = f"{configuration.architecture} " if configuration.stated else ""
-    return Picture(f"{stated}{configuration.kind}", tuple(boxes), tuple(lines))
+    declared = f"{configuration.architecture} " if configuration.stated else ""
+    return Picture(f"{declared}{configuration.kind}", tuple(boxes), tuple(lines))
 
 
 def _node_look(

@@ -298,12 +298,12 @@ def with_origins(configuration: Configuration) -> str:
     printed = print_configuration(replace(configuration, declared=()))
     lines = printed.splitlines()
     first = len(lines) - len(configuration.relationships)
-    told = [
+    texts = [
         f"{line}  {_origin(related.span)}"
         for line, related in zip(lines[first:], configuration.relationships, strict=True)
     ]
     described = [f"\n{_origin(m.span)}\n{print_module(m)}" for m in configuration.declared]
-    return "\n".join((*lines[:first], *told, *described, ""))
+    return "\n".join((*lines[:first], *texts, *described, ""))
 
 
 def _origin(span: Span) -> str:

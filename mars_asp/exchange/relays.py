@@ -76,16 +76,16 @@ def _relay_node(relay: Relay) -> GraphNode:
 
 def _passages(relays: Iterable[Relay], sent: Collection[str]) -> Iterator[Passage]:
     """Yield the ways from each topic that somebody sends."""
-    behind = defaultdict[str, list[Relay]](list)
+    after = defaultdict[str, list[Relay]](list)
     for relay in relays:
-        behind[relay.source].append(relay)
+        after[relay.source].append(relay)
     made = 0
-    for source in [topic for topic in behind if topic in sent]:
+    for source in [topic for topic in after if topic in sent]:
         seen = {source}
         waiting: list[tuple[str, Fraction | None]] = [(source, None)]
         while waiting:
             topic, hz = waiting.pop()
-            for relay in behind.get(topic, ()):
+            for relay in after.get(topic, ()):
                 if relay.target in seen:
                     continue
                 seen.add(relay.target)

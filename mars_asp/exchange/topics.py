@@ -321,16 +321,16 @@ def _mux_controls(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
     One publisher stands where the mux ranks it; of several each stands where it publishes.
     """
     for each in mux.inputs:
-        behind = [(p.node, p.span) for p in wiring.published.get(each.topic, ())]
-        behind += [
+        after = [(p.node, p.span) for p in wiring.published.get(each.topic, ())]
+        after += [
             (other.name, other.span)
             for other in wiring.outputs.get(each.topic, ())
             if other is not mux
         ]
-        if not behind:
-            behind = [(each.name, each.span)]
-        for name, span in behind:
-            at = each.span if len(behind) == 1 else span
+        if not after:
+            after = [(each.name, each.span)]
+        for name, span in after:
+            at = each.span if len(after) == 1 else span
             yield Control("", name, at, each.priority, each.hold_ms, topic=each.topic)
 
 

@@ -170,9 +170,9 @@ def _read_yaml(
         mark = error.problem_mark or error.context_mark
         line, column = (0, 0) if mark is None else (mark.line, mark.column)
         place = point(path, *reader.at(line, column))
-        said = error.problem or error.context or "it cannot be read"
+        result = error.problem or error.context or "it cannot be read"
         raise _yaml_error(
-            place, f"this is not YAML: {said}", "fix the line, or what is above it"
+            place, f"this is not YAML: {result}", "fix the line, or what is above it"
         ) from None
     if reader.root is None:
         raise _yaml_error(point(path, *begins), "the file is empty", "give a file with content")

@@ -122,10 +122,10 @@ def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
         MarsError: what is wrong with packs.
     """
     every = load_rulebook(packs, stages=("run",))
-    stated = _stated_in(every)
+    declared = _stated_in(every)
     rules = tuple(replace(rule, stage="base") for rule in every.rules if rule.stage == "run")
     texts = tuple(("base", text) for stage, text in every.texts if stage == "run")
-    texts += (("base", "".join(f"#defined {each}.\n" for each in sorted(stated))),)
+    texts += (("base", "".join(f"#defined {each}.\n" for each in sorted(declared))),)
     documented = tuple(
         file._replace(
             stage="base",
@@ -133,7 +133,7 @@ def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
                 each
                 for each in file.docstrings
                 if file.stage == "run"
-                or any(one.signature in stated for one in declarations((each,), file.path, []))
+                or any(one.signature in declared for one in declarations((each,), file.path, []))
             ),
         )
         for file in every.documented
@@ -247,11 +247,11 @@ def _robots(trial: Trial) -> Iterator[Fact]:
         if body.driven:
             yield _seen("travelled", robot.name)
     if "clearance" in scenario.requirements:
-        told = set[frozenset[str]]()
+        result = set[frozenset[str]]()
         for body in sorted(trial.bodies, key=lambda body: body.clearance):
             pair = frozenset({body.name, body.beside})
-            if pair not in told:
-                told.add(pair)
+            if pair not in result:
+                result.add(pair)
                 least, asked = least_approach(body), scenario.requirements["clearance"]
                 numbers = body.clearance, asked, least.at if least else 0.0
                 told_so = (_rounded(number * 1000) for number in numbers)
@@ -284,8 +284,8 @@ def _missed(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -> Ite
     x, y = reach["at"]
     distance, at = trial.nearest(robot)
     # Whole millimetres are as much as a reader wants.
-    told = _rounded(round(distance) * 1000), _rounded(at * 1000)
-    yield _seen("came_nearest", robot.name, _place_text(x, y), *told)
+    result = _rounded(round(distance) * 1000), _rounded(at * 1000)
+    yield _seen("came_nearest", robot.name, _place_text(x, y), *result)
 
 
 def _reach_span(trial: Trial, robot: ScenarioRobot) -> Span:
@@ -331,13 +331,13 @@ def _decimal_text(number: int, decimals: int) -> str:
 
 def failure_text(failures: Failures) -> str:
     """Return the first exception of a module: what, in which line, when, and with what inputs."""
-    told = [f"at {_decimal_text(failures.at // 1000, 6)} s"]
+    lines = [f"at {_decimal_text(failures.at // 1000, 6)} s"]
     if failures.raised is not None:
-        told.insert(0, "{}:{}".format(*raised_at(failures)))
+        lines.insert(0, "{}:{}".format(*raised_at(failures)))
     if failures.inputs:
-        told.append(f"given {', '.join(failures.inputs)}")
+        lines.append(f"given {', '.join(failures.inputs)}")
     first = " ".join(failures.first.split())
-    return visible(f"{first[:_LONGEST]} ({', '.join(told)[:_LONGEST]})")
+    return visible(f"{first[:_LONGEST]} ({', '.join(lines)[:_LONGEST]})")
 
 
 def raised_at(failures: Failures) -> tuple[str | None, int | None]:
@@ -419,8 +419,8 @@ def _contacts(trial: Trial, robot: ScenarioRobot, body: Body) -> Iterator[Fact]:
             continue
         since, until, origin, command = commands[number]
         for function in command:
-            told = _rounded(since * 1000), _rounded(until * 1000)
-            yield _seen("obeyed", robot.name, instant, origin, function, *told)
+            result = _rounded(since * 1000), _rounded(until * 1000)
+            yield _seen("obeyed", robot.name, instant, origin, function, *result)
 
 
 def _limits(trial: Trial) -> Iterator[Fact]:

@@ -102,7 +102,7 @@ class _FormattedLines:
         """
         tokens = tokens_of(self._layout, begin, end)
         gaps = [list(self._gap(a.end, b.begin)) for a, b in pairwise(tokens)]
-        (behind,) = self._gap(tokens[-1].end, end)
+        (after,) = self._gap(tokens[-1].end, end)
         spaces = _spaces(tokens)
         if not any(any(gap) for gap in gaps):
             *lines, line = _filled(tokens, spaces)
@@ -116,7 +116,7 @@ class _FormattedLines:
                 yield _with_comment(line, gap[0])
                 yield from filter(None, gap[1:])
                 line = token.text
-        yield _with_comment(line, behind)
+        yield _with_comment(line, after)
 
     def _gap(self, begin: int, end: int) -> Iterator[str]:
         """Yield what stands between two tokens, line by line; the last line is the token's own."""

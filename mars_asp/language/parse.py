@@ -177,13 +177,13 @@ def parse_text(text: str, path: str) -> Parsed:
     problems += islice(_control_characters(text, path, wrong), MOST_ERRORS)
     if problems:
         raise MarsError(problems)
-    said = _read_conversions(layout, blocks) if configuration.kind == "specification" else ()
+    result = _read_conversions(layout, blocks) if configuration.kind == "specification" else ()
     configuration = _with_origin(configuration, layout, blocks)
     warnings += tuple(_about_nobody(configuration, stand_ins))
     configuration = replace(
         configuration,
         declared=blocks.modules,
-        conversions=said,
+        conversions=result,
         stand_ins=stand_ins,
         pack_nodes=pack_nodes,
     )

@@ -74,8 +74,8 @@ def print_relationship(relationship: Relationship) -> str:
 
 def print_attribute(attribute: Attribute) -> str:
     """Return the annotation of an attribute."""
-    behind = "" if attribute.value is None else f" {attribute.value}"
-    return f"@{attribute.word} {attribute.name}{behind}"
+    after = "" if attribute.value is None else f" {attribute.value}"
+    return f"@{attribute.word} {attribute.name}{after}"
 
 
 def print_mode(mode: Mode) -> str:
@@ -122,8 +122,8 @@ def _configuration_lines(configuration: Configuration) -> Iterator[str]:
         paths = [name.text for name in configuration.sources]
         yield from fill("@sources", [*(f"{path}," for path in paths[:-1]), *paths[-1:]])
     for include in configuration.includes:
-        behind = "" if include.name is None else f" as {written(include.name)}"
-        yield f"@include {include.path}{behind}"
+        after = "" if include.name is None else f" as {written(include.name)}"
+        yield f"@include {include.path}{after}"
     names = [
         written(name.text) + ("" if name.described is None else f": {written(name.described)}")
         for name in configuration.modules
@@ -216,10 +216,10 @@ def _service(service: Service) -> Iterator[str]:
     if service.hz is not None:
         periodic = [mode.name for mode in service.modes].index("NotifyAtFrequency")
         modes[periodic] += f" {as_written(service.hz)}"
-    said = ", ".join((*modes, *service.commands))
+    text = ", ".join((*modes, *service.commands))
     if service.kind == "Converts":
-        said = str(service.cost)
-    yield f"@{service.kind} {said}".rstrip()
+        text = str(service.cost)
+    yield f"@{service.kind} {text}".rstrip()
     if service.port is not None:
         yield f"@Port {written(service.port)}"
     yield f"@Output {service.output or 'none'}"

@@ -26,10 +26,11 @@ def sources_seen_from(
     Raises:
         MarsError: a path from there has a character that `@sources` cannot say.
     """
-    stated = [(Path(name.span.path).parent, name) for name in configuration.sources]
+    declared = [(Path(name.span.path).parent, name) for name in configuration.sources]
     given = [(Path(), Name(path, whole_file(path))) for path in arguments]
     moved = [
-        Name(relocated(name.text, origin, folder), name.span) for origin, name in (*stated, *given)
+        Name(relocated(name.text, origin, folder), name.span)
+        for origin, name in (*declared, *given)
     ]
     problems = [_unsayable(name, folder) for name in moved if not _is_sayable(name.text)]
     if problems:

@@ -33,10 +33,10 @@ class Member:
         """Return the member as it is to read; with its `place`, with the priority that it has."""
         priority = self.priority
         rest = [token.text for token in self.tokens[1:] if token is not priority]
-        stated = place if self.rank is None else self.rank
+        declared = place if self.rank is None else self.rank
         if self.rank is None and priority is not None and not self.plain:
-            stated = int(priority.text)
-        words = [name or self.new or self.name.text, *([] if stated is None else [str(stated)])]
+            declared = int(priority.text)
+        words = [name or self.new or self.name.text, *([] if declared is None else [str(declared)])]
         # `left: Camera`, an instance in `@modules`.
         return " ".join([*words, *rest]) if rest[:1] != [":"] else f"{words[0]}: {rest[1]}"
 

@@ -135,12 +135,12 @@ class Builder:
             self._note_word(
                 kind, f"`{kind}` without `@modules`", "name its modules: `@modules A, B`"
             )
-        stated: Architecture = "hierarchical" if architecture == "hierarchical" else "flat"
+        declared: Architecture = "hierarchical" if architecture == "hierarchical" else "flat"
         return Configuration(
             self.layout.path,
             self._header_span,
             "specification" if kind == "@specification" else "configuration",
-            stated,
+            declared,
             architecture is not None,
             self._period,
             tuple(self._sources),
@@ -293,12 +293,12 @@ class Builder:
                 self._note_offset(written, read)
             else:
                 mode = read
-        hz, stated = self._read_rate(number)
-        if stated is not None and written is None:
+        hz, declared = self._read_rate(number)
+        if declared is not None and written is None:
             mode = Mode(PERIODIC, text=PERIODIC)
-        if stated is not None and mode is not None and mode.name != PERIODIC:
+        if declared is not None and mode is not None and mode.name != PERIODIC:
             self._note_word(
-                stated,
+                declared,
                 f"a frequency after `{mode.text}`",
                 f"a frequency belongs to `{PERIODIC}`; leave it out or require that mode",
             )

@@ -111,7 +111,7 @@ class Draft:
             ConflictError: two stretches overlap.
         """
         edits: dict[int, LineEdit] = {}
-        behind: dict[int, list[str]] = {}
+        after: dict[int, list[str]] = {}
         for number, pieces in self._pieces().items():
             old = self.line(number)
             new, last = "", 0
@@ -121,14 +121,14 @@ class Draft:
                 new, last = new + old[last:begin] + text, end
             new += old[last:]
             first, *others = new.split("\n")
-            behind[number] = others
+            after[number] = others
             gone = _NO_STATEMENT.fullmatch(first) and not _NO_STATEMENT.fullmatch(old)
             if first != old:
                 kept = None if gone else first.rstrip()
                 edits[number] = LineEdit(self.path, number, pieces[0][0] + 1, old, kept)
         for number in self._deleted:
             edits[number] = LineEdit(self.path, number, 1, self.line(number), None)
-        for number, others in behind.items():
+        for number, others in after.items():
             if others:
                 self._inserted.setdefault((number, "behind"), [])[:0] = others
         return tuple(sorted(self._with_inserted(edits), key=_edit_order))
@@ -163,17 +163,17 @@ def apply_lines(text: str, edits: Iterable[LineEdit]) -> str:
     r"""Return a text, whose lines end with `\n`, as the edits of its lines make it."""
     lines: list[str | None] = list(text.removesuffix("\n").split("\n"))
     before: dict[int, str] = {}
-    behind: dict[int, str] = {}
+    after: dict[int, str] = {}
     for edit in edits:
         if edit.old is not None:
             assert lines[edit.line - 1] == edit.old, "lines are those of the original"
             lines[edit.line - 1] = edit.new
         elif edit.new is not None:
-            (before if edit.where == "before" else behind)[edit.line] = edit.new
+            (before if edit.where == "before" else after)[edit.line] = edit.new
     written = (
         part
         for number, line in enumerate(lines, 1)
-        for part in (before.get(number), line, behind.get(number))
+        for part in (before.get(number), line, after.get(number))
         if part is not None
     )
     return "".join(f"{part}\n" for part in written)

@@ -129,8 +129,8 @@ class EditorWorkspace:
         """Keep which consequences and nodes there are for the modules of a robot."""
         robot = self.robots.get(asked)
         if robot is not None:
-            told = robot._replace(consequences=survey.consequences, nodes=survey.nodes)
-            self.robots[asked] = told
+            result = robot._replace(consequences=survey.consequences, nodes=survey.nodes)
+            self.robots[asked] = result
 
     def drop(self, asked: str) -> set[str]:
         """Forget what was found when a file was asked about; return the files with findings."""

@@ -36,8 +36,8 @@ def rename(scene: DocumentContext, position: Position, name: str) -> tuple[TextE
     own = min((each.name for _, each in same), key=len)
     before = mention.name.removesuffix(own)
     if not new.startswith(before):
-        told = f"`{mention.name}` is included as `{before.rstrip('/')}`: begin with `{before}`"
-        raise RefusedError(f"{told}, or rename the include")
+        result = f"`{mention.name}` is included as `{before.rstrip('/')}`: begin with `{before}`"
+        raise RefusedError(f"{result}, or rename the include")
     new = new.removeprefix(before)
     if new == own:
         return ()
@@ -47,8 +47,8 @@ def rename(scene: DocumentContext, position: Position, name: str) -> tuple[TextE
             for each in file.mentions:
                 wanted = {each.name.removesuffix(own) + new for _, each in same}
                 if each.name in wanted and (file.path, each.range) not in places:
-                    told = behind(file.prefix, each.name)
-                    raise RefusedError(f"`{told}` is a module already")
+                    result = behind(file.prefix, each.name)
+                    raise RefusedError(f"`{result}` is a module already")
     return tuple(
         TextEdit(place, written(each.name.removesuffix(own) + new)) for place, each in same
     )

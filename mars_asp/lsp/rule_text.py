@@ -150,9 +150,9 @@ def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[Pred
 def _arity(tokens: list[_Token], number: int, text: str, closed: Mapping[int, int]) -> int | None:
     """Return how many arguments stand behind a name, or the number behind `/`."""
     token = tokens[number]
-    stated = _ARITY.match(text, token.end)
-    if stated is not None:
-        return int(stated[1])
+    declared = _ARITY.match(text, token.end)
+    if declared is not None:
+        return int(declared[1])
     following = tokens[number + 1] if number + 1 < len(tokens) else None
     if following is None or following.text != "(":
         # A value on the left of a comparison.

@@ -158,8 +158,8 @@ class _Server(LanguageServer):
             self._refuse(ClientError(None, types.ErrorCodes.ParseError, message))
         # Where a request is refused, it was answered so.
         elif not isinstance(error, JsonRpcException):
-            told = f"internal error, please report it: {error!r:.300}"
-            print(f"mars-asp lsp: {told}", file=sys.stderr, flush=True)
+            text = f"internal error, please report it: {error!r:.300}"
+            print(f"mars-asp lsp: {text}", file=sys.stderr, flush=True)
 
     def _refuse(self, error: ClientError) -> None:
         """Report what is wrong with a message: to its request, and else as a line of the log."""
@@ -279,8 +279,8 @@ class _Server(LanguageServer):
             case LintedFile():
                 found, self._desk.rules[asked] = answer
             case _:
-                told = f"this was not analysed: {getattr(answer, 'reason', answer)}"
-                found = (EditorFinding(Place(asked, _START), "warning", "lsp", told),)
+                text = f"this was not analysed: {getattr(answer, 'reason', answer)}"
+                found = (EditorFinding(Place(asked, _START), "warning", "lsp", text),)
         self._stale.discard(asked)
         self._publish(self._desk.take(asked, found, robot))
         if robot is not None and sort == "check":
@@ -300,8 +300,8 @@ class _Server(LanguageServer):
         for path in sorted(paths):
             found = [self._told.diagnostic(each) for each in self._desk.findings(path)]
             version = self._versions.get(path) if path in self._desk.texts else None
-            told = types.PublishDiagnosticsParams(self._uri(path), found, version)
-            self.text_document_publish_diagnostics(told)
+            result = types.PublishDiagnosticsParams(self._uri(path), found, version)
+            self.text_document_publish_diagnostics(result)
 
     async def _asked(self, question: Question) -> Any:
         """Return an answer that several requests may wait for, whichever of them is cancelled."""

@@ -205,7 +205,7 @@ def read_consequences(
     control = analysis.grounding.control
     first = _first_said(analysis)
     if not notes:
-        first = {head: told for head, told in first.items() if arguments(head)[1] != _NOTE}
+        first = {head: item for head, item in first.items() if arguments(head)[1] != _NOTE}
     keys = {head: _key(arguments(head)) for head in first}
     wanted = set(keys.values())
     part_of = _collect(control, ("participant", 5), wanted) if participants else {}
@@ -224,7 +224,7 @@ def read_consequences(
     consequences = []
     for head, key in keys.items():
         kind, severity, about, _ = arguments(head)
-        told = first[head]
+        item = first[head]
         said_of = labels_of.get(head, {})
         found = {span_of.get(row[0]) for row in concerned.get(key, ())}
         # What a rule says more of stands beside what it is about.
@@ -235,13 +235,13 @@ def read_consequences(
                 severity_of(severity),
                 written(about),
                 _unique_texts(part_of.get(key, ())),
-                told.message or str(as_symbol(head)),
-                told.help,
-                told.rule,
+                item.message or str(as_symbol(head)),
+                item.help,
+                item.rule,
                 tuple(span for _, span in places) or (analysis.configuration,),
                 as_symbol(head),
                 tuple(said_of.items()),
-                told.effect,
+                item.effect,
                 tuple(sorted(written(row[0]) for row in trees.get(key, ()))),
                 tuple(conditions.get(key, ())),
                 key in usual,
@@ -326,10 +326,10 @@ def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCo
 def _first_said(analysis: Analysis) -> dict[TermId, RenderedMessage]:
     """Return for each consequence what the first rule says of it."""
     first: dict[TermId, RenderedMessage] = {}
-    for told in said(analysis.grounding.control, _STAGE, analysis.speakers):
-        rival = first.setdefault(told.head, told)
-        if (told.number, as_symbol(told.values)) < (rival.number, as_symbol(rival.values)):
-            first[told.head] = told
+    for item in said(analysis.grounding.control, _STAGE, analysis.speakers):
+        rival = first.setdefault(item.head, item)
+        if (item.number, as_symbol(item.values)) < (rival.number, as_symbol(rival.values)):
+            first[item.head] = item
     return first
 
 

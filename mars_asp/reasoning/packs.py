@@ -334,8 +334,8 @@ class _ManifestReader:
         if kind in NODE_NAMES or name in NODE_NAMES.values():
             message = f"`{kind if kind in NODE_NAMES else name}` is a kind of node already"
             self._add_error(message, "choose another name", *at, "kind")
-        said = {key: table.get(key) for key, choices in _NODE_KEYS.items() if choices}
-        for key, value in said.items():
+        entries = {key: table.get(key) for key, choices in _NODE_KEYS.items() if choices}
+        for key, value in entries.items():
             choices = _NODE_KEYS[key]
             is_needed = key in ("carries", "inputs", "outputs")
             if (value is not None or is_needed) and value not in choices:
@@ -347,11 +347,11 @@ class _ManifestReader:
         return PackKind(
             kind,
             name,
-            str(said["carries"]),
-            str(said["inputs"]),
-            str(said["outputs"]),
+            str(entries["carries"]),
+            str(entries["inputs"]),
+            str(entries["outputs"]),
             None if colour is None else str(colour),
-            said["behaviour"] != "none",
+            entries["behaviour"] != "none",
             self._places.of(*at),
             pack,
         )

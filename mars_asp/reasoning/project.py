@@ -298,9 +298,9 @@ def port_names(project: Project, module: str | None = None) -> Mapping[str, tupl
         if module in (None, name)
         for port in (*outputs(each), *inputs(each))
     }
-    told = [(text, each.module, each.port) for text, each in ends.outputs.items()]
-    told += [(text, each.module, each.port) for text, each in ends.entries.items()]
-    return named | {text: (name, port) for text, name, port in told if module in (None, name)}
+    entries = [(text, each.module, each.port) for text, each in ends.outputs.items()]
+    entries += [(text, each.module, each.port) for text, each in ends.entries.items()]
+    return named | {text: (name, port) for text, name, port in entries if module in (None, name)}
 
 
 def identified(attribute: Fact) -> Atom:
@@ -319,11 +319,11 @@ def _attributes(project: Project) -> Iterator[Fact]:
     if not project.attributes:
         return
     configuration = project.configuration
-    told = {name.text for name in configuration.modules}
-    told |= {name for each in configuration.relationships for name in ends_of(each)}
-    told |= described_modules(configuration, project.modules).keys()
+    entries = {name.text for name in configuration.modules}
+    entries |= {name for each in configuration.relationships for name in ends_of(each)}
+    entries |= described_modules(configuration, project.modules).keys()
     for fact in project.attributes:
-        if fact.atom.arguments[0] in told:
+        if fact.atom.arguments[0] in entries:
             path, line, column = fact.span[:3]
             yield fact
             yield Fact(Atom("place", (identified(fact), encodable(path), line, column)), fact.span)

@@ -160,14 +160,14 @@ def load_rulebook(
     files = [file for file in every if file.stage in ("base", *wanted)]
     rules = tuple(rule for file in files for rule in file.rules)
     kinds = kinds_of(packs)
-    stated = tuple(map(_kind_rule, kinds))
+    declared = tuple(map(_kind_rule, kinds))
     return Rulebook(
-        (*own.rules, *stated, *rules),
-        (*own.texts, *((rule.stage, rule.text) for rule in stated), *_texts(files)),
+        (*own.rules, *declared, *rules),
+        (*own.texts, *((rule.stage, rule.text) for rule in declared), *_texts(files)),
         len(files),
         len(rules),
-        (*own.paths, *(r.span.path for r in stated), *(file.shown for file in files)),
-        (*own.documented, *map(_undocumented, stated), *(file.documented for file in files)),
+        (*own.paths, *(r.span.path for r in declared), *(file.shown for file in files)),
+        (*own.documented, *map(_undocumented, declared), *(file.documented for file in files)),
         (*kinds, *attributes),
         ((next(iter(NODE_NAMES)), tuple(kind.kind for kind in kinds)),) if kinds else (),
     )
@@ -204,8 +204,8 @@ def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace:
 
 def _kind_rule(kind: PackKind) -> Rule:
     """Return the fact by which rules know a kind of node, at its place in the manifest."""
-    stated = kind.kind, kind.carries, kind.inputs, kind.outputs
-    atom = Atom("node_kind", tuple(map(Atom, stated)))
+    declared = kind.kind, kind.carries, kind.inputs, kind.outputs
+    atom = Atom("node_kind", tuple(map(Atom, declared)))
     name = f"{kind.span.path}:{kind.span.line}"
     return Rule(name, None, None, kind.span, f"{atom}.", "base")
 

@@ -172,16 +172,16 @@ def _judged_by(
     }
     violations: dict[tuple[int, str], Violation] = {}
     cautions: dict[str, Caution] = {}
-    for told in said(grounding.control, _STAGE, judges):
-        head = as_symbol(told.head)
-        message = told.message or plain(str(head))
-        if told.rule.derives(_CAUTION):
-            cautions[message] = Caution(message, told.help, told.rule)
+    for item in said(grounding.control, _STAGE, judges):
+        head = as_symbol(item.head)
+        message = item.message or plain(str(head))
+        if item.rule.derives(_CAUTION):
+            cautions[message] = Caution(message, item.help, item.rule)
         else:
-            clause = _clause(head, told.rule)
+            clause = _clause(head, item.rule)
             shown = locations.get(head, ())
             violations[clause, message] = Violation(
-                clause, message, told.help, told.rule, head, shown
+                clause, message, item.help, item.rule, head, shown
             )
     return Verification(
         tuple(violations[key] for key in sorted(violations)),

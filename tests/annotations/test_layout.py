@@ -111,11 +111,11 @@ def gaps(language: str, declaration: str) -> Iterator[tuple[int, int, bool]]:
             end += 1
         opens = not held[at] and character in "(,"
         if end > at or opens:
-            begin, behind = (at, end) if end > at else (at + 1, at + 1)
+            begin, after = (at, end) if end > at else (at + 1, at + 1)
             free = language in ("c", "java", "rust", "matlab") or depth > 0
             if language == "go":
                 free = free and declaration[begin - 1 : begin] in ("(", ",")
-            yield begin, behind, free
+            yield begin, after, free
         at = max(end, at + 1)
 
 

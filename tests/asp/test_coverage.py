@@ -19,10 +19,10 @@ RULES = """\
 
 def silent(*cases: str) -> list[str]:
     book = rulebook_of(RULES)
-    told = [
+    entries = [
         Case(Path(f"{n}.lp"), (text,), ("base",), lambda _: True) for n, text in enumerate(cases)
     ]
-    return [rule.text for rule in covered(book.rules, book, told).silent]
+    return [rule.text for rule in covered(book.rules, book, entries).silent]
 
 
 def test_a_constraint_fires_where_it_alone_refuses_a_candidate() -> None:

@@ -42,8 +42,8 @@ def test_numbers_are_written_in_units_of_people(number: int, sort: str, text: st
 
 def test_holes_of_messages_can_name_a_unit() -> None:
     values = {"L": "100500", "M": "none"}
-    said = fill("{L:micrometres} of {M:micrometres}, {L}, {K:micrometres}", values, str)
-    assert said == "100.5 mm of none, 100500, {K}"
+    result = fill("{L:micrometres} of {M:micrometres}, {L}, {K:micrometres}", values, str)
+    assert result == "100.5 mm of none, 100500, {K}"
 
 
 def test_each_divisor_is_a_power_of_ten() -> None:

@@ -33,8 +33,8 @@ def test_a_suggested_command_works(
     file.write_text(ROBOT)
     verb, *rest = words
     run_here([verb, str(file), *rest, "--sources", str(tmp_path)])
-    told = capsys.readouterr().out
-    suggested = next(line for line in told.split("\n") if line.strip().startswith(before))
+    output = capsys.readouterr().out
+    suggested = next(line for line in output.split("\n") if line.strip().startswith(before))
     program, *again = shlex.split(suggested.strip().removeprefix(before))
     assert program == "mars-asp"
     assert str(file) in again

@@ -117,8 +117,8 @@ def test_lines_are_those_of_single_runs(campaign: Campaign, capsys: Captured) ->
     ]
     for line in lines:
         changes = line.pop("vary")
-        stated = [f"{key}={value}" for key, value in changes.items()]
-        words = [word for each in stated for word in ("--vary", each)]
+        declared = [f"{key}={value}" for key, value in changes.items()]
+        words = [word for each in declared for word in ("--vary", each)]
         run_here(
             campaign.words("--seed", str(line["seed"]), *words, "--format", "json", verb="run")
         )
@@ -172,9 +172,9 @@ def test_a_run_cannot_hang_or_end_a_campaign(campaign: Campaign, capsys: Capture
     assert last["requirements"]["no module failed"] == {
         **last["requirements"]["no module failed"], "held": 2, "of": 3
     }  # fmt: skip
-    told = capsys.readouterr().out
-    assert "  seed 98: the run took longer than 1 s, so it was ended\n" in told
-    assert "mars-asp run robot.mars --scenario s.toml --seed 99\n" in told
+    output = capsys.readouterr().out
+    assert "  seed 98: the run took longer than 1 s, so it was ended\n" in output
+    assert "mars-asp run robot.mars --scenario s.toml --seed 99\n" in output
 
 
 def test_what_has_ended_is_not_run_again(campaign: Campaign, capsys: Captured) -> None:
@@ -240,10 +240,10 @@ def test_what_is_odd_about_a_scenario_is_told_once_before_the_runs(
 ) -> None:
     reach = "[requirements]\nreach = { at = [9, 0], radius = 1, within = 60 }\n"
     Path("s.toml").write_text(SCENARIO.replace("[requirements]\n", reach))
-    told = "the run ends at 1 s"
+    text = "the run ends at 1 s"
     for seeds in ("1-2", "1-3"):
         assert run_here(campaign.words("--seeds", seeds, "-o", "o.jsonl")) == 1
-        assert " ".join(capsys.readouterr().err.split()).count(told) == 1
+        assert " ".join(capsys.readouterr().err.split()).count(text) == 1
     varied = ["--seeds", "1", "--vary", "requirements.reach.within=1,60,70"]
     run_here(campaign.words(*varied, "--format", "json"))
     warnings = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
@@ -255,9 +255,9 @@ def test_a_run_that_cannot_begin_ends_the_campaign_and_is_named(
 ) -> None:
     Path("b.py").write_text("if SEED == 2: raise ImportError('no maps')\ndef go(): pass")
     assert run_here(campaign.words("--seeds", "1-3", "-o", "o.jsonl")) == 2
-    told = capsys.readouterr().err
-    assert "ImportError: no maps" in " ".join(told.split())
-    assert "The run with seed 2 cannot begin." in told
+    output = capsys.readouterr().err
+    assert "ImportError: no maps" in " ".join(output.split())
+    assert "The run with seed 2 cannot begin." in output
     assert [line["seed"] for line in campaign.lines()[1:]] == [1]
 
 
@@ -278,17 +278,17 @@ def test_a_cluster_needs_dask_and_several_workers_do_not(
 def test_a_grid_is_drawn_and_shown_by_cell(campaign: Campaign, capsys: Captured) -> None:
     vary = ["--vary", "robot.radius=100,299", "--plot", "p.svg", "-o", "o.jsonl"]
     run_here(campaign.words("--seeds", "1-4", *vary))
-    told = capsys.readouterr().out
-    assert re.search(r"(?m)^passed +\d of 8 \([\d.]+-[\d.]+ %\)$", told)
-    assert re.search(r"(?m)^ +robot.radius=100 +\d of 4 ", told)
-    assert re.search(r"(?m)^passed in every run \(8 of 8\): ", told)
+    output = capsys.readouterr().out
+    assert re.search(r"(?m)^passed +\d of 8 \([\d.]+-[\d.]+ %\)$", output)
+    assert re.search(r"(?m)^ +robot.radius=100 +\d of 4 ", output)
+    assert re.search(r"(?m)^passed in every run \(8 of 8\): ", output)
     assert Path("p.svg").read_text().count('r="4"') == 2
     assert run_here(campaign.words("--seeds", "1-4", *vary, "--format", "json")) == 1
     _, *lines, summary = campaign.lines()
     assert json.loads(capsys.readouterr().out) == summary
     assert summary["in_control"]
     for name, share in summary["in_control"].items():
-        assert re.search(rf"(?m)^{name} in control |^in control in .* run: .*{name}", told)
+        assert re.search(rf"(?m)^{name} in control |^in control in .* run: .*{name}", output)
         assert share["held"] == sum(line["control_time"][name] > 0 for line in lines)
 
 

@@ -108,8 +108,8 @@ def test_a_template_passes_its_lint_and_its_cases(
     assert run_here(["rules", "new", "wheel-slip"]) == 0
     assert run_here(["rules", "lint", "wheel-slip"]) == 0
     assert run_here(["test", "wheel-slip", "--coverage", "--mutate", "--jobs", "1"]) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert told[-4:] == [
+    output = capsys.readouterr().out.splitlines()
+    assert output[-4:] == [
         "no problems found",
         "4 passed, 0 failed",
         "coverage of wheel-slip: 4 of 4 rules fire in a case",
@@ -158,10 +158,10 @@ def test_robots_among_the_cases_state_attributes_of_the_pack(
     assert run_here(["test", "battery", "--coverage", "--mutate", "--jobs", "1"]) == 0
     assert run_here(["rules", "show", "battery/hungry", "--rules", "battery"]) == 0
     assert run_here(["rules", "diff", "battery", "battery/cases/robot.mars"]) == 0
-    told = capsys.readouterr().out
-    assert "coverage of battery: 2 of 2 rules fire in a case" in told
-    assert "In its example:" in told
-    assert told.endswith("  appeared warning hungry(A): `A` draws 1.501 W\n")
+    output = capsys.readouterr().out
+    assert "coverage of battery: 2 of 2 rules fire in a case" in output
+    assert "In its example:" in output
+    assert output.endswith("  appeared warning hungry(A): `A` draws 1.501 W\n")
 
 
 def test_a_mutant_survives_where_no_case_is_near(
@@ -171,9 +171,9 @@ def test_a_mutant_survives_where_no_case_is_near(
     case.write_text('module("A").\n%has: consequence(odd_idle,_,"A",_)\n')
     (odd / "cases" / "robot.mars").unlink()
     assert run_here(["test", "odd", "--mutate", "--jobs", "1"]) == 1
-    told = capsys.readouterr().out
-    assert "  survives: odd/consequences/odd.lp:10: drop `not busy(M)`" in told
-    assert "odd.lp:10: delete" not in told
+    output = capsys.readouterr().out
+    assert "  survives: odd/consequences/odd.lp:10: drop `not busy(M)`" in output
+    assert "odd.lp:10: delete" not in output
 
 
 def test_documents_of_a_pack_are_pages(odd: Path) -> None:
@@ -254,8 +254,8 @@ def test_a_watch_runs_again_after_a_change_and_ends_by_a_signal(odd: Path) -> No
     try:
         assert any("waiting" in line for line in watching.stderr)
         (odd / "consequences" / "odd.lp").write_text("busy(M) :- module(M).\n")
-        told = next(line for line in watching.stderr if "passed" in line or "error" in line)
-        assert "6 failed" in told or "passed" in told
+        output = next(line for line in watching.stderr if "passed" in line or "error" in line)
+        assert "6 failed" in output or "passed" in output
         assert any("waiting" in line for line in watching.stderr)
     finally:
         watching.send_signal(2)

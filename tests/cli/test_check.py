@@ -163,8 +163,8 @@ def test_fix_writes_an_included_file_once_for_all_its_instances(
     part = TWICE.replace(" hierarchical", "").replace("\n", "\r\n").encode()
     (robots / "part.mars").write_bytes(part)
     assert run_here(["check", "main.mars", "--fix"]) == 0
-    told = capsys.readouterr().err
-    assert "fixed part.mars:4:1: duplicate_relationship(a/Base): drop the repeated line" in told
+    output = capsys.readouterr().err
+    assert "fixed part.mars:4:1: duplicate_relationship(a/Base): drop the repeated line" in output
     fixed = ONCE.replace(" hierarchical", "").replace("\n", "\r\n").encode()
     assert (robots / "part.mars").read_bytes() == fixed
     assert (robots / "main.mars").read_text() == main
@@ -183,9 +183,9 @@ def test_robots_that_share_a_file_fix_it_as_one(
     # The second robot uses the module that the first does not.
     (robots / "two.mars").write_text(main if equal else f"{main}a/Spare uses_data_from a/C\n")
     assert run_here(["check", "one.mars", "two.mars", "--fix"]) == (0 if equal else 2)
-    told = " ".join("".join(capsys.readouterr()).split())
-    assert ("`part.mars` was not fixed: it is changed for `one.mars`" in told) is not equal
-    assert f"in 2 files; {6 if equal else 3} fixed" in told
+    output = " ".join("".join(capsys.readouterr()).split())
+    assert ("`part.mars` was not fixed: it is changed for `one.mars`" in output) is not equal
+    assert f"in 2 files; {6 if equal else 3} fixed" in output
     assert (robots / "part.mars").read_text() == ONCE.replace(" hierarchical", "")
 
 

@@ -47,8 +47,8 @@ def test_the_specification_that_is_judged_names_its_packs_too(
     assert "give the folder of the pack" in " ".join(capsys.readouterr().err.split())
     written(tmp_path, SPECIFICATION.replace("// Watchdog1: node of the pack watchdog\n", ""))
     assert run_here(judged) == 1
-    told = " ".join(capsys.readouterr().out.split())
-    assert "if it is a node of a rule pack, give the pack with `--rules`" in told
+    output = " ".join(capsys.readouterr().out.split())
+    assert "if it is a node of a rule pack, give the pack with `--rules`" in output
 
 
 @pytest.mark.parametrize(
@@ -219,9 +219,9 @@ def test_nodes_that_no_rule_of_verify_asks_for_are_a_fault_of_packs(
     specification = written(tmp_path, robot.replace("configuration", "specification"))
     asked = ["verify", str(specification), str(tmp_path / "c.mars"), "--rules", str(pack)]
     assert run_here(asked) == 1
-    told = " ".join(capsys.readouterr().err.split())
-    assert "a fault of rule packs" in told
-    assert "no rule in `verify` asks for nodes that packs introduce, such as Limiter1" in told
+    output = " ".join(capsys.readouterr().err.split())
+    assert "a fault of rule packs" in output
+    assert "no rule in `verify` asks for nodes that packs introduce, such as Limiter1" in output
 
 
 def test_packs_that_refuse_what_they_introduce_are_named(
@@ -237,9 +237,9 @@ def test_packs_that_refuse_what_they_introduce_are_named(
     )
     options = ["--rules", str(WATCHDOG), "--rules", str(tmp_path), "--quiet"]
     assert run_here(["synthesise", str(KINDS / "arbiter.mars"), *options]) == 2
-    told = " ".join(capsys.readouterr().err.split())
-    assert f"{rules}:3:1: error:" in told.replace("mine.lp: 3", "mine.lp:3")
-    assert "the rule refuses the specification that was found: `Watchdog1` is there" in told
+    output = " ".join(capsys.readouterr().err.split())
+    assert f"{rules}:3:1: error:" in output.replace("mine.lp: 3", "mine.lp:3")
+    assert "the rule refuses the specification that was found: `Watchdog1` is there" in output
 
 
 @pytest.mark.parametrize("behaviour", ["needed", "none"])
@@ -248,8 +248,8 @@ def test_a_node_that_only_listens_hears_each_message_and_changes_nothing(
 ) -> None:
     (tmp_path / "ears").mkdir()
     manifest = (EARS / "pack.toml").read_text(encoding="utf-8")
-    stated = manifest.replace('behaviour = "none"', f'behaviour = "{behaviour}"')
-    (tmp_path / "ears" / "pack.toml").write_text(stated, encoding="utf-8")
+    declared = manifest.replace('behaviour = "none"', f'behaviour = "{behaviour}"')
+    (tmp_path / "ears" / "pack.toml").write_text(declared, encoding="utf-8")
     blocks = """
 @module_start
 @module_name Sonar

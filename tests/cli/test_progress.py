@@ -42,9 +42,9 @@ def test_a_stage_is_told_and_wiped_away(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_bar_tells_how_many_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    with progress.progress_bar(argparse.Namespace(quiet=False), "components") as told:
-        assert told is not None
-        told(100, 200)
+    with progress.progress_bar(argparse.Namespace(quiet=False), "components") as result:
+        assert result is not None
+        result(100, 200)
     assert f"[{'#' * 15}{'.' * 15}] 100 of 200 components" in terminal.getvalue()
     assert terminal.getvalue().endswith("\r")
 
@@ -54,6 +54,6 @@ def test_files_and_quiet_commands_hear_nothing(monkeypatch: pytest.MonkeyPatch) 
     for quiet, stream in ((False, io.StringIO()), (True, Terminal())):
         monkeypatch.setattr(sys, "stderr", stream)
         arguments = argparse.Namespace(quiet=quiet)
-        with progress.stage(arguments, "reading"), progress.progress_bar(arguments, "x") as told:
-            assert told is None
+        with progress.stage(arguments, "reading"), progress.progress_bar(arguments, "x") as result:
+            assert result is None
         assert stream.getvalue() == ""

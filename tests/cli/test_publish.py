@@ -124,9 +124,9 @@ def test_wrong_input_is_a_result_too(
     status, run = sarif(capsys, verb, "a b.mars", "--rules", "own.lp")
     assert (status, placed(run)[0][:2]) == (2, ("error", "own.lp"))
     status, run = sarif(capsys, verb, "a b.mars", "--select", "no")
-    (told,) = run["invocations"][0]["toolConfigurationNotifications"]
-    assert (status, run["results"], told["level"]) == (2, [], "error")
-    assert told["message"]["text"].startswith("--select: No rule finds `no`.")
+    (result,) = run["invocations"][0]["toolConfigurationNotifications"]
+    assert (status, run["results"], result["level"]) == (2, [], "error")
+    assert result["message"]["text"].startswith("--select: No rule finds `no`.")
 
 
 def edited(text: str, run: dict[str, Any]) -> str:
@@ -237,9 +237,9 @@ def github(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, list[l
 
 def test_findings_are_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "a b.mars").rename(folder / "a, 100%:b.mars")
-    status, told = github(capsys, "check", "a, 100%:b.mars")
+    status, result = github(capsys, "check", "a, 100%:b.mars")
     assert status == 1
-    assert [each[:-1] for each in told] == [
+    assert [each[:-1] for each in result] == [
         [
             "warning",
             *("file=a, 100%:b.mars", "line=3", "endLine=3", "col=1", "endColumn=25"),
@@ -251,7 +251,7 @@ def test_findings_are_commands(folder: Path, capsys: pytest.CaptureFixture[str])
             "title=module_conflict",
         ],
     ]
-    assert told[0][-1].splitlines() == [
+    assert result[0][-1].splitlines() == [
         "`A` and `B` control `Base` with the same priority, 1",
         "Among them, the latest message wins.",
         "help: give `A` and `B` priorities that differ",
@@ -263,9 +263,9 @@ def test_nothing_that_a_message_holds_ends_a_command(
 ) -> None:
     (folder / "own.lp").write_text(PACK)
     words = ("a b.mars", "--rules", "own.lp", "--select", "crowded")
-    status, told = github(capsys, "analyse", *words)
-    assert (status, len(told)) == (1, 5)
-    assert told[0][-1].startswith("100% of `A` :: crowded, [no](x) %0A ::error::x\n")
+    status, result = github(capsys, "analyse", *words)
+    assert (status, len(result)) == (1, 5)
+    assert result[0][-1].startswith("100% of `A` :: crowded, [no](x) %0A ::error::x\n")
     status, run = sarif(capsys, "analyse", *words)
     # What a message holds is no link in the log either.
     assert r"100% of `A` :: crowded, \[no\](x)" in run["results"][0]["message"]["text"]
@@ -274,10 +274,19 @@ def test_nothing_that_a_message_holds_ends_a_command(
 def test_wrong_input_is_a_command_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,, B\n")
     for verb in ("check", "analyse"):
-        status, (told,) = github(capsys, verb, "bad.mars")
-        assert (status, told[0], told[1], told[-2]) == (2, "error", "file=bad.mars", "title=syntax")
-    status, (told,) = github(capsys, "check", "a b.mars", "--select", "no")
-    assert (status, told[1], told[2][:31]) == (2, "title=kind", "--select: no rule finds `no`\nhe")
+        status, (result,) = github(capsys, verb, "bad.mars")
+        assert (status, result[0], result[1], result[-2]) == (
+            2,
+            "error",
+            "file=bad.mars",
+            "title=syntax",
+        )
+    status, (result,) = github(capsys, "check", "a b.mars", "--select", "no")
+    assert (status, result[1], result[2][:31]) == (
+        2,
+        "title=kind",
+        "--select: no rule finds `no`\nhe",
+    )
 
 
 def test_a_repair_is_not_mixed_into_results(capsys: pytest.CaptureFixture[str]) -> None:

@@ -28,8 +28,8 @@ def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     pack = tmp_path / "pack.lp"
     pack.write_text(PACK)
     assert run_here(["rules", "lint", str(pack)]) == 0
-    told = [line for line in capsys.readouterr().err.splitlines() if "warning" in line]
-    assert told == [
+    output = [line for line in capsys.readouterr().err.splitlines() if "warning" in line]
+    assert output == [
         f"{pack}:5:23: warning: `R` is a module in `module/1` and a relationship in "
         "`required_rate/2` [rule-sort]",
         f"{pack}:6:20: warning: `K` of `class/2` is never `sensr` [rule-value]",
@@ -75,9 +75,9 @@ def test_what_an_analysis_would_refuse_comes_with_the_lints(
         "odd(M) :- missing_here(M, sensr).\nsees(M) :- class(M, sensr). #show sees/1.\n"
     )
     assert run_here(["rules", "lint", str(pack)]) == 2
-    told = capsys.readouterr().err
-    assert "[rule-unknown]" in told
-    assert "[rule-value]" in told
+    output = capsys.readouterr().err
+    assert "[rule-unknown]" in output
+    assert "[rule-value]" in output
 
 
 def test_what_would_be_written_is_told_to_programs(

@@ -46,8 +46,8 @@ def test_blocks_of_a_configuration_say_what_its_modules_are(
     )
     words = ["run", str(tmp_path / "robot.mars"), "--scenario", str(tmp_path / "s.toml")]
     assert run_here([*words, "--format", "json"]) == 0
-    printed, told = capsys.readouterr()
-    assert told.startswith("read\nled\n")
+    printed, output = capsys.readouterr()
+    assert output.startswith("read\nled\n")
     found = json.loads(printed)
     asked = {(link["source"], link["client"]): link["asked_hz"] for link in found["links"]}
     assert asked["Eye", "DataSplitter1"] == 20
@@ -93,8 +93,8 @@ def test_what_failed_first_is_printed(tmp_path: Path, capsys: pytest.CaptureFixt
     (tmp_path / "s.toml").write_text(text)
     (tmp_path / "d.mars").write_text(DRIVE)
     run_here(["run", str(tmp_path / "d.mars"), "--scenario", str(tmp_path / "s.toml")])
-    told = capsys.readouterr().out
-    assert "failed   C -> P  first by ValueError: no\\x1b[31m map\n" in told
+    output = capsys.readouterr().out
+    assert "failed   C -> P  first by ValueError: no\\x1b[31m map\n" in output
 
 
 def test_a_run_cut_short_warns_of_faults_that_it_does_not_come_to(
@@ -105,8 +105,10 @@ def test_a_run_cut_short_warns_of_faults_that_it_does_not_come_to(
     words = ["run", str(tmp_path / "d.mars"), "--scenario", str(tmp_path / "s.toml")]
     for duration, count in (("1", 1), ("2.5", 0)):
         assert run_here([*words, "--duration", duration, "--quiet"]) == 0
-        told = " ".join(capsys.readouterr().err.split())
-        assert told.count("warning: the fault of `C` begins at 2 s, after the end of this") == count
+        output = " ".join(capsys.readouterr().err.split())
+        assert (
+            output.count("warning: the fault of `C` begins at 2 s, after the end of this") == count
+        )
 
 
 def _run(*words: str) -> int:
@@ -136,10 +138,10 @@ def test_who_won_at_an_arbiter_is_listed_with_the_instant_and_the_reason(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     assert _run("--duration", "5", "--why") == 0
-    told = capfd.readouterr().out.split("\nArbitrationNode\n")[1].splitlines()
-    assert told[0].split(maxsplit=3)[1:3] == ["s", "Turn"]
-    assert told[0].endswith("  alone in force")
-    instants = [float(line.split()[0]) for line in told]
+    output = capfd.readouterr().out.split("\nArbitrationNode\n")[1].splitlines()
+    assert output[0].split(maxsplit=3)[1:3] == ["s", "Turn"]
+    assert output[0].endswith("  alone in force")
+    instants = [float(line.split()[0]) for line in output]
     assert instants == sorted(instants)
 
 
@@ -172,16 +174,16 @@ def test_annotated_functions_run_without_another_line_of_glue(
     bare = text[: text.index("[bindings]")] + text[text.index("[requirements]") :]
     (tmp_path / "s.toml").write_text(bare)
     words = ["run", str(LEVEL0 / "config.mars"), "--duration", "3", "--format", "json"]
-    told = []
+    entries = []
     for scenario, sources in (
         (LEVEL0 / "scenario.toml", []),
         (tmp_path / "s.toml", ["--sources", str(LEVEL0 / "sources")]),
     ):
         assert run_command([*words, "--scenario", str(scenario), *sources]) == 0
         result = json.loads(capfd.readouterr().out)
-        told.append((result["events"], result["driven_mm"], result["control_time"]))
-    assert told[0] == told[1]
-    assert told[0][0] > 100
+        entries.append((result["events"], result["driven_mm"], result["control_time"]))
+    assert entries[0] == entries[1]
+    assert entries[0][0] > 100
 
 
 def test_a_reader_who_leaves_ends_a_run_quietly() -> None:

@@ -20,10 +20,10 @@ HOSTILE = "</td></script><img src=x onerror=alert(1)>\u202e"
 
 def test_a_report_says_what_json_says(tmp_path: Path) -> None:
     words = f"run {LEVEL1}/config.mars --scenario {LEVEL1}/scenario.toml --duration 3 --quiet"
-    said = run(
+    output = run(
         f"mars-asp {words} --format json --report out.html --replay 'play it.html'", tmp_path
     )
-    known = json.loads(said.strip().splitlines()[-1])
+    known = json.loads(output.strip().splitlines()[-1])
     text = (tmp_path / "out.html").read_text(encoding="utf-8")
     page = Page(text)
     tables = [[cell.text for cell in each.all("td")] for each in page.top.all("table")]

@@ -33,13 +33,13 @@ def analysed(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, set[
     shown = capsys.readouterr()
     kinds = {each["kind"] for each in json.loads(shown.out)["consequences"]} if shown.out else set()
     remarks = [json.loads(line) for line in shown.err.splitlines()]
-    told = [f"{r['line']}:{r['column']} {r['message']}|{r['help']}" for r in remarks]
-    return status, kinds, told
+    lines = [f"{r['line']}:{r['column']} {r['message']}|{r['help']}" for r in remarks]
+    return status, kinds, lines
 
 
 def test_the_robot_of_these_tests(capsys: pytest.CaptureFixture[str]) -> None:
-    status, kinds, told = analysed(capsys, "a.mars")
-    assert (status, told) == (1, [])
+    status, kinds, result = analysed(capsys, "a.mars")
+    assert (status, result) == (1, [])
     assert {ERROR, WARNING, *NOTES} < kinds
 
 
@@ -292,8 +292,8 @@ def test_a_comment_belongs_to_the_first_place(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "a.mars").write_text(commented(4, f"// mars: ignore[{WARNING}]"))
-    _, _, (told,) = analysed(capsys, "a.mars")
-    assert told.endswith("|move it to the end of line 3 of a.mars, its first place")
+    _, _, (result,) = analysed(capsys, "a.mars")
+    assert result.endswith("|move it to the end of line 3 of a.mars, its first place")
 
 
 def test_a_finding_without_a_line_is_at_the_first(
@@ -358,9 +358,9 @@ def look() -> Pose: ...
     lines = source.format("").splitlines()
     lines[line - 1] += f"  mars: ignore[{kind}]"
     (folder / "camera.py").write_bytes("\r\n".join(lines).encode("latin-1") + b" # \xe9")
-    _, kinds, told = analysed(capsys, "a.mars")
+    _, kinds, result = analysed(capsys, "a.mars")
     assert kind not in kinds
-    assert not any("hides nothing" in each for each in told)
+    assert not any("hides nothing" in each for each in result)
 
 
 # ---- Baselines -----------------------------------------------------------------------------------
@@ -526,9 +526,9 @@ def test_verbs_that_find_something_on_their_way_hide_it_too(
 ) -> None:
     assert run_here([verb, "a.mars", *more]) == 1
     shown = capsys.readouterr()
-    told = "mounts form a cycle" in shown.out + shown.err
+    text = "mounts form a cycle" in shown.out + shown.err
     # To these the cycle is no topic.
-    assert told == (more != ["--alternatives"])
+    assert text == (more != ["--alternatives"])
     options = []
     if hidden_by == "option":
         options = ["--ignore", ERROR]

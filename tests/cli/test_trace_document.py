@@ -135,5 +135,5 @@ def test_schemas_are_printed_without_a_file(form: str, capsys: Any) -> None:
 
 def test_diagnostics_are_json_beside_lines(tmp_path: Any) -> None:
     (tmp_path / "c.mars").write_text("@configuration\n@modules A\nA uses_data_from B\n")
-    told = run("mars-asp explain c.mars --format jsonl", tmp_path)
-    assert all(isinstance(json.loads(line), dict) for line in told.splitlines())
+    output = run("mars-asp explain c.mars --format jsonl", tmp_path)
+    assert all(isinstance(json.loads(line), dict) for line in output.splitlines())

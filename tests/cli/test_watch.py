@@ -64,22 +64,22 @@ def test_a_client_sees_the_run_go_on_and_then_its_verdict() -> None:
         assert page.headers["Cross-Origin-Resource-Policy"] == "same-origin"
         assert "default-src 'none'" in text
         assert "unsafe" not in text
-        told = list(scenes(asked(address, f"{urlsplit(address).path}events")))
+        entries = list(scenes(asked(address, f"{urlsplit(address).path}events")))
         spent = time.monotonic() - began
         output, _ = command.communicate(timeout=HANGING)
     assert command.returncode == 0
     assert output.startswith("pass: ")
     # A person sees it move, and it is at most as fast as the clock.
-    assert 3 < len(told) < 40
+    assert 3 < len(entries) < 40
     assert spent > 3
-    instants = [float(re.search(r"([\d.]+) of 3 s", str(each["state"]))[1]) for each in told]  # type: ignore[index]
+    instants = [float(re.search(r"([\d.]+) of 3 s", str(each["state"]))[1]) for each in entries]  # type: ignore[index]
     assert instants == sorted(instants)
-    assert [each["verdict"] for each in told] == [None] * (len(told) - 1) + ["pass"]
-    assert str(told[-1]["state"]).startswith(
+    assert [each["verdict"] for each in entries] == [None] * (len(entries) - 1) + ["pass"]
+    assert str(entries[-1]["state"]).startswith(
         "pass, after 3.0 of 3 s: 0 collisions, least clearance"
     )
-    assert "pass: all 8 requirements hold" in str(told[-1]["svg"])
-    assert ">running: " in str(told[0]["svg"])
+    assert "pass: all 8 requirements hold" in str(entries[-1]["svg"])
+    assert ">running: " in str(entries[0]["svg"])
 
 
 def test_nothing_is_answered_without_the_path_or_to_other_sites() -> None:
@@ -97,8 +97,8 @@ def test_nothing_is_answered_without_the_path_or_to_other_sites() -> None:
             "//",
         ):
             assert asked(address, other).status == 404
-        for told in ({"Host": "evil.example"}, {"Host": "localhost.evil.example"}):
-            assert asked(address, **told).status == 404
+        for item in ({"Host": "evil.example"}, {"Host": "localhost.evil.example"}):
+            assert asked(address, **item).status == 404
         for each in (path, f"{path}events"):
             assert asked(address, each, Origin="http://evil.example").status == 404
         connection = HTTPConnection(urlsplit(address).netloc, timeout=HANGING)
@@ -115,14 +115,14 @@ def test_nothing_is_answered_without_the_path_or_to_other_sites() -> None:
 
 
 def test_a_paced_run_is_the_run_that_it_is_without(capsys: pytest.CaptureFixture[str]) -> None:
-    told = []
+    entries = []
     for speed in ([], ["--speed", "40"]):
         words = [*WORDS, "--duration", "12", "--format", "json", "--quiet"]
         assert run_here([*words, *speed]) == 0
         captured = capsys.readouterr()
         assert "watch the run" not in captured.err
-        told.append(captured.out)
-    assert told[0] == told[1]
+        entries.append(captured.out)
+    assert entries[0] == entries[1]
 
 
 @pytest.mark.parametrize("speed", ["0", "-1", "nan", "inf", "fast"])

@@ -81,10 +81,10 @@ def test_a_signal_ends_a_command_that_grounds(number: signal.Signals, pack: Path
     wait_for_worker(str(pack))
     before = ended_children_time() + sum(map(processor_time, workers_of(str(pack))))
     command.send_signal(number)
-    output, said = command.communicate(timeout=HANGING)
+    output, result = command.communicate(timeout=HANGING)
     # A rule that grounds without end takes all the time until it is ended.
     assert ended_children_time() - before < 1
-    assert (command.returncode, output, said) == (128 + number, b"", b"")
+    assert (command.returncode, output, result) == (128 + number, b"", b"")
     assert workers_of(str(pack)) == []
     assert list(pack.parent.iterdir()) == [pack]
 
@@ -187,9 +187,9 @@ def test_a_behaviour_that_ends_the_program_fails_the_run(
     (tmp_path / "c.mars").write_text(ROBOT)
     words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
     command = start(*words, "--record", str(tmp_path / "r.jsonl"))
-    output, said = command.communicate(timeout=HANGING)
-    assert command.returncode == status, said
-    assert mentions in (output + said).decode()
+    output, result = command.communicate(timeout=HANGING)
+    assert command.returncode == status, result
+    assert mentions in (output + result).decode()
     assert_whole_or_absent(tmp_path / "r.jsonl")
 
 
@@ -220,8 +220,8 @@ def test_a_record_of_which_much_was_written_is_dropped_with_its_run(
     (tmp_path / "r.jsonl").write_text("as it was")
     words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
     command = start(*words, "--record", str(tmp_path / "r.jsonl"))
-    output, said = command.communicate(timeout=HANGING)
-    assert (command.returncode, output) == (status, b""), said
+    output, result = command.communicate(timeout=HANGING)
+    assert (command.returncode, output) == (status, b""), result
     # Events were on the disk while the run went on.
     assert (tmp_path / "seen").read_text() == "1"
     assert (tmp_path / "r.jsonl").read_text() == "as it was"
@@ -232,11 +232,11 @@ def test_a_crash_of_the_reasoner_is_told_apart(tmp_path: Path) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text("p(-2147483647 - 1).\nd(-1).\nq(X / Y) :- p(X), d(Y).\n")
     command = start("check", "examples/level0/config.mars", "--rules", str(pack))
-    output, said = command.communicate(timeout=HANGING)
+    output, result = command.communicate(timeout=HANGING)
     assert command.returncode == 2
     # Other processors wrap, so that the rule is found as others that compute what does not fit.
     assert (
-        output == b"" and b"(SIGFPE), so there is no result: does a rule divide" in said
+        output == b"" and b"(SIGFPE), so there is no result: does a rule divide" in result
     ) or b"pack.lp:3" in output
 
 
@@ -267,8 +267,8 @@ def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
     (tmp_path / "c.mars").write_text(ROBOT)
     words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
     command = start(*words)
-    output, said = command.communicate(timeout=HANGING)
-    assert command.returncode == 0, output + said
+    output, result = command.communicate(timeout=HANGING)
+    assert command.returncode == 0, output + result
 
 
 @pytest.mark.parametrize(
@@ -281,9 +281,9 @@ def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
 def test_a_limit_ends_a_runaway(words: tuple[str, ...], mentions: str, pack: Path) -> None:
     before = ended_children_time()
     command = start("analyse", LEVEL0, "--rules", str(pack), *words)
-    output, said = command.communicate(timeout=HANGING)
+    output, result = command.communicate(timeout=HANGING)
     assert (command.returncode, output) == (3, b"")
-    assert mentions in said.decode()
+    assert mentions in result.decode()
     if words[0] == "--time-limit":
         assert ended_children_time() - before < 2.5
 
@@ -298,21 +298,21 @@ def at_terminal(*words: str) -> tuple[int, int]:
 
 
 def said_at(terminal: int) -> str:
-    said = b""
+    text = b""
     try:
         while more := os.read(terminal, 4096):
-            said += more
+            text += more
     except OSError:  # nobody has the terminal open any more
         pass
     os.close(terminal)
-    return said.decode()
+    return text.decode()
 
 
 def test_a_terminal_is_read_though_the_worker_has_a_group_of_its_own() -> None:
     number, terminal = at_terminal("analyse", "-")
     os.write(terminal, b"@configuration\n@modules A, B\nA uses_data_from B\n\x04")
-    said = said_at(terminal)
-    assert "nothing to resolve" in said
+    result = said_at(terminal)
+    assert "nothing to resolve" in result
     assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 0
 
 
@@ -340,15 +340,15 @@ def test_a_dry_run_says_whose_code_would_run_and_imports_none(tmp_path: Path) ->
     (tmp_path / "s.toml").write_text(SCENARIO)
     (tmp_path / "c.mars").write_text(ROBOT)
     words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"), "--dry-run")
-    output, said = start(*words, "--format", "json").communicate(timeout=HANGING)
+    output, result = start(*words, "--format", "json").communicate(timeout=HANGING)
     found = json.loads(output)
     file = str(tmp_path / "drive.py")
     assert found["imports"] == [{"path": file, "functions": {"Drive": "go"}}]
     (tmp_path / "drive.py").unlink()
     command = start(*words)
-    output, said = command.communicate(timeout=HANGING)
+    output, result = command.communicate(timeout=HANGING)
     assert command.returncode == 2
-    assert said.decode() == f"mars-asp: `{file}`, which this run imports, is not a file\n"
+    assert result.decode() == f"mars-asp: `{file}`, which this run imports, is not a file\n"
 
 
 @pytest.mark.parametrize(
@@ -361,10 +361,10 @@ def test_a_crash_is_told_apart_from_a_limit(body: str, tmp_path: Path) -> None:
     (tmp_path / "c.mars").write_text(ROBOT)
     words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
     command = start(*words)
-    _, said = command.communicate(timeout=HANGING)
+    _, result = command.communicate(timeout=HANGING)
     assert command.returncode == 1
-    assert "drive.py" in said.decode()
-    assert "limit" not in said.decode()
+    assert "drive.py" in result.decode()
+    assert "limit" not in result.decode()
 
 
 @pytest.mark.parametrize("seed", [1000 + each for each in seeds(3, 8)])

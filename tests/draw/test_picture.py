@@ -154,10 +154,10 @@ def test_svg_says_the_text_and_nothing_else(picture: Picture) -> None:
     assert {element.tag.removeprefix(SVG) for element in root.iter()} <= inert
     assert not [name for element in root.iter() for name in element.attrib if "href" in name]
     kept = str.maketrans(dict.fromkeys("\ufffe\uffff", "\ufffd"))
-    said = [
+    entries = [
         line.text.translate(kept) for kind in KINDS for line in picture.lines if line.kind == kind
     ]
-    assert titles(root, *KINDS) == said
+    assert titles(root, *KINDS) == entries
     assert root[0].text == (picture.title.translate(kept) or None)
 
 
@@ -189,10 +189,10 @@ def test_mermaid_sees_only_letters_digits_and_plain_signs(picture: Picture) -> N
             assert not set('"<>`%\\|&$@!?') & set(line.removeprefix("  %% "))
         elif not line.startswith(("  style ", "  linkStyle ")):
             before, _, rest = line.partition('"')
-            text, _, behind = rest.rpartition('"')
+            text, _, after = rest.rpartition('"')
             text = text.replace("<br/>", "")
             assert not set('"<>`%\\|&$@!?') & set(text)
-            assert set(before + behind) <= set("n0123456789 ()[]|=-.>")
+            assert set(before + after) <= set("n0123456789 ()[]|=-.>")
 
 
 def mars(
@@ -254,12 +254,12 @@ def test_without_the_extra_a_png_is_refused_and_all_else_works(
     monkeypatch.setitem(sys.modules, "resvg_py", None)
     config, target = str(ROOT / "examples/level0/config.mars"), tmp_path / "a.png"
     assert run_here(["draw", config, "-o", str(target)]) == 2
-    told = " ".join(capsys.readouterr().err.split())
+    output = " ".join(capsys.readouterr().err.split())
     message = (
         f"mars-asp: error: {config}: a PNG needs the package `resvg_py`, which is not installed"
     )
-    assert told.startswith(message)
-    assert "pip install 'mars-asp[png]'" in told
+    assert output.startswith(message)
+    assert "pip install 'mars-asp[png]'" in output
     assert not target.exists()
     assert run_here(["draw", config, "-o", str(tmp_path / "a.svg")]) == 0
 

@@ -17,8 +17,8 @@ BASE = node("base", "", "cb")
 def lines(*muxes: Mux, relays: tuple[Relay, ...] = (), lift: bool = False) -> list[str]:
     graph = Graph("x", (BASE, node("n", "cn")), muxes, relays=relays)
     found = configuration_of(graph).configuration
-    told = (lifted(found) if lift else found).relationships
-    return [print_relationship(line).removesuffix(" hold 500") for line in told]
+    result = (lifted(found) if lift else found).relationships
+    return [print_relationship(line).removesuffix(" hold 500") for line in result]
 
 
 #: The outer mux's inputs, the inner one's, and how the base is controlled.

@@ -141,8 +141,8 @@ def test_each_branch_is_taken(body: str, expected: list[str], conditional: int) 
     assert nodes(found) == expected
     noted = [note for note in told(found) if "condition" in note]
     verb = "node depends" if conditional == 1 else "nodes depend"
-    said = f"{conditional} {verb} on conditions, of which every branch was read"
-    assert noted == ([said] if conditional else [])
+    text = f"{conditional} {verb} on conditions, of which every branch was read"
+    assert noted == ([text] if conditional else [])
 
 
 def test_a_node_of_two_branches_has_the_topics_of_both() -> None:

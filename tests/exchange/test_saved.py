@@ -131,8 +131,8 @@ def test_glue_that_is_saved_as_nodes_keeps_what_its_mux_makes_of_numbers() -> No
     found = imported(ROOT / "tests/twist_mux/ros2_forever.yaml")
     assert has_glue(found)
     glue = {("never_wins", "idle"), ("never_expires", "operator")}
-    told = {(kind, subject) for kind, subject, *_ in findings(saved(lifted(found)))}
-    assert glue <= told
+    entries = {(kind, subject) for kind, subject, *_ in findings(saved(lifted(found)))}
+    assert glue <= entries
 
 
 def test_a_saved_import_keeps_what_is_known_of_it_where_it_is_included(tmp_path: Path) -> None:
@@ -141,13 +141,13 @@ def test_a_saved_import_keeps_what_is_known_of_it_where_it_is_included(tmp_path:
     own = tmp_path / "two.mars"
     own.write_text("@configuration hierarchical\n@include mux.mars as left\n", encoding="utf-8")
     project = load_project(str(own))
-    told = analyse(project_facts(project), rules(), project.configuration.span).consequences
-    assert ("never_wins", "left/idle") in {(each.kind, each.subject) for each in told}
+    result = analyse(project_facts(project), rules(), project.configuration.span).consequences
+    assert ("never_wins", "left/idle") in {(each.kind, each.subject) for each in result}
 
 
 def test_comments_without_an_import_say_nothing() -> None:
-    said = "// A: not all topics read\n// A: commands pass a twist_mux\n"
-    text = f"@configuration\n@modules A\n{said}"
+    message = "// A: not all topics read\n// A: commands pass a twist_mux\n"
+    text = f"@configuration\n@modules A\n{message}"
     read = parse_text(text, "a.mars").configuration
     assert (read.origin, read.opaque, read.muxes) == (None, (), ())
 

@@ -393,9 +393,11 @@ def test_what_is_refused(change: tuple[str, str], place: tuple[int, int], messag
     assert text != GOOD
     with pytest.raises(MarsError) as caught:
         import_urdf(text, "bad.urdf")
-    told = {(d.span.line, d.span.column): f"{d.message} {d.help}" for d in caught.value.diagnostics}
-    assert message in told[place]
-    assert all(len(line) < 500 for line in told.values())
+    entries = {
+        (d.span.line, d.span.column): f"{d.message} {d.help}" for d in caught.value.diagnostics
+    }
+    assert message in entries[place]
+    assert all(len(line) < 500 for line in entries.values())
 
 
 #: What may stand before the root, or keep a document from being read: it is URDF all the same.

@@ -175,13 +175,15 @@ def averages(case: Case) -> list[dict[str, float]]:
     """Return the average of each tenth of a second, in which each joystick is read at the end."""
     means: list[dict[str, float]] = [dict.fromkeys(FUNCTIONS, 0.0)]
     for k in range(1, round(case.duration * 10) + 2):
-        said: dict[str, list[float]] = {}
+        entries: dict[str, list[float]] = {}
         for script in case.scripts:
             for tick in (0, 1) if k == 1 else (k,):
                 past = [(f, r) for since, f, r in script if since <= tick / 10]
                 if past:
-                    said.setdefault(past[-1][0], []).append(past[-1][1])
-        means.append({f: sum(said.get(f, [0.0])) / len(said.get(f, [0.0])) for f in FUNCTIONS})
+                    entries.setdefault(past[-1][0], []).append(past[-1][1])
+        means.append(
+            {f: sum(entries.get(f, [0.0])) / len(entries.get(f, [0.0])) for f in FUNCTIONS}
+        )
     return means
 
 

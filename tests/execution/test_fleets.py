@@ -39,15 +39,15 @@ ASKED = "[requirements]\nno_collision = true\nclearance = 50\n"
 def test_a_contact_of_two_counts_once_and_is_told_of_who_drove() -> None:
     made = trial(TWO + ASKED, DRIVE)
     judgement = judge(made)
-    told = {r.name: r.message for r in judgement.requirements if not r.holds}
-    assert told["clearance"] == (
+    entries = {r.name: r.message for r in judgement.requirements if not r.holds}
+    assert entries["clearance"] == (
         "the least clearance between `left` and `right` was 0.001 mm, and 50 mm is required"
     )
     for one, other in (("left", "right"), ("right", "left")):
         assert (
             f"`{one}` came into contact with `{other}` at 2.667 s, while it obeyed `{one}/C` "
             "in Trans_Z"
-        ) in told["no_collision"]
+        ) in entries["no_collision"]
     run: dict[str, Any] = run_json(made, judgement)
     assert run["collisions"] == 1
     first, second = run["robots"]
@@ -135,10 +135,10 @@ def test_an_obstacle_may_go_round_by_points() -> None:
     (obstacle,) = made.bodies[0].world.moving
     assert obstacle.at(1.5) == pytest.approx((450, 900))
     assert obstacle.at(2 + 2**0.5) == pytest.approx((900, 0))
-    for wrong, told in (
+    for wrong, item in (
         ("way = [[0, 0]]", "`way` must be a list of at least two points"),
         (f"way = {way}, to = [0, 0]", "an entry of `moving` must be a table"),
         ("from = [0, 0]", "an entry of `moving` must be a table"),
     ):
-        with pytest.raises(MarsError, match=told):
+        with pytest.raises(MarsError, match=item):
             read_scenario(f"{text}moving = [{{ {wrong}, radius = 1, speed = 1 }}]\n", Path("s"))

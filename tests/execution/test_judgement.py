@@ -54,8 +54,8 @@ def test_a_violation_is_explained_down_to_the_lines_that_asked(tmp_path: Path) -
     assert isinstance(limit, Derived)
     assert isinstance(collision, Derived)
     assert limit.message == "`P` was commanded Trans_Z at 200 mm/s, and its limit is 100 mm/s"
-    stated = [p for p in limit.premises if isinstance(p, Given) and p.origin == "stated"]
-    assert [p.span.line for p in stated if p.span] == [4]
+    declared = [p for p in limit.premises if isinstance(p, Given) and p.origin == "stated"]
+    assert [p.span.line for p in declared if p.span] == [4]
     peak = next(p for p in limit.premises if isinstance(p, Given) and p.origin == "observed")
     assert peak.seconds == 0
     asked, obeyed = collision.premises[0], collision.premises[2]

@@ -108,12 +108,12 @@ def test_the_jacobian_is_the_derivative_of_the_pose() -> None:
         columns = jacobian(here, "M0", body.ancestors("M0"))
         for joint, column in zip(joints, columns.T, strict=True):
             step = 1e-3
-            ahead, behind = (
+            ahead, after = (
                 take_posture(body, {**values, joint: values[joint] + way}).poses["M0"]
                 for way in (step, -step)
             )
             scale = math.radians(step) if joint.function.startswith("Rotn") else step
-            rate = inverse(here.poses["M0"]) @ (ahead - behind) / (2 * scale)
+            rate = inverse(here.poses["M0"]) @ (ahead - after) / (2 * scale)
             found = [rate[2, 1], rate[0, 2], rate[1, 0], *rate[:3, 3]]
             assert found == pytest.approx(column.tolist(), abs=1e-4)
 

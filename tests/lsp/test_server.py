@@ -151,9 +151,9 @@ async def asks_for_words(client: Editor, uri: str) -> None:
 async def asks_for_lenses(client: Editor, uri: str) -> None:
     await client.until(lambda: client.refreshed > 0)
     found = await client.text_document_code_lens_async(types.CodeLensParams(document(uri)))
-    told = [(each.range.start.line, each.command and each.command.title) for each in found or ()]
-    assert told[0] == (0, "5 consequences, 1 warning, 2 nodes")
-    assert (3, "Camera: 2 consequences; DataSplitter1") in told
+    entries = [(each.range.start.line, each.command and each.command.title) for each in found or ()]
+    assert entries[0] == (0, "5 consequences, 1 warning, 2 nodes")
+    assert (3, "Camera: 2 consequences; DataSplitter1") in entries
     command = (found or ())[1].command
     assert command is not None
     answer = await client.workspace_execute_command_async(
@@ -397,14 +397,14 @@ def test_lints_are_fixed_by_code_actions(tmp_path: Path) -> None:
         uri, text, taken = client.open(path, FAULTY), FAULTY, []
         for version in range(2, 7):
             for found in await client.diagnostics(uri, version - 1):
-                told = await client.text_document_code_action_async(
+                result = await client.text_document_code_action_async(
                     types.CodeActionParams(document(uri), found.range, types.CodeActionContext([]))
                 )
-                if told:
+                if result:
                     break
             else:
                 break
-            (action,) = told
+            (action,) = result
             assert isinstance(action, types.CodeAction) and action.edit is not None
             assert action.is_preferred and action.kind == types.CodeActionKind.QuickFix
             assert list(action.diagnostics or ()) == [found] and action.edit.changes is not None
@@ -470,8 +470,8 @@ def test_without_the_extra_it_tells_how_to_install_it(
 ) -> None:
     monkeypatch.setattr("mars_asp.cli.lsp.find_spec", lambda name: None)
     assert run_here(["lsp"]) == 2
-    told = "mars-asp lsp: the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'\n"
-    assert capsys.readouterr() == ("", told)
+    text = "mars-asp lsp: the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'\n"
+    assert capsys.readouterr() == ("", text)
 
 
 def children(of: int) -> list[int]:

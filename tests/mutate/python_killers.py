@@ -156,8 +156,8 @@ class _Judge:
                 return ("its import",)
             return (_failing(_concerned(mutant, runs, self.seconds)),)
 
-        for mutant, said in ask(self.mutants, answer, self.jobs):
-            killer = RUNS_AWAY if said is None else said[0]
+        for mutant, item in ask(self.mutants, answer, self.jobs):
+            killer = RUNS_AWAY if item is None else item[0]
             self.verdicts.append(MutantVerdict(mutant, killer))
             # pytest has standard output; who waits for hours wants to see what comes of it.
             print(f"{mutant}\n  {killer or 'survives'}", file=sys.stderr, flush=True)
@@ -198,7 +198,7 @@ def _passes(item: pytest.Item) -> bool:
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
     os.close(nowhere)
-    return not any(said.failed for said in runtestprotocol(item, log=False))
+    return not any(entry.failed for entry in runtestprotocol(item, log=False))
 
 
 # ---- Which tests run which lines -----------------------------------------------------------------

@@ -45,15 +45,15 @@ def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_cases(name: str, update_golden: bool, capsys: pytest.CaptureFixture[str]) -> None:
-    robot, told = f"tests/attributes/{name}.mars", FOLDER / f"{name}.txt"
+    robot, text = f"tests/attributes/{name}.mars", FOLDER / f"{name}.txt"
     _, printed = answer(capsys, "facts", robot, "--rules", PACK)
     if name in GOOD:
         starts = tuple(start for each in NAMES for start in (each, f"place({each}("))
         kept = [line for line in printed.splitlines(True) if line.startswith(starts)]
         printed = "".join(kept) + answer(capsys, "check", robot, "--rules", PACK)[1]
     if update_golden:
-        told.write_text(printed, encoding="utf-8")
-    assert printed == told.read_text(encoding="utf-8")
+        text.write_text(printed, encoding="utf-8")
+    assert printed == text.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", sorted({*ROBOTS} - {*GOOD}))
@@ -61,25 +61,25 @@ def test_every_verb_agrees_on_what_is_wrong(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     robot, rules = f"tests/attributes/{name}.mars", ("--rules", PACK)
-    told = answer(capsys, "facts", robot, *rules)
-    assert told[0] == 2
+    output = answer(capsys, "facts", robot, *rules)
+    assert output[0] == 2
     # Where there is no terminal, only `check` leaves first lines whole.
     status, printed = answer(capsys, "check", robot, *rules)
-    assert (status, printed.split()) == (2, told[1].split())
+    assert (status, printed.split()) == (2, output[1].split())
     for verb in ("analyse", "explain", "synthesise"):
-        assert answer(capsys, verb, robot, *rules) == told
+        assert answer(capsys, verb, robot, *rules) == output
     picture = ("-o", str(tmp_path / "robot.svg"))
-    assert answer(capsys, "draw", robot, *rules, *picture) == told
+    assert answer(capsys, "draw", robot, *rules, *picture) == output
     scenario = ("--scenario", "docs/tutorial/scenario.toml")
-    assert answer(capsys, "run", robot, *rules, *scenario) == told
+    assert answer(capsys, "run", robot, *rules, *scenario) == output
 
 
 def test_without_the_pack_it_is_said_how_to_give_it(capsys: pytest.CaptureFixture[str]) -> None:
-    status, told = answer(capsys, "check", "tests/attributes/blocks.mars")
+    status, output = answer(capsys, "check", "tests/attributes/blocks.mars")
     assert status == 2
-    assert told.count("no rule pack declares") == 5
-    assert told.count("help: give the pack that declares it with `--rules`") == 5
-    assert "tests/attributes/blocks.mars:18:1: error: no rule pack declares the tag" in told
+    assert output.count("no rule pack declares") == 5
+    assert output.count("help: give the pack that declares it with `--rules`") == 5
+    assert "tests/attributes/blocks.mars:18:1: error: no rule pack declares the tag" in output
 
 
 @pytest.mark.parametrize("name", GOOD)
@@ -104,8 +104,8 @@ def test_a_saved_specification_states_the_same_facts(
     assert answer(capsys, "synthesise", robot, *rules, "--quiet", "-o", str(saved))[0] == 0
 
     def stated(path: str) -> set[str]:
-        _, told = answer(capsys, "facts", path, *rules)
-        return {line for line in told.splitlines() if line.startswith(NAMES)}
+        _, output = answer(capsys, "facts", path, *rules)
+        return {line for line in output.splitlines() if line.startswith(NAMES)}
 
     assert stated(str(saved)) == stated(robot)
     assert stated(robot)
@@ -243,20 +243,20 @@ def test_two_packs_that_do_not_agree_are_both_named(tmp_path: Path) -> None:
     first = "%*! limit(M: module, T: milliseconds)\nfrom: property\n*%"
     with pytest.raises(MarsError) as caught:
         load_rulebook(packs(tmp_path, first, "%*! limit(M: module)\nfrom: tag\n*%"))
-    (told,) = caught.value.diagnostics
-    assert told.message == "the packs `first` and `second` declare `limit` in two ways"
-    assert told.span.path.endswith("second.lp")
-    assert [span.path.rpartition("/")[2] for span, _ in told.labels] == ["first.lp"]
+    (result,) = caught.value.diagnostics
+    assert result.message == "the packs `first` and `second` declare `limit` in two ways"
+    assert result.span.path.endswith("second.lp")
+    assert [span.path.rpartition("/")[2] for span, _ in result.labels] == ["first.lp"]
 
 
 def test_a_pack_that_calls_something_else_the_same_is_not_fed(tmp_path: Path) -> None:
     own = "limit(M, 9) :- module(M).\nmy_own(T) :- limit(_, T)."
-    stated = (
+    written = (
         "%*! limit(M: module, T: number)\nfrom: property\n*%\n#defined limit/2.\n"
         "my_seen(T) :- limit(_, T)."
     )
     robot = "@configuration\n@modules A\nA @Property limit 5\n"
-    for place, order in enumerate(((own, stated), (stated, own))):
+    for place, order in enumerate(((own, written), (written, own))):
         (tmp_path / str(place)).mkdir()
         rules = load_rulebook(packs(tmp_path / str(place), *order))
         grounding = Reasoner(load_project("a.mars", text=robot), rules).analysis.grounding

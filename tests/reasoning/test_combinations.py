@@ -234,7 +234,7 @@ def asked(tree: Tree, query: str) -> bool:
 def test_random_mount_trees(first: int) -> None:
     seen: Counter[str] = Counter()
     found = {seed: list(differences(seed, seen)) for seed in range(first, first + 5)}
-    assert {seed: told for seed, told in found.items() if told} == {}
+    assert {seed: item for seed, item in found.items() if item} == {}
     assert seen["accepted"] and seen["refused"] and seen["pair True"], seen
 
 
@@ -242,9 +242,9 @@ def main() -> None:
     many, first = (int(word) for word in (*sys.argv[1:], "0")[:2])
     wrong, seen = 0, Counter[str]()
     for seed in range(first, first + many):
-        told = list(differences(seed, seen))
-        wrong += bool(told)
-        for difference in told:
+        entries = list(differences(seed, seen))
+        wrong += bool(entries)
+        for difference in entries:
             print(f"seed {seed}: {difference}", flush=True)
     print(f"{many} mount trees, {wrong} differ: {dict(seen)}")
 

@@ -60,33 +60,33 @@ class Robot:
 
     def text(self) -> str:
         """Return the robot as a configuration."""
-        said = [f"@configuration {self.architecture}"]
-        said.append(f"@modules {', '.join([*self.own, *self.named])}")
+        texts = [f"@configuration {self.architecture}"]
+        texts.append(f"@modules {', '.join([*self.own, *self.named])}")
         for module, (carrier, axis) in self.mounts.items():
             turn = f" ({axis},90,_,_,_,_,_)" if axis else ""
-            said.append(f"{module} is_mounted_on {carrier}{turn}")
+            texts.append(f"{module} is_mounted_on {carrier}{turn}")
         lists: dict[str, list[Line]] = defaultdict(list)
         for line in self.lines:
             if line.listed:
                 lists[line.module].append(line)
             else:
                 rank = "" if line.priority is None else f" {line.priority}"
-                said.append(f"{line.module} is_controlled_by {line.controller}{rank}")
+                texts.append(f"{line.module} is_controlled_by {line.controller}{rank}")
         for module, lines in lists.items():
             names = ", ".join(line.controller for line in lines)
-            said.append(f"{module} is_controlled_by {names}")
+            texts.append(f"{module} is_controlled_by {names}")
         for module, functions in self.own.items():
             if module not in self.undescribed:
-                said += ["@module_start", f"@module_name {module}"]
-                said += [f"@{function}" for function in sorted(functions)]
-                said += ["@ControlOut", "Cmd hand_on();"] if module in self.filters else []
+                texts += ["@module_start", f"@module_name {module}"]
+                texts += [f"@{function}" for function in sorted(functions)]
+                texts += ["@ControlOut", "Cmd hand_on();"] if module in self.filters else []
                 if not functions and module not in self.filters:
-                    said += ["@Sense NotifyWhenReady", "Image look();"]
-                said.append("@module_end")
+                    texts += ["@Sense NotifyWhenReady", "Image look();"]
+                texts.append("@module_end")
         for controller, functions in self.named.items():
-            said += ["@module_start", f"@module_name {controller}"]
-            said += [f"@ControlOut {', '.join(sorted(functions))}", "Cmd act();", "@module_end"]
-        return "\n".join(said)
+            texts += ["@module_start", f"@module_name {controller}"]
+            texts += [f"@ControlOut {', '.join(sorted(functions))}", "Cmd act();", "@module_end"]
+        return "\n".join(texts)
 
 
 def random_robot(seed: int) -> Robot:
@@ -250,13 +250,13 @@ class Reading:
                 yield from inversions(module, inputs)
             else:
                 yield from means(module, inputs)
-                stated = [
+                declared = [
                     x
                     for x in self.robot.lines
                     if x.module == module and x.priority is not None and not x.listed
                 ]
-                if stated:
-                    names = frozenset(x.controller for x in stated)
+                if declared:
+                    names = frozenset(x.controller for x in declared)
                     yield "ignored_priority", module, names, ""
             yield from self.missing(module)
 
@@ -340,8 +340,8 @@ def found(robot: Robot) -> list[Finding]:
     findings = []
     for each in analysis.consequences:
         if each.kind in KINDS:
-            told = _told(each.kind, each.atom.arguments[3])
-            findings.append((each.kind, each.subject, frozenset(each.participants), told))
+            result = _told(each.kind, each.atom.arguments[3])
+            findings.append((each.kind, each.subject, frozenset(each.participants), result))
     return sorted(findings, key=_key)
 
 
@@ -357,8 +357,8 @@ def _told(kind: str, case: Symbol) -> str:
 
 
 def _key(finding: Finding) -> tuple[str, str, list[str], str]:
-    kind, subject, participants, told = finding
-    return kind, subject, sorted(participants), told
+    kind, subject, participants, result = finding
+    return kind, subject, sorted(participants), result
 
 
 def expected(robot: Robot) -> list[Finding]:

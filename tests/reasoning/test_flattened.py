@@ -108,18 +108,18 @@ def apart(drawn: Robot) -> str:
 @pytest.mark.parametrize("seed", range(8))
 def test_ports_cost_what_modules_apart_cost(seed: int) -> None:
     rulebook = load_rulebook(stages=("resolve", "verify"))
-    told: list[tuple[object, ...] | None] = []
+    entries: list[tuple[object, ...] | None] = []
     for text in (with_ports(robot(seed)), apart(robot(seed))):
         reasoner = Reasoner(load_project("robot.mars", text=text), rulebook)
         synthesis = reasoner.synthesis
         if synthesis is None:
-            told.append(None)
+            entries.append(None)
             continue
         specification = synthesis.specification
         assert reasoner.verify(specification.configuration) == ()
         kinds = sorted(node.kind for node in specification.nodes)
-        told.append((synthesis.resolution.cost, synthesis.resolution.count, kinds))
-    assert told[0] == told[1]
+        entries.append((synthesis.resolution.cost, synthesis.resolution.count, kinds))
+    assert entries[0] == entries[1]
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -113,8 +113,8 @@ def drawn(random: Random, folder: str = ".", deep: int = 2) -> Draft:
             inner = random.choice(known)
         some = random.sample(PREFIXES, random.choice([1, 1, 2]))
         includes += [(inner, prefix) for prefix in some]
-    here, stated = random.random() < 0.5, random.random() < 0.3
-    draft = Draft(f"{folder}/part.mars", {}, [], includes, here, stated)
+    here, declared = random.random() < 0.5, random.random() < 0.3
+    draft = Draft(f"{folder}/part.mars", {}, [], includes, here, declared)
     for kind in random.sample([*KINDS, *KINDS, None, "Base", "Driver"], random.randint(2, 5)):
         called = f"{random.choice(['', '', '/'])}{kind or 'Stranger'}-{ident(draft.path)}"
         called += f"x{len(draft.names)}"

@@ -111,8 +111,8 @@ def goldens(stage: str) -> Iterator[tuple[Rule, str]]:
 def shown(case: Path, atom: clingo.Symbol, trace: Trace) -> str:
     lines = case.read_text(encoding="utf-8").splitlines()
     title = f"{atom}, in {case.relative_to(ROOT)}"
-    said = traces_text([(title, trace)], lambda span: lines[span.line - 1], 2)
-    return "\n".join(said)
+    result = traces_text([(title, trace)], lambda span: lines[span.line - 1], 2)
+    return "\n".join(result)
 
 
 @pytest.mark.parametrize("stage", ["base", *(each for each in STAGES if each != TELLING)])
@@ -122,7 +122,7 @@ def test_every_rule_has_a_golden_trace(stage: str, update_golden: bool) -> None:
         by_file.setdefault(rule.span.path, []).append((rule.span.line, text))
     for path, found in by_file.items():
         golden = ROOT / "tests" / "traces" / Path(path).relative_to("rules").with_suffix(".txt")
-        text = "\n\n".join(told for _, told in sorted(found)) + "\n"
+        text = "\n\n".join(item for _, item in sorted(found)) + "\n"
         if update_golden:
             golden.parent.mkdir(parents=True, exist_ok=True)
             golden.write_text(text, encoding="utf-8")

@@ -35,8 +35,8 @@ def test_an_error_of_a_file_that_is_included_twice_is_told_once(tmp_path: Path) 
     )
     with pytest.raises(MarsError) as caught:
         load_project(str(robot))
-    (told,) = caught.value.diagnostics
-    assert (Path(told.span.path).name, told.span.line) == ("inner.mars", 3)
+    (result,) = caught.value.diagnostics
+    assert (Path(result.span.path).name, result.span.line) == ("inner.mars", 3)
 
 
 @pytest.mark.parametrize("target", ["robot.mars", "link.mars", "folder", "none.mars"])
@@ -47,8 +47,8 @@ def test_what_cannot_be_included_is_refused_where_it_is_named(target: str, tmp_p
     (tmp_path / "folder").mkdir()
     with pytest.raises(MarsError) as caught:
         load_project(str(robot))
-    (told,) = caught.value.diagnostics
-    assert (told.span.line, told.span.column) == (2, 10)
+    (result,) = caught.value.diagnostics
+    assert (result.span.line, result.span.column) == (2, 10)
 
 
 def test_what_two_files_include_counts_once(tmp_path: Path) -> None:
@@ -100,8 +100,8 @@ def test_a_module_that_two_files_describe_differently_is_refused(
     other.write_text(files[second] + block.format("RequestWhenReady"))
     with pytest.raises(MarsError) as caught:
         load_project(str(robot))
-    (told,) = caught.value.diagnostics
-    assert (told.code, told.span.path, told.labels[0][0].path) == (
+    (result,) = caught.value.diagnostics
+    assert (result.code, result.span.path, result.labels[0][0].path) == (
         "module-twice",
         str(other),
         str(first),
@@ -118,8 +118,8 @@ def test_a_limit_of_includes_is_reported_once(tmp_path: Path) -> None:
     for first, limit in ((0, "100 includes within"), (last - 15, "1000 includes")):
         with pytest.raises(MarsError) as caught:
             load_project(str(tmp_path / f"{first}.mars"))
-        (told,) = caught.value.diagnostics
-        assert limit in told.message
+        (result,) = caught.value.diagnostics
+        assert limit in result.message
 
 
 def test_a_description_of_its_own_counts_and_is_said(tmp_path: Path) -> None:
@@ -128,8 +128,8 @@ def test_a_description_of_its_own_counts_and_is_said(tmp_path: Path) -> None:
     text = "@configuration\n@modules left: Camera, right: Camera\nleft uses_data_from right\n"
     robot.write_text(text + block.format("Camera", "Image") + block.format("left", "Depth"))
     project = load_project(str(robot))
-    (told,) = project.diagnostics
-    assert (told.code, told.span.line, told.span.column) == ("module-twice", 2, 10)
+    (result,) = project.diagnostics
+    assert (result.code, result.span.line, result.span.column) == ("module-twice", 2, 10)
     assert project.modules["right"].services[0].output == "Image"
     assert "left" not in project.modules
 
@@ -142,8 +142,8 @@ def test_a_module_that_another_describes_is_not_taken_for_a_misspelt_one(tmp_pat
     robot.write_text(text.format("A, /Camera0x: Camera", "/Camera0x"))
     assert load_project(str(robot)).diagnostics == ()
     robot.write_text(text.format("A, Camra", "Camra"))
-    (told,) = load_project(str(robot)).diagnostics
-    assert told.help == "did you mean `Camera`?"
+    (result,) = load_project(str(robot)).diagnostics
+    assert result.help == "did you mean `Camera`?"
     # One that describes an instance may be meant by no other name.
     robot.write_text(text.format("A, Camra, left: Camera", "Camra"))
     assert load_project(str(robot)).diagnostics == ()

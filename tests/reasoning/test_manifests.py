@@ -41,23 +41,23 @@ def test_what_is_wrong_is_told(
     packs = sorted(folder.glob("with-*")) or [folder]
     given = [word for pack in packs for word in ("--rules", str(pack.relative_to(ROOT)))]
     assert run_here(["analyse", ROBOT, *given]) == 2
-    printed, told = capsys.readouterr()
+    printed, output = capsys.readouterr()
     assert not printed
     expected = folder / "expected.txt"
     if update_golden:
-        expected.write_text(told, encoding="utf-8")
-    assert told == expected.read_text(encoding="utf-8")
+        expected.write_text(output, encoding="utf-8")
+    assert output == expected.read_text(encoding="utf-8")
 
 
 def test_every_verb_says_the_same() -> None:
     for folder in CASES:
         packs = sorted(folder.glob("with-*")) or [folder]
-        said = []
+        entries = []
         for stages in ((), ("resolve", "verify"), STAGES):
             with pytest.raises(MarsError) as caught:
                 load_rulebook(packs, stages)
-            said.append(caught.value.diagnostics)
-        assert said[0] == said[1] == said[2]
+            entries.append(caught.value.diagnostics)
+        assert entries[0] == entries[1] == entries[2]
 
 
 @pytest.mark.parametrize(

@@ -194,10 +194,10 @@ def test_what_is_told_of_nodes(
     options = [word for pack in packs_of(path) for word in ("--rules", str(pack))]
     monkeypatch.setattr("mars_asp.cli.explain._covered_by_nodes", lambda topics: ())
     run_here(["explain", path.name, *options, "--quiet"])
-    told, expected = capsys.readouterr().out, path.with_suffix(".txt")
+    output, expected = capsys.readouterr().out, path.with_suffix(".txt")
     if update_golden:
-        expected.write_text(told, encoding="utf-8")
-    assert told == expected.read_text(encoding="utf-8")
+        expected.write_text(output, encoding="utf-8")
+    assert output == expected.read_text(encoding="utf-8")
 
 
 #: What a pack derives that no specification can hold, by the rule that says so.
@@ -241,8 +241,8 @@ def pack(folder: Path, name: str, stage: str, text: str) -> Path:
         f'inputs = "{inputs}"\noutputs = "{outputs}"\n'
         for kind, (called, carries, inputs, outputs) in kinds.items()
     )
-    told = nodes if stage == "resolve" else ""
-    (folder / name / "pack.toml").write_text(f'name = "{name}"\nversion = "1.0"\n{told}')
+    result = nodes if stage == "resolve" else ""
+    (folder / name / "pack.toml").write_text(f'name = "{name}"\nversion = "1.0"\n{result}')
     (folder / name / stage / f"{name}.lp").write_text(f"{text}\n", encoding="utf-8")
     return folder / name
 

@@ -153,15 +153,15 @@ def test_who_and_at_say_what_heads_by_hand_say(
     for seed in seeds(5, 60):
         lines = "D0 uses_data_from W0\nD1 uses_data_from W1\n"
         robot.write_text(f"{random_configuration(seed)}\n{lines}")
-        said = []
+        entries = []
         for text in (LISTED + FOUND, "%! id: mine/busy\n" + FOUND + BY_HAND):
             pack.write_text(text)
             verb = ["explain", str(robot), subject] if subject else ["analyse", str(robot)]
             assert run_here([*verb, "--rules", str(pack), "--format", "json"]) in (0, 1, 2)
-            told = capsys.readouterr().out
-            said.append(re.sub(rf'"path": "{pack}", "line": \d+', "", told))
-            busy += "busy" in told
-        assert said[0] == said[1]
+            output = capsys.readouterr().out
+            entries.append(re.sub(rf'"path": "{pack}", "line": \d+', "", output))
+            busy += "busy" in output
+        assert entries[0] == entries[1]
     assert busy
 
 

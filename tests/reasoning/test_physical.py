@@ -102,8 +102,8 @@ def numeric_twists(
             joint = (carrier.name, function.name)
             step = 1e-4 if function.name.startswith("Rotn") else 1.0
             ahead = leaf_pose(chain, {**values, joint: values.get(joint, 0.0) + step})
-            behind = leaf_pose(chain, {**values, joint: values.get(joint, 0.0) - step})
-            rate = here @ (ahead - behind) / (2 * step)
+            after = leaf_pose(chain, {**values, joint: values.get(joint, 0.0) - step})
+            rate = here @ (ahead - after) / (2 * step)
             twist = np.array([rate[2, 1], rate[0, 2], rate[1, 0], *(rate[:3, 3] / 100)])
             if not function.name.startswith("Rotn"):
                 twist *= 100
@@ -187,20 +187,20 @@ def test_random_chains(rules: str) -> None:
     ["similar_inheritance", "emergent_functionality", "module_conflict", "global_functionality"],
 )
 def test_help_says_that_a_definition_is_ours(kind: str) -> None:
-    told = [r.help for r in load_rulebook().rules if r.text.startswith(f"consequence({kind},")]
-    assert told
-    assert all(help_ and "our definition" in help_ for help_ in told)
+    entries = [r.help for r in load_rulebook().rules if r.text.startswith(f"consequence({kind},")]
+    assert entries
+    assert all(help_ and "our definition" in help_ for help_ in entries)
 
 
 def test_signs_and_names_through_right_angles() -> None:
     mount = Mount("M0", "P", HERE, transformation=placed([("y", 90)]))
     configuration = robot([mount], [module("M0", sensor=True), module("P", "Trans_Z", "Rotn_X")])
-    told = {str(fact.atom) for fact in frame_facts(configuration, {})}
+    entries = {str(fact.atom) for fact in frame_facts(configuration, {})}
     assert {
         'appears("M0","P","Trans_Z","Trans_X",-1)',
         'appears("M0","P","Rotn_X","Rotn_Z",1)',
         'rooted("M0","P",1)',
-    } <= told
+    } <= entries
 
 
 def test_two_oblique_slides_together_give_what_neither_gives(rules: str) -> None:

@@ -45,8 +45,8 @@ def disagreement(specification: Configuration, project: Project, what: str) -> s
     violations = verify(specification, project, RULEBOOK)
     if bool(violations) == (reason is not None):
         return None
-    said = violations[0].message if violations else "realises it"
-    return f"[{what}] verify: {said}; the text: {reason or 'realises it'}"
+    result = violations[0].message if violations else "realises it"
+    return f"[{what}] verify: {result}; the text: {reason or 'realises it'}"
 
 
 @pytest.mark.parametrize("seed", range(6, 12))

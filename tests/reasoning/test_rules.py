@@ -78,12 +78,12 @@ def test_messages_are_compared_where_a_case_has_one(tmp_path: Path, rulebook: Ru
     case = tmp_path / "case.lp"
     facts = 'module("S"). module("A"). module("B"). uses_data_from(1,"A","S").\n'
     facts += 'uses_data_from(2,"B","S").\n%= consequence(data_divergence,note,"S",receivers)\n'
-    told = "%> data/divergence: `S` delivers data to 2 receivers, and a source feeds at most one\n"
-    case.write_text(facts + told)
+    text = "%> data/divergence: `S` delivers data to 2 receivers, and a source feeds at most one\n"
+    case.write_text(facts + text)
     assert run_case(case, rulebook).passed
-    case.write_text(facts + told.replace("2", "3"))
+    case.write_text(facts + text.replace("2", "3"))
     assert not run_case(case, rulebook).passed
-    case.write_text(facts + told + "%> data/duplicate: `A` uses data from `S` twice\n")
+    case.write_text(facts + text + "%> data/duplicate: `A` uses data from `S` twice\n")
     assert not run_case(case, rulebook).passed
 
 
@@ -184,8 +184,8 @@ def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook:
         assert rule.example is not None and ROOT / rule.example in CASES, rule.id
         examples.append(ROOT / rule.example)
     fired = fired_in(finding, rulebook, sorted(set(examples)))
-    told = zip(finding, examples, fired, strict=True)
-    silent = [rule.id for rule, example, paths in told if example not in paths]
+    result = zip(finding, examples, fired, strict=True)
+    silent = [rule.id for rule, example, paths in result if example not in paths]
     assert len(finding) > 40
     assert silent == []
 
@@ -198,8 +198,8 @@ def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: R
     listed = [(r, label) for r in finding for label in labels(r, EXPANSIONS)]
     assert len(listed) > 25
     files = {rule.id.split("/")[0] for rule, _ in listed}
-    said = labelled(listed, rulebook, [case for case in CASES if case.parent.name in files])
-    silent = [pair for number, pair in enumerate(listed) if number not in said]
+    result = labelled(listed, rulebook, [case for case in CASES if case.parent.name in files])
+    silent = [pair for number, pair in enumerate(listed) if number not in result]
     assert [(rule.id, label.text) for rule, label in silent] == []
 
 

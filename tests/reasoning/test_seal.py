@@ -43,11 +43,11 @@ def test_packs(
     monkeypatch.chdir(ROOT)
     pack = str(path.relative_to(ROOT))
     assert run_here(["analyse", ROBOT, "--rules", pack]) == 2
-    printed, told = capsys.readouterr()
+    printed, output = capsys.readouterr()
     assert not printed
     if update_golden:
-        path.with_suffix(".txt").write_text(told, encoding="utf-8")
-    assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
+        path.with_suffix(".txt").write_text(output, encoding="utf-8")
+    assert output == path.with_suffix(".txt").read_text(encoding="utf-8")
     status = run_here(["rules", "lint", pack])
     linted = capsys.readouterr().err
     if path.stem != "constraint":
@@ -56,11 +56,11 @@ def test_packs(
         linted = "".join(each for each in _blocks(linted) if "[rules-inconsistent]" in each)
     if path.stem == "constraint":
         # Another robot may meet the demand.
-        told = " ".join(told.split()).replace("error: ", "warning: ")
-        told = told.replace("this configuration", "a sample robot")
-        assert (status, " ".join(linted.split())) == (0, told)
+        output = " ".join(output.split()).replace("error: ", "warning: ")
+        output = output.replace("this configuration", "a sample robot")
+        assert (status, " ".join(linted.split())) == (0, output)
     else:
-        assert (status, _plain(linted)) == (2, _plain(told))
+        assert (status, _plain(linted)) == (2, _plain(output))
 
 
 def _blocks(told: str) -> list[str]:
@@ -85,12 +85,12 @@ GROUNDED = ("chosen", "constraint", "undefined", "wrapping")
 def test_what_is_refused_is_so_for_every_verb() -> None:
     refused = [pack for pack in PACKS if pack.stem not in GROUNDED]
     for pack in refused:
-        said = []
+        entries = []
         for stages in ((), ("resolve",), STAGES):
             with pytest.raises(MarsError) as caught:
                 load_rulebook([pack], stages)
-            said.append(caught.value.diagnostics)
-        assert said[0] == said[1] == said[2]
+            entries.append(caught.value.diagnostics)
+        assert entries[0] == entries[1] == entries[2]
     with pytest.raises(MarsError) as caught:
         load_rulebook(refused, STAGES)
     assert {each.span.path for each in caught.value.diagnostics} == set(map(str, refused))
@@ -205,9 +205,9 @@ def test_a_synthesis_is_judged_without_packs(
     monkeypatch.setattr("mars_asp.cli.reason.load_rulebook", lambda *_, **__: lying)
     monkeypatch.setattr("mars_asp.cli.reason.load_rulebook", lambda *_, **__: lying)
     assert run_here(["synthesise", ROBOT]) == 2
-    printed, told = capsys.readouterr()
+    printed, output = capsys.readouterr()
     assert not printed
-    assert "internal error, please report it: " in told
+    assert "internal error, please report it: " in output
     project = load_project(ROBOT)
     analysis = analyse(project_facts(project), lying, project.configuration.span)
     assert verify(project.configuration, project, lying, analysis.grounding)
@@ -215,11 +215,11 @@ def test_a_synthesis_is_judged_without_packs(
 
 def test_the_sample_robots_hold_something_of_all_that_is_given() -> None:
     facts = [fact.atom for project in samples() for fact in project_facts(project)]
-    told = {Signature(atom.name, len(atom.arguments)) for atom in facts}
+    entries = {Signature(atom.name, len(atom.arguments)) for atom in facts}
     given = {signature for signature, stage in seal().given.items() if "base" in stage}
     # Findings are derived, circuits told of what `can` asks for, kinds of nodes stated by packs.
     found = {"consequence/4", "participant/5", "concerns/4", "circuit/5", "node_kind/4"}
-    assert set(map(str, given - told)) == found
+    assert set(map(str, given - entries)) == found
 
 
 def test_the_constants_of_facts_are_known() -> None:

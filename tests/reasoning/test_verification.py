@@ -72,8 +72,8 @@ def carried(seed: int) -> str:
         else:
             blocks.append(block(tool, "@Sense NotifyWhenReady", "P look();"))
     for driver in drivers:
-        said = rng.sample(functions, rng.randint(0, 2))
-        blocks.append(block(driver, f"@ControlOut {', '.join(said)}", "Command go();"))
+        result = rng.sample(functions, rng.randint(0, 2))
+        blocks.append(block(driver, f"@ControlOut {', '.join(result)}", "Command go();"))
     header = f"@configuration {kind}\n@modules {', '.join((*movers, *tools, *drivers))}"
     return "\n".join([header, *lines, *blocks])
 
@@ -151,8 +151,8 @@ def mutations(
             yield put(index, replace(line, mode=mode, hz=None))
         for place, second in enumerate(lines[index + 1 :], index + 1):
             if isinstance(line, Control) and isinstance(second, Control):
-                stated = {line.priority, second.priority} - {None}
-                if line.controlled == second.controlled and len(stated) == 2:
+                declared = {line.priority, second.priority} - {None}
+                if line.controlled == second.controlled and len(declared) == 2:
                     swapped = list(lines)
                     swapped[index] = replace(line, priority=second.priority)
                     swapped[place] = replace(second, priority=line.priority)
@@ -435,11 +435,11 @@ def test_a_cost_below_the_least_is_a_fault_of_ours(
     monkeypatch.setattr("mars_asp.cli.verify.written_cost", lambda *_: cheap)
     words = ["verify", str(tmp_path / "s.mars"), str(tmp_path / "c.mars"), "--format", "json"]
     assert run_here(words) == 1
-    told = capsys.readouterr()
-    done = json.loads(told.out)
+    output = capsys.readouterr()
+    done = json.loads(output.out)
     assert done["realises"] and done["minimal"] is None
     assert "nodes 0" in done["fault"] and "nodes 1" in done["fault"]
-    assert "internal error" in told.err
+    assert "internal error" in output.err
 
 
 def test_many_ranked_inputs_are_judged_in_proportion_to_their_number() -> None:
@@ -491,10 +491,10 @@ def test_a_comment_is_judged_by_what_its_converter_converts() -> None:
     for names in (("Lines", "Image"), ("Image", "Depth"), ("other::Image", "Lines")):
         violations, _ = judged(CHOSEN.format(comment=right.format(*names)), CHOICE)
         assert any(
-            said.startswith(
+            item.startswith(
                 "verify/conversion/misnamed 3: `DataTransformer1` applies `Cheap`, which"
             )
-            for said in violations
+            for item in violations
         ), names
 
 
@@ -554,7 +554,7 @@ def test_a_mount_by_another_tuple_is_refused_and_the_same_pose_is_not() -> None:
     text = "@{} hierarchical\n@modules A, B\nA 1 is_mounted_on B 2 {}\n"
     configuration = parse_text(text.format("configuration", "(x,90,_,_,0,10,0)"), "c.mars")
     project = Project(configuration.configuration, {}, ())
-    for tuple_, told in (
+    for tuple_, item in (
         ("(x,90,_,_,0,10,0)", []),
         ("(x,-270,_,_,_,10.0,_)", []),
         ("(x,90,y,360,_,10,_)", []),
@@ -565,4 +565,4 @@ def test_a_mount_by_another_tuple_is_refused_and_the_same_pose_is_not() -> None:
         ("", ["`A` is mounted on `B` by (_,_,_,_,_,_,_), which is not declared"]),
     ):
         changed = parse_text(text.format("specification", tuple_), "s.mars").configuration
-        assert [each.message for each in verify(changed, project, RULEBOOK)] == told
+        assert [each.message for each in verify(changed, project, RULEBOOK)] == item

@@ -80,9 +80,9 @@ def ranks(text: str) -> dict[str, dict[str, int]]:
         members = [member.strip() for member in match[2].split(",")]
         for place, member in enumerate(members):
             name, number = _MEMBER.match(member).groups()  # type: ignore[union-attr]
-            stated = place if len(members) > 1 else int(number or 0)
+            declared = place if len(members) > 1 else int(number or 0)
             of = found.setdefault(match[1], {})
-            of[name] = max(of.get(name, 0), stated)
+            of[name] = max(of.get(name, 0), declared)
     return found
 
 
@@ -167,12 +167,12 @@ def _wrong(
             yield f"brings an error: {consequence['message']}"
         elif name not in announced:
             yield f"brings a warning that it did not announce: {consequence['message']}"
-    said = {warning["message"] for warning in mend["warnings"]}
+    entries = {warning["message"] for warning in mend["warnings"]}
     known = Counter((r["code"], r["message"]) for r in remarks)
     for remark in new_remarks:
         key = remark["code"], remark["message"]
         known[key] -= 1
-        if known[key] < 0 and remark["severity"] != "note" and remark["message"] not in said:
+        if known[key] < 0 and remark["severity"] != "note" and remark["message"] not in entries:
             yield f"brings a remark that it did not announce: {remark['message']}"
 
 

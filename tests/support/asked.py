@@ -56,8 +56,8 @@ def _told(found: Mapping[str, Any]) -> Told:
         _units(path, found[line], found[column])
         for line, column in (("line", "column"), ("end_line", "end_column"))
     ]
-    said = (found[key] for key in ("severity", "code", "message", "help", "effect"))
-    return path, places[0], places[1], *said
+    result = (found[key] for key in ("severity", "code", "message", "help", "effect"))
+    return path, places[0], places[1], *result
 
 
 def _units(path: str, line: int | None, column: int | None) -> tuple[int, int]:

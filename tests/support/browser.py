@@ -102,12 +102,12 @@ class Browser:
         if self._session:
             message["sessionId"] = self._session
         os.write(self._to, json.dumps(message).encode() + b"\0")
-        for told in self._messages():
-            if told.get("id") == self._asked:
-                assert "error" not in told, (method, told["error"])
-                result: dict[str, Any] = told["result"]
+        for item in self._messages():
+            if item.get("id") == self._asked:
+                assert "error" not in item, (method, item["error"])
+                result: dict[str, Any] = item["result"]
                 return result
-            self.events.append(told)
+            self.events.append(item)
         raise AssertionError(f"{method}: no answer")
 
     def show(self, path: Path, width: int = 1200, height: int = 800, dark: bool = False) -> None:
@@ -128,17 +128,17 @@ class Browser:
         self("Emulation.setEmulatedMedia", features=[scheme])
         self("Page.navigate", url=address)
         if not any(each.get("method") == "Page.loadEventFired" for each in self.events):
-            for told in self._messages():
-                self.events.append(told)
-                if told.get("method") == "Page.loadEventFired":
+            for item in self._messages():
+                self.events.append(item)
+                if item.get("method") == "Page.loadEventFired":
                     break
         self.run(_FRAME)
 
     def run(self, script: str) -> Any:
         """Return what an expression is in the page, once it is settled."""
-        told = self("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
-        assert "exceptionDetails" not in told, told["exceptionDetails"]
-        return told["result"].get("value")
+        result = self("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in result, result["exceptionDetails"]
+        return result["result"].get("value")
 
     def wait(self, script: str) -> None:
         """Wait until an expression is true in the page."""
@@ -209,5 +209,5 @@ class Browser:
                 part = os.read(self._from, 1 << 20)
                 assert part, "the browser has ended"
                 self._buffer += part
-            told, _, self._buffer = self._buffer.partition(b"\0")
-            yield json.loads(told)
+            result, _, self._buffer = self._buffer.partition(b"\0")
+            yield json.loads(result)

@@ -51,9 +51,9 @@ class Case(NamedTuple):
             if signature_of(atom) in self.wanted:
                 yield str(atom)
             elif self.has_messages and atom.name == predicate_of(SPOKEN):
-                told = heard(as_term(atom), speakers)
-                if self.hears(told.rule):
-                    yield f"%> {told.rule.id}: {told.message}"
+                result = heard(as_term(atom), speakers)
+                if self.hears(result.rule):
+                    yield f"%> {result.rule.id}: {result.message}"
 
 
 def case_of(path: Path, finding: Signature) -> Case:

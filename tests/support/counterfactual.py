@@ -361,18 +361,18 @@ def main(words: Sequence[str]) -> int:
     with suppress(KeyboardInterrupt):
         for seed, kind in product(range(first, first + count), KINDS):
             text = kind(seed)
-            told: tuple[Topic, ...] = ()
+            result: tuple[Topic, ...] = ()
             with suppress(MarsError):
-                told = topics(text)
+                result = topics(text)
             remember("config.mars", text)
-            accounts = [topic.account for topic in told if topic.account is not None]
+            accounts = [topic.account for topic in result if topic.account is not None]
             missing = (each for account in accounts for each in uncounted(account))
-            faults = (each for topic in told for each in malformed(topic))
+            faults = (each for topic in result for each in malformed(topic))
             for line in (*uncaused(text), *uncited(text), *missing, *faults):
                 wrong += 1
                 print(f"{kind.__name__} {seed}: {line}", flush=True)
             tried += 1
-            asked.update(re.sub(r"\d*$|\(.*", "", topic.name) for topic in told)
+            asked.update(re.sub(r"\d*$|\(.*", "", topic.name) for topic in result)
             cited += sum(len(account.cites) for account in accounts)
     print(", ".join(f"{name} {number}" for name, number in asked.most_common()))
     print(

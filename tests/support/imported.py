@@ -64,5 +64,5 @@ def findings_of(found: Parsed) -> list[str]:
     project = described(found, "")
     rulebook = load_rulebook([], ("resolve",))
     analysis = analyse(project_facts(project), rulebook, project.configuration.span)
-    told = [f"{each.kind}({each.subject})" for each in analysis.consequences]
-    return sorted(each for each in told if not each.startswith("unused_output"))
+    lines = [f"{each.kind}({each.subject})" for each in analysis.consequences]
+    return sorted(each for each in lines if not each.startswith("unused_output"))

@@ -46,20 +46,20 @@ class Reading:
         for line in hearing(configuration, inheritance(configuration, modules)):
             self.heard.setdefault(line.controlled, []).append(line)
 
-    def told(self, name: str, end: int) -> Told:
+    def commands_until(self, name: str, end: int) -> Told:
         """Return what a module is told up to an instant."""
         if not self.hierarchical:
             return [(time, value) for time, value in self.said_to(name, end) if time <= end]
-        told: Told = []
+        entries: Told = []
         last: Command | None = None
         for now in range(end + 1):
             winner = self.winner(name, now)
             if winner is not None and (last is None or winner.sent != last.sent):
-                told.append((now, self.scripts[winner.controller][winner.sent]))
+                entries.append((now, self.scripts[winner.controller][winner.sent]))
             elif winner is None and last is not None:
-                told.append((now, None))
+                entries.append((now, None))
             last = winner
-        return told
+        return entries
 
     # ---- hierarchical ----
 
@@ -68,8 +68,8 @@ class Reading:
         lines = self.heard[name]
         best: tuple[int, int, Command] | None = None
         for line in lines:
-            stated = FOR_EVER if line.hold_ms == FOREVER else line.hold_ms
-            hold = stated if self.arbitrated(name) else FOR_EVER
+            declared = FOR_EVER if line.hold_ms == FOREVER else line.hold_ms
+            hold = declared if self.arbitrated(name) else FOR_EVER
             command = self.latest(line.controller, hold, now)
             if command is not None and command.until > now:
                 key = (line.priority or 0, command.sent, command)
@@ -96,7 +96,7 @@ class Reading:
 
     def said_to(self, name: str, end: int) -> list[tuple[float, float]]:
         """Return the messages that reach a module: those of a single controller, or means."""
-        said: list[tuple[float, float]] = [
+        entries: list[tuple[float, float]] = [
             message
             for line in self.heard[name]
             for message in (
@@ -106,12 +106,12 @@ class Reading:
             )
         ]
         if not self.arbitrated(name):
-            return sorted(said)
+            return sorted(entries)
         means: list[tuple[float, float]] = []
         for close in range(self.window, end + 1, self.window):
             values = [
                 value
-                for time, value in said
+                for time, value in entries
                 if close - self.window < time <= close or (time == 0 and close == self.window)
             ]
             if values:

@@ -154,10 +154,10 @@ def least_supports(
         if alone:
             found[function] = (alone[0],)
             continue
-        said = {support(given, above, function) for given in generic}
-        if len(said) > 1:
-            raise UnclearError(f"{function}: {said}")
-        (least,) = said
+        entries = {support(given, above, function) for given in generic}
+        if len(entries) > 1:
+            raise UnclearError(f"{function}: {entries}")
+        (least,) = entries
         if len(least) == 1:
             raise UnclearError(f"{function}: {least} gives it at a generic posture alone")
         if least:

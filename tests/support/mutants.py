@@ -268,18 +268,18 @@ def change_a_service(specification: Configuration, rng: random.Random) -> Config
 
 
 def change_a_conversion(specification: Configuration, rng: random.Random) -> Configuration | None:
-    said = list(specification.conversions)
-    if not said:
+    result = list(specification.conversions)
+    if not result:
         return None
-    at = rng.randrange(len(said))
+    at = rng.randrange(len(result))
     how = rng.random()
     if how < 0.4:
-        del said[at]
-    elif how < 0.8 and len(said) > 1:
-        other = rng.choice([k for k in range(len(said)) if k != at])
-        one, two = said[at].transformer, said[other].transformer
-        said[at] = replace(said[at], transformer=two)
-        said[other] = replace(said[other], transformer=one)
+        del result[at]
+    elif how < 0.8 and len(result) > 1:
+        other = rng.choice([k for k in range(len(result)) if k != at])
+        one, two = result[at].transformer, result[other].transformer
+        result[at] = replace(result[at], transformer=two)
+        result[other] = replace(result[other], transformer=one)
     else:
         services = [
             (module.name, str(service.inputs[0]), str(service.output))
@@ -290,8 +290,8 @@ def change_a_conversion(specification: Configuration, rng: random.Random) -> Con
         if not services:
             return None
         name, given, made = rng.choice(services)
-        said[at] = replace(said[at], converter=name, source=given, target=made)
-    return replace(specification, conversions=tuple(said))
+        result[at] = replace(result[at], converter=name, source=given, target=made)
+    return replace(specification, conversions=tuple(result))
 
 
 def add_a_provider(specification: Configuration, rng: random.Random) -> Configuration | None:

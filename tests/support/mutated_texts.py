@@ -90,7 +90,7 @@ def mutated(seed: int) -> bytes:
 
 def _changed(text: str, rng: random.Random) -> str:
     words = [match.span() for match in _WORD.finditer(text)] or [(0, 0)]
-    (at, near), (other, behind) = sorted((rng.choice(words), rng.choice(words)))
+    (at, near), (other, after) = sorted((rng.choice(words), rng.choice(words)))
     match rng.randrange(16):
         case 0:
             return text[:at] + text[near:]
@@ -106,16 +106,16 @@ def _changed(text: str, rng: random.Random) -> str:
         case 5 if rng.random() < 0.05:
             return text[:at] + rng.choice(_TOKENS) * rng.choice((300, 6000)) + text[at:]
         case 6 | 7 | 8:
-            return text[:at] + text[other:behind] + text[near:other] + text[at:near] + text[behind:]
+            return text[:at] + text[other:after] + text[near:other] + text[at:near] + text[after:]
         case 9 | 10 | 11:
-            return text[:at] + text[other:behind] + text[near:]
+            return text[:at] + text[other:after] + text[near:]
     return text[:at] + rng.choice(_TOKENS) + text[rng.choice((at, near)) :]
 
 
 @functools.cache
 def _facts() -> tuple[Fact, ...]:
     here = point("c.mars", 1, 1)
-    told = (
+    result = (
         Atom("module", ("A",)),
         Atom("module", ("B",)),
         Atom("uses_data_from", (1, "A", "B")),
@@ -123,7 +123,7 @@ def _facts() -> tuple[Fact, ...]:
         Atom("priority", (2, 7)),
         Atom("hold", (2, 2147483647)),
     )
-    return tuple(Fact(atom, here) for atom in told)
+    return tuple(Fact(atom, here) for atom in result)
 
 
 def read(path: Path, own: Rulebook) -> str:
@@ -178,12 +178,12 @@ def _batch(
         _read_all(seeds, own, folder, writer)
     os.close(writer)
     with os.fdopen(reader, encoding="utf-8") as lines:
-        told = [line.rstrip("\n") for line in lines]
+        entries = [line.rstrip("\n") for line in lines]
     _, status = os.waitpid(child, 0)
-    done = [line for line in told if not line.startswith("!")]
+    done = [line for line in entries if not line.startswith("!")]
     seen.update(done)
-    yield from (line[1:] for line in told if line.startswith("!"))
-    at = seeds[0] + len(told)
+    yield from (line[1:] for line in entries if line.startswith("!"))
+    at = seeds[0] + len(entries)
     if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0:
         return at
     if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGPROF:

@@ -83,10 +83,10 @@ def _data(rng: random.Random, names: list[str], lines: list[str], blocks: list[s
     names += [*sources, *clients]
     services: Sequence[str] = rng.choice([("",), SERVICES, CONDITIONS])
     for client in clients:
-        said = set()
+        entries = set()
         for _ in range(rng.choice([1, 1, 1, 1, 2])):
-            said.add(f"{client} uses_data_from {rng.choice(sources)}{rng.choice(services)}")
-        lines += sorted(said)
+            entries.add(f"{client} uses_data_from {rng.choice(sources)}{rng.choice(services)}")
+        lines += sorted(entries)
     for source in sources:
         if rng.random() < 0.9:
             output = rng.choice(["auto" if rng.random() < 0.1 else representations[0]])
@@ -215,12 +215,12 @@ def random_mounts(seed: int) -> str:
     for driver in ("D0", "D1", "D2", "D3")[: rng.randint(1, 4)]:
         led = [name for name in some if rng.random() < 0.6]
         common = {*FUNCTIONS, GRASP}.intersection(*(offered[name] for name in led))
-        said = rng.sample(sorted(common), min(len(common), rng.randint(0, 2)))
+        result = rng.sample(sorted(common), min(len(common), rng.randint(0, 2)))
         for name in led:
             rank = rng.choice(ranked)
             lines.append(f"{name} is_controlled_by {driver} {rank}{rng.choice(held)}")
         drivers.append(driver)
-        blocks.append(_block(driver, f"@ControlOut {', '.join(said)}", "Command lead();"))
+        blocks.append(_block(driver, f"@ControlOut {', '.join(result)}", "Command lead();"))
     rng.shuffle(lines)
     kind = rng.choice(["", " hierarchical", " hierarchical"])
     names = ", ".join([*bodies, *drivers])

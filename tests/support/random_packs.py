@@ -193,8 +193,8 @@ class _Writer:
         case = rng.choice(("1", rng.choice(STRINGS), "B", "f(A, B)"))
         if self.constants and rng.random() < 0.4:
             kind = "renamed"
-        told = f"{kind}, {severity}, {about}, {case}"
+        text = f"{kind}, {severity}, {about}, {case}"
         extra = ""
         if rng.random() < 0.5:
-            told, extra = f"K, {severity}, {about}, {case}", f"K = ({kind} ; {other}); "
-        return f"consequence({told}) :- {extra}{self.body()}."
+            text, extra = f"K, {severity}, {about}, {case}", f"K = ({kind} ; {other}); "
+        return f"consequence({text}) :- {extra}{self.body()}."

@@ -149,8 +149,8 @@ def _meaning(service: Service) -> tuple[object, ...]:
     name = service.port or service.function or service.output
     # No line names an input of a converter.
     inputs = (service.inputs, () if service.kind == "Converts" else service.parameters)
-    stated = (modes, rate, sorted(set(service.commands)), service.cost)
-    return (service.kind, name, service.output, *inputs, *stated)
+    declared = (modes, rate, sorted(set(service.commands)), service.cost)
+    return (service.kind, name, service.output, *inputs, *declared)
 
 
 # ---- Data ----------------------------------------------------------------------------------------
@@ -252,23 +252,23 @@ class _DataJudge:
         self, name: str, delivered: str | None, paths: Sequence[DataPath]
     ) -> Iterator[Applied]:
         """Yield what a transformer may do."""
-        said: Conversion | None = self.said.get(name)
+        result: Conversion | None = self.said.get(name)
         turns = {(given, made) for given, made, _, _ in self.converters}
-        if said is not None and said.converter is not None:
-            of = {(g, m) for g, m, _, (module, _) in self.converters if module == said.converter}
-            if (said.source, said.target) in of:
-                yield Applied(said.source, said.target, True)
+        if result is not None and result.converter is not None:
+            of = {(g, m) for g, m, _, (module, _) in self.converters if module == result.converter}
+            if (result.source, result.target) in of:
+                yield Applied(result.source, result.target, True)
             return
-        if said is not None and (said.source, said.target) not in turns:
-            yield Applied(said.source, said.target, False)
+        if result is not None and (result.source, result.target) not in turns:
+            yield Applied(result.source, result.target, False)
             return
         for given, made in sorted(turns):
             yield Applied(given, made, True)
         if delivered is None:
             yield Applied("", "", False)
         else:
-            behind = {p[-1].client for p in paths if any(line.client == name for line in p)}
-            for made in sorted(set().union(*(self.accepts(client) or set() for client in behind))):
+            after = {p[-1].client for p in paths if any(line.client == name for line in p)}
+            for made in sorted(set().union(*(self.accepts(client) or set() for client in after))):
                 yield Applied(delivered, made, False)
 
     def accepts(self, client: str) -> frozenset[str] | None:
@@ -297,8 +297,8 @@ class _DataJudge:
             for order in itertools.permutations(needs):
                 try:
                     for path, need in zip(mine, order, strict=True):
-                        stated = None if need[2] is None else (need[2], need[3])
-                        self.brings(path, stated, offer, first)
+                        declared = None if need[2] is None else (need[2], need[3])
+                        self.brings(path, declared, offer, first)
                         self.carries(path, client, delivered, does)
                     break
                 except ViolationError as error:
@@ -462,11 +462,11 @@ class _ControlJudge:
             refuse(5, f"{sorted(nodes)} for {sorted(self.standing)}")
         reasons: list[str] = []
         unsaid: list[str] = []
-        said = {each.node: each.module for each in self.whole.specification.stand_ins}
+        entries = {each.node: each.module for each in self.whole.specification.stand_ins}
         for order in itertools.permutations(sorted(nodes)):
             assigned = dict(zip(self.standing, order, strict=True))
-            if any(said.get(node, name) != name for name, node in assigned.items()):
-                reasons.append(f"5: the comments of {said}")
+            if any(entries.get(node, name) != name for name, node in assigned.items()):
+                reasons.append(f"5: the comments of {entries}")
                 continue
             try:
                 self.assigned(assigned)
@@ -513,8 +513,8 @@ class _ControlJudge:
         for one, other in itertools.combinations(heard, 2):
             entered = meeting(one, other)
             (a, _), (b, _) = heard[one], heard[other]
-            stated, behind = (line.priority or 0 for line in entered)
-            if (a > b) - (a < b) != (stated > behind) - (stated < behind):
+            declared, after = (line.priority or 0 for line in entered)
+            if (a > b) - (a < b) != (declared > after) - (declared < after):
                 refuse(4, f"{one[0].controller} and {other[0].controller} at {receiver}")
         for path, (_, hold) in heard.items():
             into = next((k for k in path if self.arbiter(k.controlled)), None)

@@ -165,11 +165,11 @@ def unnoticed(lists: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) 
             *enumerate(paths),
             *((len(paths) + at, path) for at, (path, _) in enumerate(pairs)),
         ]
-        told = [f"of_({copy}, {paths.index(path)})." for copy, path in copies]
-        told += [f"out_({len(paths) + at}, {out})." for at, (_, out) in enumerate(pairs)]
+        lines = [f"of_({copy}, {paths.index(path)})." for copy, path in copies]
+        lines += [f"out_({len(paths) + at}, {out})." for at, (_, out) in enumerate(pairs)]
         names = {each._replace(arity=each.arity + 1) for wanted in shown for each in wanted}
         answers = [set[str]() for _ in copies]
-        for atom in answered([*rules, *facts, *told], sorted(names)):
+        for atom in answered([*rules, *facts, *lines], sorted(names)):
             copy, *rest = atom.arguments
             wanted = shown[paths.index(copies[copy.number][1])]
             if Signature(atom.name, len(rest), atom.positive) in wanted:

@@ -71,21 +71,21 @@ def contained(name: str, options: tuple[str, ...], said: str, seconds: float) ->
             text=True,
         )
         try:
-            _, told = command.communicate(timeout=None if options else seconds)
+            _, result = command.communicate(timeout=None if options else seconds)
         except subprocess.TimeoutExpired:
             seconds += _SOON
             command.send_signal(signal.SIGINT)
-            _, told = command.communicate()
+            _, result = command.communicate()
         took = ended_children_time() - begun
-    last = (told.strip().splitlines() or [f"status {command.returncode}"])[-1]
+    last = (result.strip().splitlines() or [f"status {command.returncode}"])[-1]
     end = f"{took:.1f} s, {last:.100}"
-    if "internal error" in told or "Traceback" in told:
+    if "internal error" in result or "Traceback" in result:
         return end, "an internal error"
     if took > seconds:
         return end, f"took more than {seconds} s"
-    if command.returncode == _ENDED and said not in told and "memory limit" not in told:
+    if command.returncode == _ENDED and said not in result and "memory limit" not in result:
         return end, f"does not say `{said}`"
-    if command.returncode == _REFUSED and "pack.lp:" not in told:
+    if command.returncode == _REFUSED and "pack.lp:" not in result:
         return end, "is refused without a place"
     if command.returncode not in (0, _REFUSED, _ENDED, _INTERRUPTED):
         return end, f"status {command.returncode}"
@@ -95,10 +95,10 @@ def contained(name: str, options: tuple[str, ...], said: str, seconds: float) ->
 def main() -> int:
     """Run all; 1 where one was not contained."""
     faults = 0
-    for options, (said, seconds) in MODES.items():
+    for options, (item, seconds) in MODES.items():
         print(" ".join(options))
         for name in PACKS:
-            end, wrong = contained(name, options, said, seconds)
+            end, wrong = contained(name, options, item, seconds)
             faults += bool(wrong)
             print(f"  {name}: {end}{'  WRONG: ' if wrong else ''}{wrong}", flush=True)
     return int(bool(faults))

@@ -76,8 +76,8 @@ def second_opinion(text: str, seconds: float = _SECONDS) -> Opinion:
         return Opinion("late")
     if better is None:
         return Opinion("agrees")
-    told = [violation.message for violation in verify(better, project, RULEBOOK)]
-    notes = "".join(f"# read back it is refused: {message}\n" for message in told)
+    entries = [violation.message for violation in verify(better, project, RULEBOOK)]
+    notes = "".join(f"# read back it is refused: {message}\n" for message in entries)
     return Opinion("differs", f"{print_configuration(better)}{notes}")
 
 
@@ -217,8 +217,8 @@ def random_carried(seed: int) -> str:
     for module in (*tools, *movers):
         for driver in rng.sample(drivers, rng.randint(0, min(2, len(drivers)))):
             rank = rng.randint(0, 3)
-            said = f"{rank}{rng.choice(holds)}{rng.choice(allocations)}"
-            lines.append(f"{module} is_controlled_by {driver} {said}")
+            text = f"{rank}{rng.choice(holds)}{rng.choice(allocations)}"
+            lines.append(f"{module} is_controlled_by {driver} {text}")
     blocks = [
         _block(mover, *(f"@{name}" for name in rng.sample(functions, rng.randint(1, 2))))
         for mover in movers
@@ -227,8 +227,8 @@ def random_carried(seed: int) -> str:
         grip, look = ("@Grasp", "void grasp(double w);"), ("@Sense NotifyWhenReady", "P look();")
         blocks.append(_block(tool, *rng.choice([grip, look])))
     for driver in drivers:
-        said = ", ".join(rng.sample(functions, rng.choice([0, 0, 1])))
-        blocks.append(_block(driver, f"@ControlOut {said}".rstrip(), "Command go();"))
+        text = ", ".join(rng.sample(functions, rng.choice([0, 0, 1])))
+        blocks.append(_block(driver, f"@ControlOut {text}".rstrip(), "Command go();"))
     kind = rng.choice(["flat", "hierarchical", "hierarchical"])
     names = ", ".join((*movers, *tools, *drivers))
     return "\n".join([f"@configuration {kind}", f"@modules {names}", *lines, *blocks])
@@ -247,8 +247,8 @@ def random_cascades(seed: int) -> str:
             heard.sort()
         for place, driver in enumerate(heard):
             rank = rng.choice([place, place, place * 50_000, 2_147_483_647 - 9 + place, 1])
-            said = "" if rng.random() < 0.1 else f" {rank}"
-            lines.append(f"{wheel} is_controlled_by {driver}{said}{rng.choice(holds)}")
+            text = "" if rng.random() < 0.1 else f" {rank}"
+            lines.append(f"{wheel} is_controlled_by {driver}{text}{rng.choice(holds)}")
     for low, high in pairwise(drivers):
         if rng.random() < 0.25:
             lines.append(f"{low} is_controlled_by {high} {rng.randint(0, 2)}")

@@ -81,15 +81,15 @@ def end_at_random(seed: int, soon: float = HANGING) -> list[str]:
             child.send_signal(number)
         wrong = []
         try:
-            _, said = child.communicate(timeout=HANGING)
+            _, result = child.communicate(timeout=HANGING)
         except subprocess.TimeoutExpired:
             child.kill()
             return [f"seed {seed}: {name} goes on after {number.name}"]
         if time.monotonic() - sent > soon:
             wrong.append(f"took {time.monotonic() - sent:.1f} s to end")
         # Until it runs our `main` Python itself tells that it was interrupted.
-        if b"Traceback" in said and b"in main" in said:
-            wrong.append(f"said {said.decode(errors='replace')}")
+        if b"Traceback" in result and b"in main" in result:
+            wrong.append(f"said {result.decode(errors='replace')}")
         before = out.read_bytes() if out.exists() else None
         first = left = _left(marker)
         while left and time.monotonic() - sent < soon:

@@ -284,10 +284,10 @@ class _Claims:
 
     def attempt(self, attempt: NearMiss) -> None:
         """Claim that what is said to fail does fail."""
-        said = f"{attempt.fails} fails for {attempt.bindings} in {attempt.rule.text}"
+        text = f"{attempt.fails} fails for {attempt.bindings} in {attempt.rule.text}"
         if attempt.fails is None:
             bodies = _instances(attempt.rule, None, attempt.bindings, f"_H = {attempt.atom}")
-            self.claim(said, *bodies)
+            self.claim(text, *bodies)
             if attempt.rule.ast.head.ast_type == _TYPE.Literal:
                 self.wrong.append(f"{attempt.rule.text} is no choice")
         else:
@@ -296,7 +296,7 @@ class _Claims:
                 (failing,) = _body((literal,), None, attempt.bindings)
             else:
                 failing = str(_Reading(None, attempt.bindings)(literal))
-            self.claim_not(said, failing)
+            self.claim_not(text, failing)
         for part in (attempt.cause, *attempt.held):
             if part is not None:
                 self.look(part)
@@ -324,7 +324,7 @@ def faults(
         for premise in other.premises:
             claims.look(premise)
     held = _solved((*constants, *claims.lines), true)
-    return claims.wrong + [said for atom, said in claims.said.items() if atom not in held]
+    return claims.wrong + [item for atom, item in claims.said.items() if atom not in held]
 
 
 def height(trace: Trace) -> int:

@@ -99,8 +99,8 @@ class Wire:
 
     def spent(self) -> float:
         """Return the processor seconds of the thread that answers, where the system tells them."""
-        told = Path(f"/proc/{self._server.pid}/schedstat")
-        return int(told.read_text().split()[0]) / 1e9 if told.is_file() else float("nan")
+        result = Path(f"/proc/{self._server.pid}/schedstat")
+        return int(result.read_text().split()[0]) / 1e9 if result.is_file() else float("nan")
 
     def end(self) -> int:
         """End the server; return its exit status."""
@@ -214,9 +214,9 @@ def main(edits: int) -> None:
                 time.sleep(0.5)
         for uri, text in originals.items():
             wire.change(uri, text, edits + 2)
-        said = [wire.diagnostics(uri, edits + 2) for uri in originals]
+        entries = [wire.diagnostics(uri, edits + 2) for uri in originals]
         print(f"{edits} edits, {errors} errors, slowest answer {1000 * slowest:.0f} ms")
-        print(f"in the end {sum(map(len, said))} findings; status {wire.end()}")
+        print(f"in the end {sum(map(len, entries))} findings; status {wire.end()}")
         print("complaints:", wire.complaints)
 
 

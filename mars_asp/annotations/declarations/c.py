@@ -58,9 +58,9 @@ def read_c(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFu
     at = first
     while at < len(tokens):
         text = tokens[at].text
-        behind = behind_attribute(tokens, at)
-        if behind > at:
-            at = behind
+        after = behind_attribute(tokens, at)
+        if after > at:
+            at = after
         elif text in _STATEMENTS:
             return none
         elif text == "extern" and text_at(tokens, at + 1).startswith('"'):
@@ -97,9 +97,9 @@ def _behind_prefix(tokens: Sequence[SourceToken]) -> int:
     at = 0
     while at < len(tokens):
         text, following = text_at(tokens, at), text_at(tokens, at + 1)
-        behind = behind_attribute(tokens, at)
-        if behind > at:
-            at = behind
+        after = behind_attribute(tokens, at)
+        if after > at:
+            at = after
         elif text == "template" and following == "<":
             at = behind_angle(tokens, at + 1)
         elif text == "requires":

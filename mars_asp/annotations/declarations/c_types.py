@@ -45,11 +45,11 @@ def without_attributes(tokens: Sequence[SourceToken]) -> list[SourceToken]:
     kept: list[SourceToken] = []
     at = 0
     while at < len(tokens):
-        behind = behind_attribute(tokens, at)
-        if behind == at:
+        after = behind_attribute(tokens, at)
+        if after == at:
             kept.append(tokens[at])
-            behind += 1
-        at = behind
+            after += 1
+        at = after
     return kept
 
 

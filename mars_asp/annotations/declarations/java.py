@@ -98,9 +98,9 @@ def _type_text(tokens: Sequence[SourceToken]) -> str:
     kept: list[SourceToken] = []
     at = 0
     while at < len(tokens):
-        behind = _behind_annotations(tokens, at)
-        kept += tokens[at : at + 1] if behind == at else ()
-        at = max(behind, at + (behind == at))
+        after = _behind_annotations(tokens, at)
+        kept += tokens[at : at + 1] if after == at else ()
+        at = max(after, at + (after == at))
     return joined(kept)
 
 

@@ -80,11 +80,11 @@ def _start_child(question: Question, answer: Callable[[Question], Answer]) -> _C
         os.close(reading)
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
         try:
-            said = pickle.dumps((None, answer(question)))
+            output = pickle.dumps((None, answer(question)))
         except Exception:
-            said = pickle.dumps((traceback.format_exc(), None))
+            output = pickle.dumps((traceback.format_exc(), None))
         limit(0)
         with os.fdopen(writing, "wb") as pipe:
-            pipe.write(said)
+            pipe.write(output)
     finally:
         os._exit(0)

@@ -63,10 +63,10 @@ def covered(
     measure = measure or Measure(_one_by_one, _refusing)
     looked_at = [rule for rule in rules if rule.ast.body]
     probed = {number: tuple(probes(number, rule)) for number, rule in enumerate(looked_at)}
-    told: dict[str, list[str]] = {}
+    entries: dict[str, list[str]] = {}
     for number, rule in enumerate(looked_at):
-        told.setdefault(rule.stage, []).extend(text for _, text in probed[number])
-    held = measure.held(told, rulebook, cases)
+        entries.setdefault(rule.stage, []).extend(text for _, text in probed[number])
+    held = measure.held(entries, rulebook, cases)
     silent = {n: rule for n, rule in enumerate(looked_at) if (FIRED, n) not in held}
     constraints = {n: rule for n, rule in silent.items() if is_constraint(rule)}
     refusing = measure.refusing(constraints, rulebook, cases)

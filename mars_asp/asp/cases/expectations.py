@@ -129,13 +129,13 @@ def _read_expectations(
         if kind in (">", "~", "case"):
             yield Expectation(kind, (StatedAtom(match["rest"], span),), span, first)
             continue
-        stated = list(_atoms(match["rest"], shown, first, match.start("rest")))
+        declared = list(_atoms(match["rest"], shown, first, match.start("rest")))
         while number < len(lines) and (more := _CONTINUED.match(lines[number])) is not None:
             number += 1
-            stated += _atoms(more[1], shown, number, more.start(1))
+            declared += _atoms(more[1], shown, number, more.start(1))
         if kind != "=":
-            problems += _unread(kind, stated, span)
-        yield Expectation(kind, tuple(stated), span, number)
+            problems += _unread(kind, declared, span)
+        yield Expectation(kind, tuple(declared), span, number)
 
 
 def _unread(kind: str, stated: Sequence[StatedAtom], span: Span) -> Iterator[Diagnostic]:

@@ -289,7 +289,7 @@ def _edits(
     """Yield lines, from and up to which others take their place."""
     exact = block.of("=")
     for each in block.of("only") if answers else ():
-        patterns = [stated.pattern for stated in each.stated]
+        patterns = [declared.pattern for declared in each.stated]
         found = [a for a in answers[0].atoms if any(_same_sort(p, a) for p in patterns)]
         if found and tuple(_unmet(each, answers[0])):
             yield each.span.line - 1, each.last, _expectation_lines("%only:", _atom_texts(found))

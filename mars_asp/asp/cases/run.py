@@ -170,8 +170,8 @@ def _speaks(rule: Rule, stages: Sequence[str]) -> bool:
 
 
 def _message_line(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
-    told = heard(as_term(atom), speakers)
-    return f"%> {told.rule.id}: {told.message}"
+    result = heard(as_term(atom), speakers)
+    return f"%> {result.rule.id}: {result.message}"
 
 
 def _grounded(program: Sequence[Fragment]) -> clingo.Control:
@@ -180,9 +180,11 @@ def _grounded(program: Sequence[Fragment]) -> clingo.Control:
     Raises:
         MarsError: clingo refuses it, or an operation has no value.
     """
-    said: list[tuple[clingo.MessageCode, str]] = []
+    entries: list[tuple[clingo.MessageCode, str]] = []
     options = ["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=no-atom-undefined"]
-    control = clingo.Control(options, lambda code, note: said.append((code, note)), _MOST_MESSAGES)
+    control = clingo.Control(
+        options, lambda code, note: entries.append((code, note)), _MOST_MESSAGES
+    )
     reason = ""
     try:
         control.add("base", [], joined(program))
@@ -190,7 +192,7 @@ def _grounded(program: Sequence[Fragment]) -> clingo.Control:
     except RuntimeError as error:
         reason = str(error)
     undefined = clingo.MessageCode.OperationUndefined
-    wrong = [note for code, note in said if reason or code == undefined]
+    wrong = [note for code, note in entries if reason or code == undefined]
     if reason or wrong:
         place = whole_file(program[0].path)
         whole = Diagnostic("rules-refused", "error", f"clingo refuses this: {reason}", place)
@@ -212,13 +214,13 @@ def _solved(
             return
         atoms = model.symbols(atoms=True)
         compared = {plain(str(a)) for a in atoms if _signature(a) in wanted}
-        said = {_message_line(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
+        entries = {_message_line(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
         cost = _cost(model)
-        compared |= said | ({cost} if with_costs else set())
+        compared |= entries | ({cost} if with_costs else set())
         key = tuple(sorted(compared))
         kept = tuple(_public_atoms(atoms)) if with_atoms else ()
         # Where atoms are looked for, answer sets that agree in what is compared differ in others.
-        found[(*key, *sorted(map(str, kept)))] = FoundAnswer(key, kept, frozenset(said), cost)
+        found[(*key, *sorted(map(str, kept)))] = FoundAnswer(key, kept, frozenset(entries), cost)
 
     control.solve(on_model=keep)
     return tuple(found[key] for key in sorted(found))

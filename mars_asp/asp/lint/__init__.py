@@ -79,8 +79,8 @@ def lint(rulebook: Rulebook, host: Host) -> tuple[LintFinding, ...]:
         (each.diagnostic.span, each.diagnostic.code, each.diagnostic.message): each
         for each in _found(rulebook, host, rules, begin)
     }
-    told = allowed(own, tuple(found.values()))
-    return tuple(sorted(told, key=lambda each: (each.diagnostic.span, each.diagnostic.code)))
+    result = allowed(own, tuple(found.values()))
+    return tuple(sorted(result, key=lambda each: (each.diagnostic.span, each.diagnostic.code)))
 
 
 def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Iterator[LintFinding]:
@@ -95,19 +95,19 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
     functions = MessageFunctions(clauses, declared)
     reported = frozenset({host.finding} if host.finding else ())
     is_large = partial(_is_large, known=known, things=host.things)
-    said: set[tuple[str, str]] = set()
+    entries: set[tuple[str, str]] = set()
     for number in range(begin, len(rules)):
         rule, listed = rules[number], _expanded_clauses(rules, read, number)
         if rule.listed is None:
-            said = set()
+            entries = set()
             yield from single_variables(read[number], listed)
             yield from missing_examples(rule, host.exists)
         for clause in read[number]:
             for each in wrong_values(clause, known, declared):
                 what = each.diagnostic.code, each.diagnostic.message
-                if rule.listed is None or what not in said:
+                if rule.listed is None or what not in entries:
                     yield each
-                said.add(what)
+                entries.add(what)
             if rule.listed is not None:
                 # Of its body all is said where that stands.
                 continue

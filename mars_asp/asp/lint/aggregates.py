@@ -68,11 +68,11 @@ def _element(
     first, *rest = element.terms
     counted = [first, *rest] if aggregate.function not in _SUMS else rest
     place = clause.place(first)
-    told = frozenset().union(*(names_in(term) for term in element.terms))
-    local = told - bound
+    entries = frozenset().union(*(names_in(term) for term in element.terms))
+    local = entries - bound
     inside = frozenset().union(*(names_in(atom.node) for atom in element.scope.atoms))
     if aggregate.function in _SUMS and not rest:
-        if lost := _lost(element, told | bound):
+        if lost := _lost(element, entries | bound):
             message = f"`{first!s}` is added once, however many {lost} have it"
             advice = f"add what tells them apart: `{first!s}, {lost.strip('`')} : ...`"
             if lost == "others":

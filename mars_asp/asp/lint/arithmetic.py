@@ -35,14 +35,14 @@ def risks(
     """
     rules = tuple(rules)
     read = statements_of(rule.text for rule in rules)
-    stated = _unbounded_positions(
+    declared = _unbounded_positions(
         [statement for variants in read.values() for statement in variants], unbounded
     )
     for rule in rules:
         # What metadata stands for repeats a body of which all is said.
         if rule.fits is not None or rule.listed is not None:
             continue
-        large = frozenset[str]().union(*(_large(each, stated) for each in read[rule.text]))
+        large = frozenset[str]().union(*(_large(each, declared) for each in read[rule.text]))
         risky = tuple(_risky(rule_operands(rule.text), large))
         bounds = _upper_bounds(rule) if risky else {}
         for operation in risky:

@@ -75,11 +75,11 @@ def _contradiction(
         if never([*map(compared, rest), *bounds], constants):
             least = rest
     places = [each.node for each in least] or [each.node for each in clause.aggregates]
-    said = " and ".join(f"`{each.text}`" for each in least)
+    text = " and ".join(f"`{each.text}`" for each in least)
     if len(least) > 1:
-        message = f"{said} are never true together"
+        message = f"{text} are never true together"
     else:
-        message = f"{said or 'what this aggregate is compared with'} never holds"
+        message = f"{text or 'what this aggregate is compared with'} never holds"
         advice = advice.replace("leave out one of the two", "leave it out")
     if least and bounds and not never(list(map(compared, least)), constants):
         message += " with the bounds of an aggregate"
@@ -94,10 +94,10 @@ def _exclude(one: ClauseAtom, other: ClauseAtom) -> bool:
         return one.sign == other.sign == 0 and one.text[1:] == other.text and "_" not in one.text
     if {one.sign, other.sign} not in ({0, 1}, {1, 2}):
         return False
-    denied, stated = (one, other) if one.sign == 1 else (other, one)
+    denied, declared = (one, other) if one.sign == 1 else (other, one)
     return all(
         str(no) == "_" or (str(no) == str(yes) and "_" not in _bare(no))
-        for no, yes in zip(denied.terms, stated.terms, strict=True)
+        for no, yes in zip(denied.terms, declared.terms, strict=True)
     )
 
 
@@ -137,11 +137,11 @@ def _needless(
             place = clause.place(each.node)
             yield found(REDUNDANT, message, place, clause.rule, "leave it out", fixes)
     for at, aggregate in enumerate(clause.aggregates):
-        said = list(_aggregate_bounds(at, aggregate))
+        entries = list(_aggregate_bounds(at, aggregate))
         count = len(aggregate.guards)
-        if aggregate.sign == 0 and count and len(said) > count and not _binds(aggregate):
-            known = said[count:]
-            if all(never([*known, _turned(guard)]) for guard in said[:count]):
+        if aggregate.sign == 0 and count and len(entries) > count and not _binds(aggregate):
+            known = entries[count:]
+            if all(never([*known, _turned(guard)]) for guard in entries[:count]):
                 message = "this aggregate always has such a value"
                 place = clause.place(aggregate.node)
                 yield found(

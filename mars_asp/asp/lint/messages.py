@@ -55,8 +55,8 @@ def rival_messages(
         if any(atom.signature in derived for atom in clause.read):
             continue
         names: dict[str, str] = {}
-        told = _VARIABLE.sub(partial(_numbered, names), head.text)
-        same = earlier.setdefault(told, [])
+        result = _VARIABLE.sub(partial(_numbered, names), head.text)
+        same = earlier.setdefault(result, [])
         for other in same if number in judged else ():
             if other.rule.because != rule.because and not _are_apart(clause, other):
                 message = f"`{head.text}` has another message where both rules hold"

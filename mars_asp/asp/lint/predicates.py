@@ -35,12 +35,12 @@ def unused(
     # Who reads one of a circle reads all of it.
     wanted = {number for each, number in circle.items() if each.unsigned in read}
     read |= {each.unsigned for each, number in circle.items() if number in wanted}
-    told: set[Signature] = set()
+    entries: set[Signature] = set()
     for number in sorted(judged):
         for head, _ in clauses[number].heads:
             signature = head.signature.unsigned
-            if signature not in read and signature not in told:
-                told.add(signature)
+            if signature not in read and signature not in entries:
+                entries.add(signature)
                 message = f"nothing reads `{signature}`"
                 advice = f"leave it out, or show it: `#show {signature}.`"
                 place = clauses[number].place(head.node)
@@ -70,10 +70,10 @@ def unfounded(
         }
         founded |= more
         waiting = bool(more)
-    told: set[int] = set()
+    entries: set[int] = set()
     for signature, numbers in rules.items():
-        if signature not in founded and numbers[0] in judged and circle[signature] not in told:
-            told.add(circle[signature])
+        if signature not in founded and numbers[0] in judged and circle[signature] not in entries:
+            entries.add(circle[signature])
             clause = clauses[numbers[0]]
             others = sorted(f"`{each}`" for each in rules if circle[each] == circle[signature])
             what = " and ".join(others) if len(others) > 1 else "itself"

@@ -20,7 +20,7 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
     # Of `{ p(X) }` it is the atoms that count, one for each X.
     sets = (clause.node for clause in clauses if clause.has_set)
     counted = frozenset[str]().union(*map(_counting_variables, sets))
-    said = (
+    result = (
         counted | {name for _, text in rule.lists for name, _ in HOLE.findall(text)} | {*rule.holes}
     )
     places: dict[str, SyntaxNode] = {}
@@ -38,7 +38,7 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
                     f"call it `{name.lstrip('_').capitalize() or 'X'}`, or write `_` in each place"
                 )
                 yield found(SINGLETON, message, clauses[0].place(node), rule, advice)
-        elif most[name] == 1 and name not in said:
+        elif most[name] == 1 and name not in result:
             message = f"`{name}` occurs once"
             advice = f"write `_`, or `_{name}`, where any value will do; else it is misspelt"
             yield found(SINGLETON, message, clauses[0].place(node), rule, advice)

@@ -170,8 +170,8 @@ def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnos
                 where = [f"`{leaf}` is {number}" for leaf, number in known.items()]
                 message = f"`{overflow.text}` does not fit into 32 bits"
                 message += f" where {' and '.join(where)}" if where else ""
-                told = (max(map(abs, known.values()), default=0), message)
-                least[span, overflow] = min(told, least.get((span, overflow), told))
+                result = (max(map(abs, known.values()), default=0), message)
+                least[span, overflow] = min(result, least.get((span, overflow), result))
     for (span, overflow), (_, message) in least.items():
         yield _too_large(span, overflow.place, message)
     yield from _oversized(control, asked, {span for span, _ in least})
@@ -193,14 +193,14 @@ def _oversized(
                 found = elements.setdefault(key, {})
                 tuple_ = tuple(arguments(terms))
                 found[tuple_] = (weight.number, is_fact or found.get(tuple_, (0, False))[1])
-    told = set()
+    entries = set()
     for (span, place, _), weights in elements.items():
         sure = sum(weight for weight, is_fact in weights.values() if is_fact)
         open_ = [weight for weight, is_fact in weights.values() if not is_fact]
         most = sure + sum(weight for weight in open_ if weight > 0)
         least = sure + sum(weight for weight in open_ if weight < 0)
-        if not LEAST <= least <= most <= MOST and (span, place) not in told:
-            told.add((span, place))
+        if not LEAST <= least <= most <= MOST and (span, place) not in entries:
+            entries.add((span, place))
             message = f"this sum may be {most if most > MOST else least}, which does not fit into"
             yield _too_large(span, place, f"{message} 32 bits")
 

@@ -86,15 +86,15 @@ def _seen_unbound(values: Sequence[str], literals: Sequence[Conjunct]) -> frozen
 
 def _told_unbound(values: Sequence[str], literals: Sequence[Conjunct]) -> frozenset[str]:
     """Return what `unbound` does, asking clingo."""
-    said: list[str] = []
-    control = clingo.Control(["--warn=none"], lambda _, note: said.append(note))
+    entries: list[str] = []
+    control = clingo.Control(["--warn=none"], lambda _, note: entries.append(note))
     try:
         rule = f"_computed({','.join(values)}) :- {written(literals)}."
         control.add("base", [], masked(rule))
         control.ground([("nothing", [])])
     except RuntimeError:
         # What is anonymous can be bound by nothing else.
-        return frozenset({"_"}.union(*map(_UNSAFE.findall, said)))
+        return frozenset({"_"}.union(*map(_UNSAFE.findall, entries)))
     return frozenset()
 
 

@@ -214,32 +214,32 @@ def misused_heads(
         return
     pool = head_pool(text) if len(rule) > 1 else None
     for statement in rule:
-        told = sorted({each.unsigned for each in statement.derives} & extended)
-        if told and not statement.forces:
+        entries = sorted({each.unsigned for each in statement.derives} & extended)
+        if entries and not statement.forces:
             negated = len(statement.heads) == 1 and not statement.head.binds
             where = "after `not`" if negated else "in a choice, disjunction or condition"
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`{told[0]}` occurs {where}",
+                f"`{entries[0]}` occurs {where}",
                 placed(span, statement.place),
                 help="findings must follow from the facts: write a rule with this head alone",
             )
             return
-        if told and pool is not None:
+        if entries and pool is not None:
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`{told[0]}` occurs in a pool, or contains one",
+                f"`{entries[0]}` occurs in a pool, or contains one",
                 placed(span, pool),
                 help="write a rule for each, or bind a variable in the body: `X = (a; b)`",
             )
             return
-        if told and statement.head.is_negated:
+        if entries and statement.head.is_negated:
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`-{told[0]}` denies a finding",
+                f"`-{entries[0]}` denies a finding",
                 placed(span, statement.place),
                 help="only findings are reported: leave out the rule",
             )

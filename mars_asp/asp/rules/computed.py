@@ -94,10 +94,10 @@ def _computations(text: str) -> tuple[Computed | Summed, ...]:
         for site in _sites(rule, beside):
             for operation in reader.outermost(site.node):
                 if isinstance(operation, Operation) and _is_open(operation):
-                    told = leaves(operation)
-                    body = _body(told, site)
+                    result = leaves(operation)
+                    body = _body(result, site)
                     if body is not None:
-                        found[Computed(operation, told, written(body))] = None
+                        found[Computed(operation, result, written(body))] = None
         found.update((summed, None) for summed in _sums(rule, beside, reader))
     return tuple(found)
 
@@ -155,8 +155,8 @@ def _aggregate_sites(aggregate: SyntaxNode, rest: tuple[Conjunct, ...]) -> Itera
             case _TYPE.BodyAggregate:
                 yield from _element_sites(element.terms, element.condition, rest)
             case _:
-                told = (*element.terms, element.condition.literal)
-                yield from _element_sites(told, element.condition.condition, rest)
+                entries = (*element.terms, element.condition.literal)
+                yield from _element_sites(entries, element.condition.condition, rest)
 
 
 def _element_sites(

@@ -216,18 +216,18 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
     read = tuple(filter(None, (_read_argument(each, place, problems) for each in arguments)))
     if len(read) < len(arguments):
         return None
-    words, said = _split_docstring(rest, place, problems)
-    first = {key: values[0] for key, values in said.items()}
+    words, result = _split_docstring(rest, place, problems)
+    first = {key: values[0] for key, values in result.items()}
     attribution = next((each for each in get_args(Attribution) if each == first.get("from")), None)
     origin = next((each for each in get_args(Origin) if each == first.get("from")), None)
     names = [argument.name for argument in read]
-    for sentence in (*said.get("says", ()), *said.get("unless", ())):
+    for sentence in (*result.get("says", ()), *result.get("unless", ())):
         problems += _wrong_holes(sentence, names, place)
     if _ORDERS in first and first[_ORDERS] not in names:
         message = f"`{_ORDERS}: {first[_ORDERS]}` names no argument"
         problems.append(_problem(message, place, f"name one of {', '.join(names)}"))
     keys = []
-    for written in said.get(_KEY, ()):
+    for written in result.get(_KEY, ()):
         key = [] if written == _NO_KEY else [each.strip() for each in written.split(",")]
         if set(key) <= set(names):
             keys.append(tuple(map(names.index, key)))
@@ -244,11 +244,11 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         place,
         "stated" if attribution else origin,
         extensible=first.get("packs") == "extend",
-        public="packs" in said,
-        joins="joins" not in said,
-        says=tuple(said.get("says", ())),
-        unless=tuple(said.get("unless", ())),
-        cited="cited" not in said,
+        public="packs" in result,
+        joins="joins" not in result,
+        says=tuple(result.get("says", ())),
+        unless=tuple(result.get("unless", ())),
+        cited="cited" not in result,
         orders=names.index(first[_ORDERS]) if first.get(_ORDERS) in names else None,
         keys=tuple(keys),
         attribution=attribution,
@@ -354,7 +354,7 @@ def _split_docstring(
 ) -> tuple[str, Mapping[str, Sequence[str]]]:
     """Return the words for readers, and what the lines behind them say by their keys."""
     lines = re.sub(_CONTINUED, " ", text.rstrip()).split("\n")
-    said: dict[str, list[str]] = {}
+    entries: dict[str, list[str]] = {}
     while lines and (match := re.fullmatch(_LINE, lines[-1].strip())):
         key, value = match[1], " ".join(match[2].split())
         near_key = key if key in _KEYS else nearest(key, _KEYS)
@@ -366,11 +366,11 @@ def _split_docstring(
             problems.append(
                 _problem(f"`{key}: {value}` is not a key of a documented predicate", place, wrong)
             )
-        elif key in said and key not in (*_SENTENCES, _KEY):
+        elif key in entries and key not in (*_SENTENCES, _KEY):
             problems.append(_problem(f"`{key}` occurs twice", place, "leave out one of them"))
         else:
-            said.setdefault(key, []).insert(0, value)
-    return " ".join(" ".join(lines).split()), said
+            entries.setdefault(key, []).insert(0, value)
+    return " ".join(" ".join(lines).split()), entries
 
 
 def _wrong_line(key: str, value: str, near_key: str) -> str | None:

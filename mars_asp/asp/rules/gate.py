@@ -145,7 +145,7 @@ def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
     term is, brackets and the operators between two commas tell: `1+1+1` is `(1+1)+1`.
     """
     begin = commented = operators = statements = 0
-    told = False
+    result = False
     # Of each open bracket the operators so far.
     open_ = [0]
     depth = 0
@@ -159,7 +159,7 @@ def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
                 advice = f"a file holds at most {MOST_STATEMENTS}: split it"
                 yield at, "too many statements", advice
                 return
-            begin, commented, operators, told, open_, depth = end, 0, 0, False, [0], 0
+            begin, commented, operators, result, open_, depth = end, 0, 0, False, [0], 0
         elif sign in "([{":
             open_.append(0)
             depth += 1
@@ -179,13 +179,13 @@ def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
             operators += 1
             open_[-1] += 1
             depth += 1
-        if told:
+        if result:
             continue
         if depth > MOST_NESTING:
-            told = True
+            result = True
             yield at, "nested too deep", f"at most {MOST_NESTING} brackets and operators deep"
         elif operators > MOST_OPERATORS or end - begin - commented > MOST_STATEMENT:
-            told = True
+            result = True
             yield at, "a statement too long", "split it"
 
 

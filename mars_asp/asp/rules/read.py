@@ -175,13 +175,13 @@ def _wrong_lists(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
     # All at once, which takes less than one by one, for hardly ever is there something to say.
     if not concerned or not _refused_text(whole, concerned[0].span.path):
         return
-    said: set[str] = set()
+    entries: set[str] = set()
     for rule in concerned:
         if rule.listed is None:
-            said = {each.message for each in _refused_text(rule.text, rule.span.path)}
+            entries = {each.message for each in _refused_text(rule.text, rule.span.path)}
         else:
             refused = _refused_text(rule.text, rule.span.path)
-            found = (each for each in refused if each.message not in said)
+            found = (each for each in refused if each.message not in entries)
             yield from (replace(each, span=rule.listed) for each in found)
 
 
@@ -269,7 +269,7 @@ def _wrong_rules(
     """Yield what is wrong with the rules of one stage of a pack."""
     rules = [rule for rule in space.rules if rule.stage == reader.stage]
     read = statements_of(rule.text for rule in rules)
-    said: set[str] = set()
+    entries: set[str] = set()
     for rule in rules:
         statements = read[rule.text]
         found = (
@@ -279,12 +279,12 @@ def _wrong_rules(
             *unknown_predicates(statements, reader, sealed, contract, rule.span),
         )
         if rule.listed is None:
-            said = {each.message for each in found}
+            entries = {each.message for each in found}
             yield from found
         else:
             # The body is that of the rule before it, of which all has been said.
             yield from (
-                replace(each, span=rule.listed) for each in found if each.message not in said
+                replace(each, span=rule.listed) for each in found if each.message not in entries
             )
     for file in space.files if reader.stage in contract.choosing else ():
         if file.stage == reader.stage:

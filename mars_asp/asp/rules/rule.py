@@ -114,8 +114,8 @@ class Rule:
     @property
     def holes(self) -> tuple[str, ...]:
         """Return the variables that `because`, `help` and `effect` name, each once."""
-        said = (HOLE.findall(text) for _, text in self.sentences)
-        return tuple(dict.fromkeys(name for names in said for name, _ in names))
+        result = (HOLE.findall(text) for _, text in self.sentences)
+        return tuple(dict.fromkeys(name for names in result for name, _ in names))
 
     @property
     def sentences(self) -> Iterator[tuple[str, str]]:

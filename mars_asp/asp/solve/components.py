@@ -104,10 +104,10 @@ def _ordered(
     members: Sequence[int], projected: set[int], names: Mapping[int, TermId]
 ) -> tuple[int, ...]:
     """Return atoms, given in clingo's order, as a component numbers them."""
-    told = [atom for atom in members if atom in projected]
+    entries = [atom for atom in members if atom in projected]
     if names:
-        told.sort(key=lambda atom: text(names[atom]))
-    return (*told, *(atom for atom in members if atom not in projected))
+        entries.sort(key=lambda atom: text(names[atom]))
+    return (*entries, *(atom for atom in members if atom not in projected))
 
 
 def _relevant(

@@ -232,9 +232,9 @@ class Grounding:
 
     def refused(self, reason: str) -> MarsError:
         """Return the error that says why clingo cannot use the rules, with all places known."""
-        said = [message.strip() for _, message in self._messages]
-        found = tuple(refusals(said, self._fragments))
-        details = "; ".join(said[:5]) or reason
+        entries = [message.strip() for _, message in self._messages]
+        found = tuple(refusals(entries, self._fragments))
+        details = "; ".join(entries[:5]) or reason
         whole = Diagnostic(
             "rules-refused",
             "error",
@@ -367,12 +367,12 @@ class Grounding:
 
     def state(self, atoms: Mapping[Signature, Iterable[TermId]]) -> None:
         """State facts that another grounding found."""
-        stated: dict[tuple[str, bool], list[TermId]] = {}
+        declared: dict[tuple[str, bool], list[TermId]] = {}
         for (name, _, positive), terms in atoms.items():
-            stated.setdefault((name, positive), []).extend(terms)
+            declared.setdefault((name, positive), []).extend(terms)
         # Clingo makes its program anew for whatever is to be stated, even for nothing.
-        if stated:
-            state(self.control, stated)
+        if declared:
+            state(self.control, declared)
 
     @property
     def facts(self) -> frozenset[int]:

@@ -273,10 +273,10 @@ def _solving(
     control: clingo.Control, deadline: float | None, assumptions: Sequence[int] = ()
 ) -> clingo.SolveHandle:
     """Begin to solve, in a thread of its own only where that may have to end: it costs more."""
-    told = list(assumptions)
+    entries = list(assumptions)
     if deadline is None:
-        return control.solve(assumptions=told, yield_=True)
-    return control.solve(assumptions=told, yield_=True, async_=True)
+        return control.solve(assumptions=entries, yield_=True)
+    return control.solve(assumptions=entries, yield_=True, async_=True)
 
 
 def _left(deadline: float | None) -> float | None:

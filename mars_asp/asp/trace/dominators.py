@@ -165,8 +165,8 @@ class _Component:
             for user in users[node]:
                 if user not in queued:
                     queued.add(user)
-                    behind = places[user] <= place
-                    heapq.heappush(waiting, (turn + behind, places[user]))
+                    after = places[user] <= place
+                    heapq.heappush(waiting, (turn + after, places[user]))
 
     def _of_atom(self, atom: TermId) -> int:
         """Return what an atom needs: itself, and what all of its firings need."""

@@ -66,9 +66,9 @@ class Explainer:
             name, term = atom.name if atom.positive else f"-{atom.name}", as_term(atom)
             asked.setdefault(asking_name(name), []).append(term)
             firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
-        told = {name: frozenset(map(_term_text, terms)) for name, terms in firsts.items()}
+        entries = {name: frozenset(map(_term_text, terms)) for name, terms in firsts.items()}
         rules = dependencies_of(rule.text for rule in self.rules)
-        numbers = reachable_rules(rules, told, self._present(), self._rulebook.replaced)
+        numbers = reachable_rules(rules, entries, self._present(), self._rulebook.replaced)
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
 
     def firings(self, text: str, asked: Mapping[str, Sequence[TermId]]) -> list[Firing]:
@@ -104,14 +104,14 @@ class Explainer:
         """Copy the true atoms of the open predicates that rules read, once."""
         named = set(_COPIED.findall(text))
         copied = {each for each in self.rewriter.open if each.name in named}
-        stated: dict[tuple[str, bool], list[TermId]] = {}
+        declared: dict[tuple[str, bool], list[TermId]] = {}
         for name, arity, _ in sorted(copied - self._copied):
             for positive in (True, False):
                 true = self._opened.get(Signature(name, arity, positive))
                 if true is None:
                     true = atoms(self._control, name, arity, positive)
-                stated.setdefault((f"_t_{name}", positive), []).extend(true)
-        state(self._control, stated)
+                declared.setdefault((f"_t_{name}", positive), []).extend(true)
+        state(self._control, declared)
         self._copied |= copied
 
 

@@ -122,10 +122,10 @@ class Rewriter:
     def _firing(self, number: int, head: ast.AST, literals: Sequence[ast.AST]) -> Iterator[str]:
         terms = Terms()
         shown = terms.atom(head.atom.symbol, fresh_complex=True)
-        asked = asking(shown)
+        query = asking(shown)
         found = variables_of((head, *Terms.definitions_of(literals)))
         names = {name for name in found if not name.startswith(OWN)}
-        yield from self.instance(number, _NUMBER, shown, [asked], literals, terms, names)
+        yield from self.instance(number, _NUMBER, shown, [query], literals, terms, names)
 
     def instance(
         self,
@@ -177,21 +177,21 @@ class Rewriter:
             holds = f"_b{place}({','.join((term_text(body), *shared))})"
             yield f"{holds} :- {body}."
             counting = [holds]
-        told = (
+        message = (
             tag,
             shown,
             f"p({','.join(term for _, term in premises)})",
             f"a({','.join(absent)})",
             _values_term(sorted(names)),
         )
-        keys = [group_key(rule, group, variables_of(told)) for group in counted]
+        keys = [group_key(rule, group, variables_of(message)) for group in counted]
         needed = [
             f"g({','.join(needed_of(group, terms.named))},{key})"
             for group, key in zip(counted, keys, strict=True)
         ]
         wanted = [*before, *(text for text, _ in premises), *rest, *counting, *terms.equations]
-        yield f"_s{place}({','.join((*told, *needed))}) :- {'; '.join(wanted)}."
-        firing = f"_s{place}({','.join((*told, *('_' for _ in counted)))})"
+        yield f"_s{place}({','.join((*message, *needed))}) :- {'; '.join(wanted)}."
+        firing = f"_s{place}({','.join((*message, *('_' for _ in counted)))})"
         if ask:
             yield from (f"{asking(term)} :- {firing}." for _, term in premises)
         for group, key in zip(counted, keys, strict=True):

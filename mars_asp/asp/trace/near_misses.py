@@ -106,7 +106,7 @@ class NearMisses:
         tests = list(map(_literal, match.tests))
         literals = (*tests, *literals)
         shared = global_variables((head,), literals)
-        asked = f"{NEAR}({index},w({','.join(match.arguments)}))"
+        query = f"{NEAR}({index},w({','.join(match.arguments)}))"
         # A given fact that is absent ends the search, so it comes before what rules derive.
         literals = (
             *tests,
@@ -125,13 +125,13 @@ class NearMisses:
                     )
                     test = self._rewriter.renamed(without)
                     yield from self._candidate(
-                        candidate, literal, asked, matched, bound, shared, test
+                        candidate, literal, query, matched, bound, shared, test
                     )
         for place, (literal, before) in enumerate(order):
             first = [other for other, _ in order[:place]]
             fails = match.shown(literal)
             candidate = Candidate(index, number, fails, place, place == len(literals) - 1)
-            yield from self._candidate(candidate, literal, asked, first, before, shared)
+            yield from self._candidate(candidate, literal, query, first, before, shared)
             others = [other for other, _ in order if other is not literal]
             # All premises of another atom do not explain the absence of this one.
             if candidate.alone or not others or any(literal is test for test in tests):
@@ -141,13 +141,13 @@ class NearMisses:
             if len(around) == len(literals) - 1 and needs(literal, shared) <= bound:
                 candidate = Candidate(index, number, fails, place, True)
                 kept = [other for other, _ in around]
-                yield from self._candidate(candidate, literal, asked, kept, bound, shared)
+                yield from self._candidate(candidate, literal, query, kept, bound, shared)
         offers = rule.is_choice or rule.ast.head.ast_type == _TYPE.Disjunction
         if offers and len(order) == len(literals):
             candidate = Candidate(index, number, None, len(order), True)
             every = [literal for literal, _ in order]
             bound = match.bound | shared
-            yield from self._candidate(candidate, None, asked, every, bound, shared)
+            yield from self._candidate(candidate, None, query, every, bound, shared)
 
     def _candidate(
         self,
@@ -219,9 +219,9 @@ class NearMisses:
         It is the least, so that no order of grounding shows.
         """
         number = len(self.candidates)
-        asked = f"{LACKING}({number},{values})"
+        query = f"{LACKING}({number},{values})"
         least = f"{_LACK} = #min {{ {element} }}; {_LACK} < #sup"
-        return f"_s{QUESTION}_{rule}(near({number},{_LACK}),none,p,a,v(n)) :- {asked}; {least}."
+        return f"_s{QUESTION}_{rule}(near({number},{_LACK}),none,p,a,v(n)) :- {query}; {least}."
 
     def _instead(
         self, literal: ast.AST | None, terms: Terms, bound: set[str]

@@ -86,7 +86,7 @@ class Proofs:
             best = self._best[atom]
             below = support(best, partial(self._counted.of, self._heights[atom]))
             waiting += below[0]
-            told = {_derivation(best, below)}
+            entries = {_derivation(best, below)}
             counted = CountedWithout(partial(needs.stands_without, atom))
             alike: set[tuple[object, ...]] = set()
             for firing in sorted(needs.firings_of(atom), key=firing_order):
@@ -97,9 +97,9 @@ class Proofs:
                     continue
                 alike.add(own)
                 below = support(firing, counted.of)
-                if _derivation(firing, below) in told:
+                if _derivation(firing, below) in entries:
                     continue
-                told.add(_derivation(firing, below))
+                entries.add(_derivation(firing, below))
                 waiting += below[0]
                 self._others[atom].append(self._derived_step(firing, below))
 

@@ -161,11 +161,11 @@ class _Teller:
             stack = [(leaf, 1) for leaf in self._leaves([trace])[::-1]]
         said_of: dict[int, str] = {}
         #: The leaves told at each level since the last step above it.
-        said: list[set[str | _Quoted]] = []
+        items: list[set[str | _Quoted]] = []
         while stack:
             step, level = stack.pop()
             if isinstance(step, Derived | NearMiss):
-                del said[level + 1 :]
+                del items[level + 1 :]
                 if id(step) in self._opened:
                     self.again.add(id(step))
                     yield _Entry(level, "", step)
@@ -195,9 +195,9 @@ class _Teller:
                     below = failure(step, depth is None or level < depth)
                     below = (*below, *self._interesting(step.held, False))
                 case str() | tuple():
-                    said += (set[str | _Quoted]() for _ in range(len(said), level + 1))
-                    if step not in said[level]:
-                        said[level].add(step)
+                    items += (set[str | _Quoted]() for _ in range(len(items), level + 1))
+                    if step not in items[level]:
+                        items[level].add(step)
                         yield _Entry(level, step)
                     continue
                 case _:
@@ -259,16 +259,18 @@ class _Teller:
         """Return a leaf that is told in words, or by its atom where nothing is folded."""
         match step:
             case Given(atom, span, origin):
-                told = step.message or atom
+                result = step.message or atom
                 if origin == "observed" and self._folded:
                     when = "" if step.seconds is None else f" at {step.seconds:g} s"
-                    return f"{told}  (observed{when})"
+                    return f"{result}  (observed{when})"
                 if span is None or (self._folded and is_pseudo(span)):
-                    return told if self._folded and step.message else None
+                    return result if self._folded and step.message else None
                 place = self._location_text(span)
                 if origin == "external":
-                    return f"{told}, external  {place}"
-                return f"{told}  (computed from {place})" if self._folded else f"{told}  {place}"
+                    return f"{result}, external  {place}"
+                return (
+                    f"{result}  (computed from {place})" if self._folded else f"{result}  {place}"
+                )
             case Absent() if step.external is not None:
                 return f"{step.message}  {self._location_text(step.external)}"
             case Absent() | Underivable():
@@ -306,18 +308,18 @@ class _Teller:
         if not steps:
             return found
         nears: list[_NearStep] = []
-        told: set[int] = set()
+        entries: set[int] = set()
         for step in steps:
-            if id(step) not in told:
+            if id(step) not in entries:
                 near = self._near.get(id(step))
                 if near is None:
                     near = self._near[id(step)] = _near(step)
                 nears.append(near)
-                told |= near.steps
+                entries |= near.steps
         return [
             premise
             for premise in found
-            if id(premise) not in told
+            if id(premise) not in entries
             and not isinstance(premise, Absent)
             and not (isinstance(premise, Given) and self._is_seen(premise, nears))
         ]
@@ -341,10 +343,10 @@ def _is_told(given: Given) -> bool:
 
 def _fact_sentence(given: Given, line: str) -> str | None:
     """Return the sentence of a fact, unless all that it names can be seen in the line."""
-    told = given.told
-    if told is None or all(value.partition(" ")[0] in line for value in told.values):
+    result = given.told
+    if result is None or all(value.partition(" ")[0] in line for value in result.values):
         return None
-    return told.sentence
+    return result.sentence
 
 
 def _quoted_lines(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
@@ -391,10 +393,10 @@ def _numbered(step: Derived, folded: bool) -> dict[int, str]:
         for one, bound in zip(group, bindings, strict=True):
             if folded:
                 found = (bound[name] for name in names)
-                told = [f"`{v.string}`" for v in found if v.type == clingo.SymbolType.String]
+                lines = [f"`{v.string}`" for v in found if v.type == clingo.SymbolType.String]
             else:
-                told = [f"{name} = {shown(bound[name])}" for name in names]
-            values[id(one)] = f" for {', '.join(told)}" if told else ""
+                lines = [f"{name} = {shown(bound[name])}" for name in names]
+            values[id(one)] = f" for {', '.join(lines)}" if lines else ""
     return {
         id(one): f"derivation {number} of {len(every)}{values[id(one)]}"
         for number, one in enumerate(every, 1)

@@ -63,8 +63,8 @@ class Given:
     @property
     def message(self) -> str | None:
         """Return that sentence as text."""
-        told = self.told
-        return None if told is None else told.sentence
+        result = self.told
+        return None if result is None else result.sentence
 
     @property
     def rank(self) -> int | None:

@@ -354,10 +354,10 @@ class _DataflowReader:
 
     def types(self, pairs: Mapping[str, tuple[Scalar, Node]], key: str) -> dict[str, str | None]:
         """Return the types that are stated, by port."""
-        _, stated = pairs.get(key, (None, None))
+        _, declared = pairs.get(key, (None, None))
         return {
             port.text: representation(_PARAMETERS.sub("", type_.text)) or None
-            for port, type_ in (stated.pairs if isinstance(stated, Pairs) else ())
+            for port, type_ in (declared.pairs if isinstance(declared, Pairs) else ())
             if isinstance(type_, Scalar)
         }
 

@@ -61,8 +61,12 @@ def _of_file(document: Node | None) -> Iterator[tuple[str, str, str, Span | None
     """Yield the topics, types and directions of the entries of a file, each with its place."""
     for entry in document.nodes if isinstance(document, Items) else ():
         pairs = entry.pairs if isinstance(entry, Pairs) else ()
-        said = {key.text: value for key, value in pairs if isinstance(value, Scalar)}
-        topic = said.get("ros_topic_name") or said.get("topic_name") or said.get("gz_topic_name")
-        kind, way = said.get("ros_type_name"), said.get("direction")
+        entries = {key.text: value for key, value in pairs if isinstance(value, Scalar)}
+        topic = (
+            entries.get("ros_topic_name")
+            or entries.get("topic_name")
+            or entries.get("gz_topic_name")
+        )
+        kind, way = entries.get("ros_type_name"), entries.get("direction")
         if topic is not None and kind is not None:
             yield topic.text, kind.text, "" if way is None else way.text, topic.span

@@ -79,8 +79,8 @@ def _entries(text: str, path: str) -> Iterator[CatalogueEntry]:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         match = _PLACE.match(str(error))
         place = point(path, int(match["line"]), int(match["column"])) if match else whole_file(path)
-        said = match["said"] if match else str(error)
-        raise _catalogue_error(path, f"this is not TOML: {said}", place=place) from None
+        result = match["said"] if match else str(error)
+        raise _catalogue_error(path, f"this is not TOML: {result}", place=place) from None
     for package, programs in document.items():
         if not isinstance(programs, dict):
             raise _catalogue_error(path, f"`{package}` is not a table of executables")

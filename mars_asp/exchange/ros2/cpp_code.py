@@ -164,25 +164,25 @@ class CppCode:
         """Yield each call, and each construction of a variable, with its arguments."""
         tokens, copied = self.tokens, 0
         for at in self.places_of(called):
-            name, behind = tokens[at].text, at + 1
+            name, after = tokens[at].text, at + 1
             types: tuple[str, ...] = ()
-            if text_at(tokens, behind) == "<":
-                end = angle(tokens, behind)
+            if text_at(tokens, after) == "<":
+                end = angle(tokens, after)
                 if end is not None:
-                    inner = tokens[behind + 1 : end - 1]
+                    inner = tokens[after + 1 : end - 1]
                     types = tuple(joined(group) for group in split(inner))
-                    behind = end
+                    after = end
             # `ros::Rate loop(10)` and `Subscriber<T> name(...)` name what they make.
-            if is_word(text_at(tokens, behind)) and (name in made or types):
-                behind += 1
-            opening = text_at(tokens, behind)
+            if is_word(text_at(tokens, after)) and (name in made or types):
+                after += 1
+            opening = text_at(tokens, after)
             if opening == "(" or (opening == "{" and (name in made or types)):
-                end = self.closed[behind]
+                end = self.closed[after]
                 # Calls that are nested without end would be copied without end.
-                copied += end - behind
+                copied += end - after
                 if copied > _MOST_COPIED:
                     return
-                arguments = split(tokens[behind + 1 : end - 1])
+                arguments = split(tokens[after + 1 : end - 1])
                 yield CppCall(name, at, types, tuple(map(tuple, arguments)), end)
 
     def _bodies(self) -> Iterator[CppBody]:
@@ -191,17 +191,17 @@ class CppCode:
         last = -1
         for at in self.token_places("("):
             if at > last and is_word(text_at(tokens, at - 1)):
-                end = behind = self.closed[at]
+                end = after = self.closed[at]
                 name = text_at(tokens, at - 1)
-                while is_word(text_at(tokens, behind)) or text_at(tokens, behind) in ("->", "::"):
-                    behind += 1
-                if text_at(tokens, behind) == ":" and text_at(tokens, behind + 1) != ":":
-                    behind = _behind_initialisers(tokens, behind + 1)
-                if text_at(tokens, behind) == "{" and name not in _KEYWORDS:
+                while is_word(text_at(tokens, after)) or text_at(tokens, after) in ("->", "::"):
+                    after += 1
+                if text_at(tokens, after) == ":" and text_at(tokens, after + 1) != ":":
+                    after = _behind_initialisers(tokens, after + 1)
+                if text_at(tokens, after) == "{" and name not in _KEYWORDS:
                     parameters = tuple(tokens[at + 1 : min(end - 1, at + _MOST_PARAMETERS)])
-                    yield CppBody(name, behind, self.closed[behind], parameters, at)
+                    yield CppBody(name, after, self.closed[after], parameters, at)
                     # The last initialiser of a constructor looks like a function.
-                    last = behind
+                    last = after
 
     @cached_property
     def base_classes(self) -> Set[str]:

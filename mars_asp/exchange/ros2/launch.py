@@ -644,8 +644,10 @@ class Launch:
             if is_read:
                 self._note_missing(word, action.span, files)
         # What a program is told in its arguments comes before what launching adds to them.
-        told = {s: target for s, _, target in (w.partition(":=") for w in words) if s[:2] == "__"}
-        name = told.get("__node") or told.get("__name") or name
+        entries = {
+            s: target for s, _, target in (w.partition(":=") for w in words) if s[:2] == "__"
+        }
+        name = entries.get("__node") or entries.get("__name") or name
         at = joined(scope.namespace, namespace or "")
         remaps = [
             *scope.remaps,
@@ -663,7 +665,7 @@ class Launch:
                 executable or "",
                 action.plugin,
                 _ANONYMOUS.sub(r"\1", name or ""),
-                joined("/", told.get("__ns") or at),
+                joined("/", entries.get("__ns") or at),
                 tuple(rule for rule, _ in remaps),
                 dict(reversed(remaps)),
                 (*scope.files, *self._parameter_files(paths, scope, files, action.span)),

@@ -76,9 +76,9 @@ class PythonTexts:
         self.calls = [(call, keepers.get(call)) for call, _ in self.scopes.calls]
         self.places = {id(call): place for call, place in self.scopes.calls}
         for each, place in self.scopes.calls:
-            for stated, default in declared(each, called_name(each)):
+            for written, default in declared(each, called_name(each)):
                 self.place = place
-                name = self.text(stated)
+                name = self.text(written)
                 if name is not None:
                     self.parameters[name] = default
         self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))

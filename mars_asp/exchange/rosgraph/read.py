@@ -67,8 +67,8 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     configuration = mapped.configuration
     if not configuration.modules:
         raise MarsError((_empty(files[0][1]),))
-    told = (*warnings, *notes(_each_once((*unread, *mapped.unread))))
-    return Parsed(configuration, told, tuple(map(print_module, configuration.declared)))
+    entries = (*warnings, *notes(_each_once((*unread, *mapped.unread))))
+    return Parsed(configuration, entries, tuple(map(print_module, configuration.declared)))
 
 
 def _empty(path: str) -> Diagnostic:

@@ -185,13 +185,13 @@ class _UrdfReader:
 
     def bounds(self, limit: XmlElement) -> tuple[Decimal | None, Decimal | None]:
         """Return both bounds; of one that is not stated URDF says that it is 0."""
-        stated = [key for key in ("lower", "upper") if key in limit.attributes]
+        declared = [key for key in ("lower", "upper") if key in limit.attributes]
         lower, upper = (self.stated(limit, key) for key in ("lower", "upper"))
         if lower > upper:
             self.note(limit, f"the lower bound {lower} is above the upper one", "swap them")
         return (
-            lower if stated and lower > -OPEN else None,
-            upper if stated and upper < OPEN else None,
+            lower if declared and lower > -OPEN else None,
+            upper if declared and upper < OPEN else None,
         )
 
     def rate(self, limit: XmlElement) -> Decimal | None:

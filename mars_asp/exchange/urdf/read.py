@@ -178,13 +178,13 @@ def _remarks(joints: Sequence[UrdfJoint]) -> Iterator[Diagnostic]:
     """Yield what mounts do not say of joints, each sort once, as exporters repeat it."""
     following = [joint for joint in joints if joint.mimics is not None and joint.kind != "fixed"]
     if following:
-        said = [f"`{joint.name}` follows `{joint.mimics}`" for joint in following]
-        what = f"joint {said[0]}, but is imported as independent"
+        lines = [f"`{joint.name}` follows `{joint.mimics}`" for joint in following]
+        what = f"joint {lines[0]}, but is imported as independent"
         if len(following) > 1:
             what = f"{len(following)} joints follow others, but are imported as independent"
         help_text = "mounts cannot couple joints; inheritance assumes that both move independently"
         spans = [joint.span for joint in following]
-        yield _remark("urdf-mimic", what, help_text, list(zip(spans, said, strict=True)))
+        yield _remark("urdf-mimic", what, help_text, list(zip(spans, lines, strict=True)))
     near = [
         (joint.span, f"`{angle}`", f"`{nearest!r}`")
         for joint in joints
@@ -196,7 +196,7 @@ def _remarks(joints: Sequence[UrdfJoint]) -> Iterator[Diagnostic]:
         if len(near) > 1:
             what = f"{len(near)} angles are nearly quarter turns, and are used as written"
         help_text = f"for a right angle write {near[0][2]}; inheritance depends on it"
-        yield _remark("urdf-angle", what, help_text, [(span, said) for span, said, _ in near])
+        yield _remark("urdf-angle", what, help_text, [(span, lines) for span, lines, _ in near])
 
 
 def _remark(
@@ -206,8 +206,8 @@ def _remark(
     (first, _), *others = places
     labels = others[:_MOST_PLACES]
     if len(others) > len(labels):
-        span, said = labels[-1]
-        labels[-1] = span, f"{said}, and {len(others) - len(labels)} more"
+        span, result = labels[-1]
+        labels[-1] = span, f"{result}, and {len(others) - len(labels)} more"
     return Diagnostic(code, "warning", message, first, tuple(labels), help_text)
 
 

@@ -115,10 +115,10 @@ def _add_motion(joint: ElementTree.Element, function: Function) -> None:
     """Add axis and limits; what is open is `OPEN`, for of nothing URDF says 0."""
     ElementTree.SubElement(joint, "axis", xyz=_AXES[function.name[-1]])
     turns = function.name.startswith("Rotn")
-    stated = {"lower": function.min, "upper": function.max, "velocity": function.rate}
+    declared = {"lower": function.min, "upper": function.max, "velocity": function.rate}
     open_ = {"lower": -OPEN, "upper": OPEN, "velocity": OPEN}
     limits = {"effort": str(OPEN)}
-    for key, value in stated.items():
+    for key, value in declared.items():
         if value is None:
             limits[key] = str(open_[key])
         else:

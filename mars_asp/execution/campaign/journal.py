@@ -76,8 +76,8 @@ def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
     for number, line in enumerate(lines[1:], 2):
         found = _object(line)
         if found is None or not ("runs" in found or _is_run(found)):
-            told = "remove the line, and its run is carried out again; or begin anew with --fresh"
-            raise _journal_error(path, number, "this line is not a run", told)
+            text = "remove the line, and its run is carried out again; or begin anew with --fresh"
+            raise _journal_error(path, number, "this line is not a run", text)
         if "runs" in found:
             if number < len(lines):
                 raise _journal_error(path, number, "a summary is the last line")
@@ -106,8 +106,8 @@ def _check_header(line: bytes, header: bytes, path: str) -> None:
     if found is None or found.get("format") != FORMAT:
         raise _journal_error(path, 1, "this is not the file of a campaign")
     if found.get("version") != VERSION:
-        told = f"this file has version {found.get('version')!r:.20} of its format, not {VERSION}"
-        raise _journal_error(path, 1, told)
+        text = f"this file has version {found.get('version')!r:.20} of its format, not {VERSION}"
+        raise _journal_error(path, 1, text)
     for key, what in (
         ("configuration", "another configuration: its files or sources have changed"),
         ("scenario", "another scenario: it or the code that it binds has changed"),

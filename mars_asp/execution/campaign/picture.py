@@ -34,7 +34,7 @@ def campaign_picture(cells: Sequence[Cell], axes: Sequence[Axis], title: str) ->
     # A cell of an earlier grid may lack the parameter.
     shown = [cell for cell in cells if axis.key in cell.vary]
     fixed = fixed_values(shown)
-    told = ", ".join(written_change(*each) for each in fixed.items() if each[0] != axis.key)
+    text = ", ".join(written_change(*each) for each in fixed.items() if each[0] != axis.key)
     series: dict[str, list[Cell]] = {}
     for cell in shown:
         rest = {k: value for k, value in cell.vary.items() if k != axis.key and k not in fixed}
@@ -49,7 +49,7 @@ def campaign_picture(cells: Sequence[Cell], axes: Sequence[Axis], title: str) ->
         f"<title>{_svg_text(title)}</title>",
         '<rect width="100%" height="100%" fill="white"/>',
         f'<text x="{_LEFT:g}" y="20" font-weight="bold">{_svg_text(title)}</text>',
-        f'<text x="{_LEFT:g}" y="37">runs that passed{_svg_text(told and f" with {told}")}; '
+        f'<text x="{_LEFT:g}" y="37">runs that passed{_svg_text(text and f" with {text}")}; '
         "intervals of 95 % (Wilson)</text>",
         *_frame(axis, positions),
     ]

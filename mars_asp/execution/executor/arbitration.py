@@ -178,9 +178,9 @@ class HierarchicalArbitration:
         others = [i for i in self.inputs if i is not winner and i.until > now]
         lower = [f"{i.link.source} ({i.link.priority})" for i in others if i.link.priority < own]
         equal = [i.link.source for i in others if i.link.priority == own]
-        told = [f"priority {own} outranks {_enumeration(lower)}"] if lower else []
-        told += [f"later than {_enumeration(equal)} of the same priority {own}"] if equal else []
-        return ", ".join(told) or "alone in force"
+        lines = [f"priority {own} outranks {_enumeration(lower)}"] if lower else []
+        lines += [f"later than {_enumeration(equal)} of the same priority {own}"] if equal else []
+        return ", ".join(lines) or "alone in force"
 
     def _hold(self, holder: str, why: Callable[[], str], through: str = NOBODY) -> None:
         last = self.holdings[-1] if self.holdings else None

@@ -235,8 +235,8 @@ class Executor:
         plan = self.plan
         rank, outputs = self.schedule.control + plan.depth(name), plan.control_out[name]
         if plan.configuration.architecture == "flat":
-            stated = plan.configuration.period_ms
-            period = DEFAULT_PERIOD if stated is None else stated * MILLISECOND
+            declared = plan.configuration.period_ms
+            period = DEFAULT_PERIOD if declared is None else declared * MILLISECOND
             return FlatArbitration(name, period, self.schedule, rank, outputs)
         stops = plan.reaches_effector(name)
         return HierarchicalArbitration(

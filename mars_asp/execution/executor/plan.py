@@ -160,8 +160,8 @@ class Plan:
 
     def converter_of(self, transformer: str) -> str | None:
         """Return the converter that a DataTransformer applies, or None if none is declared."""
-        stated = self.configuration.conversions
-        return next((c.converter for c in stated if c.transformer == transformer), None)
+        declared = self.configuration.conversions
+        return next((c.converter for c in declared if c.transformer == transformer), None)
 
     def is_node(self, name: str) -> bool:
         """Whether a name is a node of the specification, not a module of the user."""
@@ -271,10 +271,10 @@ class Plan:
         feeding = self.data_in[name]
         if len(feeding) != 1:
             return None
-        mode, stated = self.carried(feeding[0])
+        mode, declared = self.carried(feeding[0])
         if mode.name not in (AT_FREQUENCY, WHEN_READY):
             return None
-        return stated or self.rate(feeding[0].source, seen | {name})
+        return declared or self.rate(feeding[0].source, seen | {name})
 
     def hold(self, link: Link) -> int:
         """Return how long (ns) a message over a link into an arbiter stays in force."""
@@ -291,8 +291,8 @@ class Plan:
             return 0
         kind = self.kind(name)
         own = kind == "arbitration_node" or (kind == "control_out" and bool(self.control_in[name]))
-        behind = [self.depth(link.source, seen | {name}) for link in self.control_in[name]]
-        return own + max(behind, default=0)
+        after = [self.depth(link.source, seen | {name}) for link in self.control_in[name]]
+        return own + max(after, default=0)
 
     def reaches_effector(self, name: str, seen: frozenset[str] = frozenset()) -> bool:
         """Return whether commands of a node reach an effector without another arbiter."""

@@ -37,8 +37,8 @@ class Lines:
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
         """Write an event."""
-        told = {"ns": at, "event": what, "where": where, "value": plain(value)}
-        self._write(f"{_json(told)}\n".encode())
+        entries = {"ns": at, "event": what, "where": where, "value": plain(value)}
+        self._write(f"{_json(entries)}\n".encode())
 
     def end(self, trial: Trial) -> None:
         """Write nothing: lines are events."""

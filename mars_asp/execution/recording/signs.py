@@ -124,9 +124,9 @@ class Signs:
         found = [('<circle r="3.5" fill="#333"/>', "start")]
         for goal in self.goals:
             (x, y), instant = goal.place, f"at {_time(goal.when)}"
-            told = f"goal{self._of(goal.body)}: {_length(goal.radius)} around ({x:g}, {y:g})"
-            told += f", reached {instant}" if goal.there else ", not reached"
-            found.append((_ring(6), told))
+            message = f"goal{self._of(goal.body)}: {_length(goal.radius)} around ({x:g}, {y:g})"
+            message += f", reached {instant}" if goal.there else ", not reached"
+            found.append((_ring(6), message))
             if not goal.there:
                 found.append((_NEAREST, f"nearest to it: {_length(goal.distance)}, {instant}"))
         if self.least:

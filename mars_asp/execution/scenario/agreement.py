@@ -33,9 +33,9 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
             place = scenario.places[f"devices.{name}"]
             yield Diagnostic("scenario", "error", wrong[0], place, (), wrong[1])
     bound = {*modules, *converting(plan)}
-    for name, stated in scenario.bindings.items():
+    for name, declared in scenario.bindings.items():
         has_parts = any(each.startswith(f"{name}.") for each in modules)
-        if name not in bound and not (has_parts and "python" not in stated):
+        if name not in bound and not (has_parts and "python" not in declared):
             yield _unknown_name("bindings", name, modules, left, scenario)
     yield from _faults(plan, scenario)
     for robot in scenario.robots:
@@ -74,8 +74,8 @@ def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[
         if name in robots:
             return f"`{name}` moves the robot, and a {device} does not", "remove the device"
         moving = "`, `".join(robots)
-        told = f"`{moving}` moves the robot" if len(robots) == 1 else f"`{moving}` move the robots"
-        return f"`{name}` is a platform, and {told}", "give it another kind"
+        text = f"`{moving}` moves the robot" if len(robots) == 1 else f"`{moving}` move the robots"
+        return f"`{name}` is a platform, and {text}", "give it another kind"
     if device in _OBEYING and kind != "effector":
         return f"a {device} obeys commands, and `{name}` does not ({kind})", "give it another kind"
     if device in (*_OBEYING, "platform"):

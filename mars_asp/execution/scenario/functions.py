@@ -45,7 +45,7 @@ class Functions:
 
     def behaviour(self, name: str, path: Path, called: str) -> Behaviour | None:
         """Return what a module does by a function or a class of a file; note what is wrong."""
-        stated = self.scenario.bindings.get(name, {})
+        declared = self.scenario.bindings.get(name, {})
         shown = f"{normpath(path)}:{called}"
         try:
             folder = self._folder(path, name)
@@ -55,13 +55,13 @@ class Functions:
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # a user's file may fail in any way
-            told = f"{type(error).__name__}: {error}"
+            text = f"{type(error).__name__}: {error}"
             raised = place_of(error)
             if raised is not None:
-                told = f"{_seen_from_here(raised[0])}:{raised[1]}: {told}"
-            message, help_text = f"`{shown}` cannot be used: {told}", None
+                text = f"{_seen_from_here(raised[0])}:{raised[1]}: {text}"
+            message, help_text = f"`{shown}` cannot be used: {text}", None
         else:
-            period, delay = (_nanoseconds(stated.get(key)) for key in ("period", "delay"))
+            period, delay = (_nanoseconds(declared.get(key)) for key in ("period", "delay"))
             return Behaviour(_staying(call, folder), period, delay or 0, place=place)
         self.problems.append(
             Diagnostic(
@@ -82,8 +82,8 @@ class Functions:
     ) -> tuple[Callable[..., Any], tuple[str, int] | None]:
         """Return what to call for a module, and where it is defined."""
         if not path.is_file():
-            told = f"`{_seen_from_here(str(path))}` is not a file"
-            raise UnfitError(told, "name a file, relative to the scenario")
+            text = f"`{_seen_from_here(str(path))}` is not a file"
+            raise UnfitError(text, "name a file, relative to the scenario")
         # A behaviour that draws random numbers finds the run's seed there.
         target: Any = folder.load(path, SEED=self.scenario.seed)
         context, knows = self._context(name), False
@@ -121,8 +121,8 @@ class Functions:
 
     def _context(self, name: str) -> Context:
         """Return the context of a module; parts of one share it, unless they have parameters."""
-        stated = self.scenario.bindings.get(name, {})
-        owner = name if "parameters" in stated else name.partition(".")[0]
+        declared = self.scenario.bindings.get(name, {})
+        owner = name if "parameters" in declared else name.partition(".")[0]
         if owner not in self.contexts:
             given = self.scenario.bindings.get(owner, {}).get("parameters", {})
             self.contexts[owner] = Context(owner, self.scenario.seed, copied(given))
@@ -244,7 +244,7 @@ def bind_kinds(scenario: Scenario, specification: Configuration) -> Scenario:
     kinds = {each.kind for each in specification.kinds}
     names = {name.text for name in specification.modules}
     asked = [name for name in scenario.bindings if name in kinds - names]
-    bindings = {n: stated for n, stated in scenario.bindings.items() if n not in asked}
+    bindings = {n: declared for n, declared in scenario.bindings.items() if n not in asked}
     places = dict(scenario.places)
     for kind in asked:
         for name in (n.text for n in specification.modules):

@@ -99,13 +99,13 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
         named = tables.get(table, ())
         places |= {f"{table}.{module}": placed(table, module) for module in named}
     places["scatter"] = placed("world", "scatter")
-    stated, up = tables["robot"], tables.get("up", "y")
+    declared, up = tables["robot"], tables.get("up", "y")
     reach = tables.get("requirements", {}).get("reach")
     robots = tuple(
         _read_robot(table, "robot", reach, placed, ("robot",))
-        if table is stated
+        if table is declared
         else _read_robot(table, table["module"], None, placed, ("robot", number))
-        for number, table in enumerate(stated if isinstance(stated, list) else [stated])
+        for number, table in enumerate(declared if isinstance(declared, list) else [declared])
     )
     problems = [*_unclear(robots, reach is not None, places), *_unmoved(robots, up)]
     if problems:
@@ -137,8 +137,8 @@ def _read_robot(
     x, y, heading = map(float, table.get("start", (0, 0, 0)))
     places = {key: placed(*path, key) for key in table}
     for key in ("limits", "acceleration", "deceleration"):
-        stated = table.get(key, ())
-        places |= {f"{key}.{function}": placed(*path, key, function) for function in stated}
+        declared = table.get(key, ())
+        places |= {f"{key}.{function}": placed(*path, key, function) for function in declared}
     return ScenarioRobot(
         table.get("name", name),
         span=placed(*path),

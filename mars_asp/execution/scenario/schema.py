@@ -24,8 +24,8 @@ def _integer_schema(least: int, most: int) -> _Schema:
 
 
 def _range_schema(least: float | None, most: float | None) -> _Schema:
-    stated = {"minimum": least, "maximum": most}
-    return {key: bound for key, bound in stated.items() if bound is not None}
+    declared = {"minimum": least, "maximum": most}
+    return {key: bound for key, bound in declared.items() if bound is not None}
 
 
 def _table_schema(keys: Mapping[str, _Schema], *required: str) -> _Schema:
@@ -275,12 +275,12 @@ class Mistake(NamedTuple):
 
 def mistakes(tables: Mapping[str, Any]) -> Iterator[Mistake]:
     """Yield all that the schema finds wrong with a scenario, each once."""
-    told: set[Mistake] = set()
+    entries: set[Mistake] = set()
     for error in Draft4Validator(_whole_schema(tables)).iter_errors(_as_json(tables)):
         path = tuple(error.instance_path)
         for mistake in _mistakes(error, path, tables):
-            if mistake not in told:  # of one form several parts can be wrong
-                told.add(mistake)
+            if mistake not in entries:  # of one form several parts can be wrong
+                entries.add(mistake)
                 yield mistake
 
 
@@ -372,11 +372,11 @@ def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
 def _of_kind(schema: _Schema, value: Any) -> _Schema:
     """Return the kind of table that is stated, else one with all kinds and all keys."""
     first, *_ = kinds = schema["oneOf"]
-    stated = value.get("kind") if isinstance(value, dict) else None
-    if stated is None and "required" not in first and isinstance(value, dict):
+    declared = value.get("kind") if isinstance(value, dict) else None
+    if declared is None and "required" not in first and isinstance(value, dict):
         return dict(first)
     for each in kinds:
-        if each["properties"]["kind"]["enum"] == [stated]:
+        if each["properties"]["kind"]["enum"] == [declared]:
             return dict(each)
     named = [each["properties"]["kind"]["enum"][0] for each in kinds]
     keys = {key: inner for each in kinds for key, inner in each["properties"].items()}

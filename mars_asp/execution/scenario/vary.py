@@ -261,8 +261,8 @@ def _robot_number(robots: list[Any], part: str) -> int:
         name if re.fullmatch(r"[\w-]+", name, re.ASCII) else _toml_string(name) for name in names
     ]
     near = nearest(part, names)
-    told = written[names.index(near)] if near else written[0]
-    shown = f"one of {', '.join(written)}, as in `robot.{told}.radius`"
+    result = written[names.index(near)] if near else written[0]
+    shown = f"one of {', '.join(written)}, as in `robot.{result}.radius`"
     raise _NoSuchKeyError(f"there are several robots, and none is named `{part}`", shown)
 
 

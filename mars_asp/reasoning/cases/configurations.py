@@ -414,9 +414,9 @@ def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
         return text.rstrip("\n") + "\n" + "\n".join(new) + "\n"
     written = text.split("\n")
     for line in lines:
-        told = _told_instead(line, robot)
-        if told is not None:
-            written[line.span.line - 1] = line.before + told
+        result = _told_instead(line, robot)
+        if result is not None:
+            written[line.span.line - 1] = line.before + result
     return "\n".join(written)
 
 

@@ -333,7 +333,7 @@ class Compiler:
     def words(self) -> None:
         """Add once how each mode with its rate is written."""
         known = set()
-        told = set()
+        entries = set()
         for mode, hz, otherwise, span in self.written_modes():
             # Most are written alike, and to make their terms takes longer than to find them known.
             if (mode, mode.text, hz, otherwise) in known:
@@ -341,8 +341,8 @@ class Compiler:
             known.add((mode, mode.text, hz, otherwise))
             term = mode_term(mode)
             rate = otherwise if hz is None else self.rates.millihertz(hz)
-            if (str(term), rate) not in told:
-                told.add((str(term), rate))
+            if (str(term), rate) not in entries:
+                entries.add((str(term), rate))
                 text = mode.text or mode.name
                 words = text if hz is None else f"{text} {as_written(hz)}"
                 self.add(span, "in_words", term, rate, words)

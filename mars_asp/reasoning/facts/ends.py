@@ -99,7 +99,7 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
     taken = {name.text for name in configuration.modules}
     every: dict[str, Output] = {}
     sources: dict[tuple[str, str | None], str] = {}
-    stated: dict[str, str] = {}
+    declared: dict[str, str] = {}
     several = {name for name, module in described.items() if len(_delivering(module)) > 1}
     for name in sorted(several | named.keys()):
         found = _outputs(name, described.get(name), named.get(name, ()))
@@ -107,7 +107,7 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
         for output in found:
             if own == [output]:
                 sources[name, output.port] = name
-                stated[name] = output.port
+                declared[name] = output.port
             else:
                 text = _free(taken, name, output.port)
                 sources[name, output.port] = text
@@ -119,7 +119,7 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
         for port in dict.fromkeys((*known, *ports)):
             text = clients[name, port] = _free(taken, name, port)
             entries[text] = InputEnd(name, port, known.get(port))
-    return Ends(every, entries, sources, clients, stated)
+    return Ends(every, entries, sources, clients, declared)
 
 
 def _has_several_inputs(module: Module) -> bool:

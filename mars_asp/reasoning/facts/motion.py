@@ -145,14 +145,14 @@ def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Itera
     turns = function.startswith("Rotn")
     direction = twist[:3] if turns else twist[3:]
     names = MOTION_FUNCTIONS[:3] if turns else MOTION_FUNCTIONS[3:]
-    told: tuple[Term, ...] = (name, provider, function)
+    result: tuple[Term, ...] = (name, provider, function)
     largest = int(np.abs(direction).argmax())
     if abs(direction[np.arange(3) != largest]).max() < TOLERANCE:
         sign = 1 if direction[largest] > 0 else -1
-        yield Atom("appears", (*told, names[largest], sign))
+        yield Atom("appears", (*result, names[largest], sign))
     else:
         for axis, share in zip(names, direction, strict=True):
-            yield Atom("appears_in_part", (*told, axis, round(share * _MILLION)))
+            yield Atom("appears_in_part", (*result, axis, round(share * _MILLION)))
 
 
 def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iterator[Atom]:
@@ -161,8 +161,8 @@ def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iter
     for axis in np.flatnonzero(turned):
         micrometres = round(float(np.linalg.norm(np.delete(place, axis))) * 1000)
         if micrometres:
-            told = (name, provider, MOTION_FUNCTIONS[axis], min(micrometres, MOST))
-            yield Atom("lever_arm", told)
+            result = (name, provider, MOTION_FUNCTIONS[axis], min(micrometres, MOST))
+            yield Atom("lever_arm", result)
 
 
 def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str, tuple[str, ...]]]:

@@ -35,9 +35,9 @@ class Rates:
 
     def millihertz(self, hz: Fraction) -> int:
         """Return the number by which a rate is told."""
-        told = self._told.get(hz)
-        if told is not None:
-            return told
+        result = self._told.get(hz)
+        if result is not None:
+            return result
         millihertz = hz * 1000
         number = max(round(millihertz), 1)
         if number == millihertz and number not in self._meant:
@@ -104,7 +104,7 @@ def rounded_rates(
         yield Fact(Atom("below_period", (rate, below)), configuration.span)
     if not rates.rounded:
         return
-    told: set[tuple[int, int]] = set()
+    entries: set[tuple[int, int]] = set()
     for line in configuration.relationships:
         if not isinstance(line, Data) or line.hz is None:
             continue
@@ -113,6 +113,6 @@ def rounded_rates(
         if hz is None or (hz / line.hz).denominator != 1:
             continue
         pair = rates.millihertz(hz), rates.millihertz(line.hz)
-        if pair not in told:
-            told.add(pair)
+        if pair not in entries:
+            entries.add(pair)
             yield Fact(Atom("multiple", pair), line.span)

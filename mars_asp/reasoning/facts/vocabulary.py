@@ -51,8 +51,8 @@ def _given(docstrings: "tuple[Docstring, ...]") -> "tuple[Signature, ...]":
 
 def unbounded(declared: "Iterable[Declaration]") -> "Mapping[Signature, tuple[int, ...]]":
     """Return the positions from 0 of numbers that a user states, however large."""
-    stated = (each for each in declared if each.origin == "stated")
-    return {each.signature: places for each in stated if (places := _unbounded(each))}
+    given = (each for each in declared if each.origin == "stated")
+    return {each.signature: places for each in given if (places := _unbounded(each))}
 
 
 def _unbounded(each: "Declaration") -> tuple[int, ...]:

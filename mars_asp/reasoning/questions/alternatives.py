@@ -153,7 +153,7 @@ class _AlternativesSearch:
             parts = [part for atom in chosen if (part := part_of(atom)) is not None]
         found = list(islice(_combined([self._choices(part, most + 1) for part in parts]), most + 1))
         own = _lines(self.synthesis.specification)
-        told = [self._alternative(extra, chosen, own) for extra, chosen in found[:most]]
+        entries = [self._alternative(extra, chosen, own) for extra, chosen in found[:most]]
         bounds = self._cores_by_level(parts)
         needs = [CertificateEntry((str(atom),), (names[atom],)) for atom in forced]
         for part in parts:
@@ -172,7 +172,7 @@ class _AlternativesSearch:
             len(forced) + sum(len(_costly(part)) for part in parts),
             levels,
             self._first_conversions() if levels else (),
-            tuple(told),
+            tuple(entries),
             len(found) <= most,
         )
 
@@ -209,10 +209,10 @@ class _AlternativesSearch:
         asked = [node for need in needs for node in need.nodes]
         found = self._reasons(asked)
         for need in needs:
-            told = [found[node] for node in need.nodes if node in found]
+            entries = [found[node] for node in need.nodes if node in found]
             # Ours come first, of which it is told why they are needed.
-            told.sort(key=lambda reason: reason.why is None)
-            yield replace(need, reasons=tuple(told))
+            entries.sort(key=lambda reason: reason.why is None)
+            yield replace(need, reasons=tuple(entries))
 
     def _first_conversions(self) -> tuple[str, ...]:
         """Return what is applied by the first transformers of the specification, and its cost."""
@@ -263,9 +263,9 @@ class _AlternativesSearch:
         symbol_of = self.analysis.grounding.symbol_of
         for need in found:
             numbers = [part.atoms[atom - 1] for atom in need.atoms]
-            told = [symbol_of[number] for number in numbers if number in symbol_of]
-            ours = tuple(names[symbol] for symbol in told if symbol in names)
-            yield CertificateEntry(tuple(map(str, told)), ours)
+            entries = [symbol_of[number] for number in numbers if number in symbol_of]
+            ours = tuple(names[symbol] for symbol in entries if symbol in names)
+            yield CertificateEntry(tuple(map(str, entries)), ours)
 
 
 def _combined(

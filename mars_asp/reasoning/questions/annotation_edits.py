@@ -108,11 +108,11 @@ class Annotations:
             self._before(self._found[self._index(carrier.span)], lines)
             return
         name, end = inside[0], inside[-1]
-        behind = following(self._source, max(d.until for d in inside[:-1]), end.offset)
-        if isinstance(behind.found, SourceDeclaration):
-            declared = read_signature(behind.found, Overrides(), delivers=True).output
+        after = following(self._source, max(d.until for d in inside[:-1]), end.offset)
+        if isinstance(after.found, SourceDeclaration):
+            declared = read_signature(after.found, Overrides(), delivers=True).output
             lines += _output(word, declared, output)
-            line, column = self._source.position(behind.place(behind.found.offset))
+            line, column = self._source.position(after.place(after.found.offset))
             indent = self._draft.line(line)[: column - 1]
             mark = indent + self._mark(name) if not indent.strip() else self._mark(name)
             self._draft.insert(line, "before", [mark + text for text in lines])
@@ -164,8 +164,8 @@ class Annotations:
         marks = self._marks(directive)
         first = self._source.position(directive.offset)
         last = self._source.position(directive.end)
-        behind = self._draft.line(last[0])[last[1] - 1 :].strip().removeprefix("*/")
-        if marks is None or ("/*" in marks.before) != bool(marks.behind) or behind:
+        after = self._draft.line(last[0])[last[1] - 1 :].strip().removeprefix("*/")
+        if marks is None or ("/*" in marks.before) != bool(marks.behind) or after:
             self._draft.put(self._draft.offset(*first), self._draft.offset(*last), "")
             return
         for line in range(first[0], last[0] + 1):
@@ -178,8 +178,8 @@ class Annotations:
         if not (_LINE_MARK.fullmatch(before) or _BLOCK_MARK.fullmatch(before)):
             return None
         last, end = self._source.position(directive.end)
-        behind = self._draft.line(last)[end - 1 :].strip()
-        return _Marks(before, " */" if behind.startswith("*/") else "")
+        after = self._draft.line(last)[end - 1 :].strip()
+        return _Marks(before, " */" if after.startswith("*/") else "")
 
     def _mark(self, like: Directive) -> str:
         """Return what begins a comment of its own, as another annotation shows it."""

@@ -63,17 +63,17 @@ def blame(
         MarsError: clingo refuses the rules.
     """
     subject = _sought(kind, module) if module is not None else _sought_everywhere(kind)
-    told = _Told(project, rulebook, (subject,))
-    reason = min(told.of(ABSENT), key=_order, default=None)
+    result = _Told(project, rulebook, (subject,))
+    reason = min(result.of(ABSENT), key=_order, default=None)
     if reason is None:
         return None
-    change = next(_that_give(told, project, gives), None)
-    beside = min(told.of(_BESIDE), key=_order, default=None)
+    change = next(_that_give(result, project, gives), None)
+    beside = min(result.of(_BESIDE), key=_order, default=None)
     return Blame(
-        told.text(reason),
-        told.evidence(as_symbol(reason.head)),
-        None if change is None else told.text(change),
-        None if change is None or beside is None else told.text(beside),
+        result.text(reason),
+        result.evidence(as_symbol(reason.head)),
+        None if change is None else result.text(change),
+        None if change is None or beside is None else result.text(beside),
     )
 
 
@@ -90,16 +90,16 @@ def reasons(
     """
     names = tuple(modules)
     questions = [_sought(kind, name) for kind in kinds for name in names]
-    told = _Told(project, rulebook, questions, (ABSENT,))
+    result = _Told(project, rulebook, questions, (ABSENT,))
     first: dict[tuple[TermId, ...], RenderedMessage] = {}
-    for each in told.of(ABSENT):
+    for each in result.of(ABSENT):
         key = tuple(arguments(each.head)[:2])
         if key not in first or _order(each) < _order(first[key]):
             first[key] = each
     for each in first.values():
         head = as_symbol(each.head)
         kind, module, _ = head.arguments
-        yield kind.name, module.string, Blame(told.text(each), told.evidence(head))
+        yield kind.name, module.string, Blame(result.text(each), result.evidence(head))
 
 
 def _sought(kind: str, module: str) -> Atom:
@@ -112,8 +112,8 @@ def _sought_everywhere(kind: str) -> Atom:
 
 def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]:
     """Yield where the inputs and outputs are described that are asked for."""
-    asked = {str(name) for question in questions for name in question.arguments[1:]}
-    ports = {name: port for name, port in port_names(project).items() if name in asked}
+    queries = {str(name) for question in questions for name in question.arguments[1:]}
+    ports = {name: port for name, port in port_names(project).items() if name in queries}
     if not ports:
         return
     described = described_modules(project.configuration, project.modules)

@@ -174,23 +174,23 @@ def _again(made: _Changed, terms: list[Symbol]) -> None:
 
 def _set_priority(made: _Changed, terms: list[Symbol]) -> None:
     number, priority = (term.number for term in terms)
-    stated = made.relationships[number]
-    assert isinstance(stated, Control)
-    made.relationships[number] = replace(stated, priority=priority, listed=False)
+    declared = made.relationships[number]
+    assert isinstance(declared, Control)
+    made.relationships[number] = replace(declared, priority=priority, listed=False)
 
 
 def _hold(made: _Changed, terms: list[Symbol]) -> None:
     number, hold_ms = terms[0].number, hold_of(terms[1])
-    stated = made.relationships[number]
-    assert isinstance(stated, Control)
-    made.relationships[number] = replace(stated, hold_ms=hold_ms)
+    declared = made.relationships[number]
+    assert isinstance(declared, Control)
+    made.relationships[number] = replace(declared, hold_ms=hold_ms)
 
 
 def _require(made: _Changed, terms: list[Symbol]) -> None:
     number, mode, rate = terms
-    stated = made.relationships[number.number]
-    assert isinstance(stated, Data)
-    made.relationships[number.number] = replace(stated, mode=mode_of(mode), hz=_hertz(made, rate))
+    declared = made.relationships[number.number]
+    assert isinstance(declared, Data)
+    made.relationships[number.number] = replace(declared, mode=mode_of(mode), hz=_hertz(made, rate))
 
 
 def _architecture(made: _Changed, terms: list[Symbol]) -> None:

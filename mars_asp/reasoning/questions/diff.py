@@ -173,9 +173,9 @@ class _Side:
         """Find the lines that the other side does not have, repetitions counted."""
         left = Counter(other.lines.values())
         changed = []
-        for span, said in sorted(self.lines.items()):
-            if left[said] > 0:
-                left[said] -= 1
+        for span, item in sorted(self.lines.items()):
+            if left[item] > 0:
+                left[item] -= 1
             else:
                 changed.append(span)
         self.shown = self.texts.differing(changed, other.texts)
@@ -279,7 +279,7 @@ def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
     """Return for each place the facts that it gives, without identifiers and with exact rates."""
     facts = tuple(facts)
     identifiers = {f.atom.arguments[0] for f in facts if f.atom.name == "place"}
-    said: dict[Span, list[str]] = {}
+    entries: dict[Span, list[str]] = {}
     for fact in facts:
         if fact.atom.name in _OBSERVED:
             continue
@@ -288,8 +288,8 @@ def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
         if fact.atom.name in _RATES and isinstance(rest[-1], int):
             rest[-1] = str(Fraction(rates.hertz(rest[-1])))
         words = map(str, rest if numbered else (first, *rest))
-        said.setdefault(fact.span, []).append(f"{fact.atom.name}({','.join(words)})")
-    return {span: tuple(sorted(words)) for span, words in said.items()}
+        entries.setdefault(fact.span, []).append(f"{fact.atom.name}({','.join(words)})")
+    return {span: tuple(sorted(words)) for span, words in entries.items()}
 
 
 def _changes(

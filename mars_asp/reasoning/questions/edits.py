@@ -394,9 +394,9 @@ def _offer(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
 
 
 def _redirect(drafts: _Drafts, number: Symbol, side: Symbol, module: Symbol) -> None:
-    stated = drafts.texts.relationships[number.number]
-    if isinstance(stated, Control):
-        statement, listed, member = drafts.member(stated)
+    declared = drafts.texts.relationships[number.number]
+    if isinstance(declared, Control):
+        statement, listed, member = drafts.member(declared)
         name = statement.local_name(module.string)
         if side.name != "first":
             listed.rename(member, name)
@@ -406,17 +406,17 @@ def _redirect(drafts: _Drafts, number: Symbol, side: Symbol, module: Symbol) -> 
             listed.drop(member)
             statement.add_after(f"{name} is_controlled_by {member.written()}")
         return
-    statement = drafts.statement_of(stated)
+    statement = drafts.statement_of(declared)
     first, second = statement.end_tokens
     name = drafts.texts.end(module, statement.prefix)
     statement.rewrite(first if side.name == "first" else second, name)
 
 
 def _swap(drafts: _Drafts, number: Symbol) -> None:
-    stated = drafts.texts.relationships[number.number]
-    if isinstance(stated, Control):
-        statement, listed, member = drafts.member(stated)
-        controlled, controller = map(statement.local_name, ends_of(stated))
+    declared = drafts.texts.relationships[number.number]
+    if isinstance(declared, Control):
+        statement, listed, member = drafts.member(declared)
+        controlled, controller = map(statement.local_name, ends_of(declared))
         if len(listed.members) == 1:
             listed.head = controller
             listed.rename(member, controlled)
@@ -424,19 +424,19 @@ def _swap(drafts: _Drafts, number: Symbol) -> None:
             listed.drop(member)
             statement.add_after(f"{controller} is_controlled_by {member.written(name=controlled)}")
         return
-    statement = drafts.statement_of(stated)
+    statement = drafts.statement_of(declared)
     first, second = statement.end_tokens
     statement.rewrite(first, second.text)
     statement.rewrite(second, first.text)
 
 
 def _drop(drafts: _Drafts, number: Symbol) -> None:
-    stated = drafts.texts.relationships[number.number]
-    if isinstance(stated, Control):
-        _, listed, member = drafts.member(stated)
+    declared = drafts.texts.relationships[number.number]
+    if isinstance(declared, Control):
+        _, listed, member = drafts.member(declared)
         listed.drop(member)
     else:
-        drafts.statement_of(stated).delete()
+        drafts.statement_of(declared).delete()
 
 
 def _relate(drafts: _Drafts, client: Symbol, source: Symbol) -> None:
@@ -450,37 +450,37 @@ def _relate(drafts: _Drafts, client: Symbol, source: Symbol) -> None:
 def _neighbour(drafts: _Drafts, path: str, client: str) -> _Statement:
     """Return the statement of a file after which a data relationship of a client is best put."""
     every = drafts.texts.project.configuration.relationships
-    stated = [each for each in every if each.span.path == path]
-    data = [each for each in stated if isinstance(each, Data)]
-    near = [each for each in data if each.client == client] or data or stated
+    declared = [each for each in every if each.span.path == path]
+    data = [each for each in declared if isinstance(each, Data)]
+    near = [each for each in data if each.client == client] or data or declared
     if not near:
         return drafts.headed(path, "", "@modules")
     return drafts.statement_of(max(near, key=lambda each: each.span))
 
 
 def _edit_priority(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
-    stated = drafts.texts.relationships[number.number]
-    assert isinstance(stated, Control)
-    _, listed, member = drafts.member(stated)
+    declared = drafts.texts.relationships[number.number]
+    assert isinstance(declared, Control)
+    _, listed, member = drafts.member(declared)
     # What a place in a list says already needs no number.
-    if stated.priority != priority.number:
+    if declared.priority != priority.number:
         listed.rank(member, priority.number)
 
 
 def _unrank(drafts: _Drafts, number: Symbol) -> None:
-    stated = drafts.texts.relationships[number.number]
-    assert isinstance(stated, Control)
-    _, listed, member = drafts.member(stated)
+    declared = drafts.texts.relationships[number.number]
+    assert isinstance(declared, Control)
+    _, listed, member = drafts.member(declared)
     listed.unrank(member)
 
 
 def _vertex(drafts: _Drafts, number: Symbol, vertex: Symbol) -> None:
-    stated = drafts.texts.relationships[number.number]
-    assert isinstance(stated, Mount)
-    statement = drafts.statement_of(stated)
+    declared = drafts.texts.relationships[number.number]
+    assert isinstance(declared, Mount)
+    statement = drafts.statement_of(declared)
     words = [token.text for token in statement.tokens]
     mounted = words.index("is_mounted_on") + 1
-    if stated.mounted_vertex is None:
+    if declared.mounted_vertex is None:
         statement.add_word(statement.tokens[mounted], str(vertex.number))
     else:
         statement.rewrite(statement.tokens[mounted + 1], str(vertex.number))
@@ -502,8 +502,8 @@ def _architecture(drafts: _Drafts, kind: Symbol) -> None:
 def _add_name(drafts: _Drafts, module: Symbol) -> None:
     """Write a name into the `@modules` of the innermost file that uses it."""
     main = drafts.texts.path
-    stated = drafts.texts.relationships.values()
-    mentions = (drafts.statement_of(each) for each in stated if module.string in ends_of(each))
+    declared = drafts.texts.relationships.values()
+    mentions = (drafts.statement_of(each) for each in declared if module.string in ends_of(each))
     scopes = {(main, ""), *((each.draft.path, each.prefix) for each in mentions)}
     path, prefix = max(scopes, key=lambda scope: (len(scope[1]), scope[0] == main))
     statement = drafts.headed(path, prefix, "@modules")
@@ -523,19 +523,19 @@ def _unname(drafts: _Drafts, module: Symbol) -> None:
 
 
 def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
-    for stated in drafts.texts.relationships.values():
-        ends = ends_of(stated)
+    for declared in drafts.texts.relationships.values():
+        ends = ends_of(declared)
         if old.string not in ends:
             continue
-        if isinstance(stated, Control):
-            statement, listed, member = drafts.member(stated)
+        if isinstance(declared, Control):
+            statement, listed, member = drafts.member(declared)
             name = statement.local_name(new.string)
-            if stated.controlled == old.string:
+            if declared.controlled == old.string:
                 listed.head = name
-            if stated.controller == old.string:
+            if declared.controller == old.string:
                 listed.rename(member, name)
             continue
-        statement = drafts.statement_of(stated)
+        statement = drafts.statement_of(declared)
         for module, token in zip(ends, statement.end_tokens, strict=True):
             if module == old.string:
                 _, port = read_end(token.text) or (module, None)
@@ -566,13 +566,13 @@ def _declare(drafts: _Drafts, source: Symbol, target: Symbol) -> None:
         block.append(f"{target.string} convert({source.string} input);")
     else:
         block += [f"@Output {target.string}", f"@Input {source.string}", "void convert();"]
-    behind = max(
+    after = max(
         (last for _, last in drafts.texts.mars_files[drafts.texts.path].blocks),
         default=drafts.main.last,
     )
-    gap = [""] if drafts.converters or drafts.main.line(behind).strip() else []
+    gap = [""] if drafts.converters or drafts.main.line(after).strip() else []
     drafts.converters.append(name)
-    drafts.main.insert(behind, "behind", [*gap, *block, "@module_end"])
+    drafts.main.insert(after, "behind", [*gap, *block, "@module_end"])
 
 
 _EDITS: dict[tuple[str, int], Callable[..., None]] = {

@@ -198,7 +198,7 @@ def _topics(
     traced: bool,
 ) -> tuple[Topic, ...]:
     things = [each.of for each in asked if each.of is not None]
-    told = told_of(project, evidence, nodes, things)
+    result = told_of(project, evidence, nodes, things)
     traces: Mapping[clingo.Symbol, Trace] = {}
     atoms = dict.fromkeys(
         each.atom for each in asked if each.atom is not None and (traced or each.of is None)
@@ -206,7 +206,7 @@ def _topics(
     if atoms:
         traces = evidence.explainer.why(atoms, every)
     # An atom of another kind is none of the things, and has no account.
-    accounts = iter(told)
+    accounts = iter(result)
     return tuple(_topic(each, accounts, _trace_of(each, traces)) for each in asked)
 
 

@@ -109,15 +109,15 @@ def _applied(
         analysis = analyse(project_facts(after), rulebook, after.configuration.span)
     except (MarsError, UnknownEditError, ImpossibleEditError):
         return None
-    known, told = FindingCounts(before.consequences), FindingCounts(analysis.consequences)
+    known, result = FindingCounts(before.consequences), FindingCounts(analysis.consequences)
     mends = [repair.mends[0] for repair in chosen]
     announced = {warning.message for mend in mends for warning in mend.warnings}
     announced |= {remark.message for mend in mends for remark in mend.remarks}
-    new = [c for c in told.beyond(known) if c.severity != "note"]
+    new = [c for c in result.beyond(known) if c.severity != "note"]
     remarks = new_remarks(project.diagnostics, after.diagnostics)
     if (
         not order_kept(texts, after.configuration, terms)
-        or not all(told.lacks(repair.consequence, known) for repair in chosen)
+        or not all(result.lacks(repair.consequence, known) for repair in chosen)
         or any(c.severity == "error" or c.message not in announced for c in new)
         or any(remark.message not in announced for remark in remarks)
     ):

@@ -110,8 +110,8 @@ def _term_text(term: TermId, names: TermNames, lines: Mapping[Span, Iterable[str
     if len(spans_of) == 1 < len(lines):
         return f"{next(iter(spans_of))} over {len(lines)} lines ({places(lines, path)})"
     if len(spans_of) <= _MOST_NAMED:
-        told = [f"{label} ({places(spans, path)})" for label, spans in spans_of.items()]
-        return " and ".join(told)
+        texts = [f"{label} ({places(spans, path)})" for label, spans in spans_of.items()]
+        return " and ".join(texts)
     return f"{len(spans_of)} {symbol.arguments[0].string} ({places(lines, path)})"
 
 
@@ -124,14 +124,14 @@ def places(spans: Iterable[Span], path: str) -> str:
             stretches[-1] = (file, stretches[-1][1], line)
         else:
             stretches.append((file, line, line))
-    told = []
+    entries = []
     alone = all(file == path for file, _, _ in stretches)
     for file, first, last in stretches[:_MOST_STRETCHES]:
         before = f"{'' if alone else file}:"
         far = f"-{last}" if last > first + 1 else f", {before}{last}" if last > first else ""
-        told.append(f"{before}{first}{far}")
+        entries.append(f"{before}{first}{far}")
     more = sum(last - first + 1 for _, first, last in stretches[_MOST_STRETCHES:])
-    return f"{', '.join(told)}{f' and {more} more line{_s(more)}' if more else ''}"
+    return f"{', '.join(entries)}{f' and {more} more line{_s(more)}' if more else ''}"
 
 
 def _s(number: int) -> str:

@@ -211,8 +211,8 @@ def _proposals(
         whole, part = symbol.arguments
         parts.setdefault(whole, []).append(part)
     spoiling = {symbol.arguments[0] for symbol in grounding.symbols("spoils", 1)}
-    told = said(grounding.control, _STAGE, speakers)
-    for each in sorted(told, key=lambda s: (s.number, as_symbol(s.head), as_symbol(s.values))):
+    result = said(grounding.control, _STAGE, speakers)
+    for each in sorted(result, key=lambda s: (s.number, as_symbol(s.head), as_symbol(s.values))):
         *key, term, weight = as_symbol(each.head).arguments
         if term in spoiling:
             continue
@@ -340,11 +340,11 @@ class _EditSearch:
             return None
         if not order_kept(self._texts, project.configuration, terms):
             return None
-        told = FindingCounts(analysis.consequences)
+        result = FindingCounts(analysis.consequences)
         gone = frozenset(
-            n for n, finding in enumerate(self._findings) if told.lacks(finding, self._before)
+            n for n, finding in enumerate(self._findings) if result.lacks(finding, self._before)
         )
-        new = told.beyond(self._before)
+        new = result.beyond(self._before)
         if not gone or any(c.severity == "error" for c in new):
             return None
         errors = sum(c.severity == "error" for c in analysis.consequences)
@@ -353,7 +353,7 @@ class _EditSearch:
             return None
         warnings = tuple(c for c in new if c.severity == "warning")
         remarks = tuple(new_remarks(self._project.diagnostics, project.diagnostics))
-        fewer = told.fewer(self._findings, self._before)
+        fewer = result.fewer(self._findings, self._before)
         return _Outcome(gone, fewer, lines, warnings, remarks, errors, spent)
 
     def _spent(self, analysis: Analysis) -> Mapping[int, int] | None:
@@ -488,7 +488,7 @@ def order_kept(before: EditedTexts, after: Configuration, edits: Iterable[clingo
     controllers of its module may change.
     """
     terms = list(edits)
-    stated = before.project.configuration
+    declared = before.project.configuration
     renamed = {}
     unranked = set()
     for term in terms:
@@ -497,9 +497,9 @@ def order_kept(before: EditedTexts, after: Configuration, edits: Iterable[clingo
         elif term.match("unrank", 1):
             span = before.relationships[term.arguments[0].number].span
             # One line of a file that is included twice is two relationships.
-            unranked |= {ends_of(each)[0] for each in stated.relationships if each.span == span}
+            unranked |= {ends_of(each)[0] for each in declared.relationships if each.span == span}
     now = _ranks(after, {})
-    return all(_is_kept(_ranks(stated, names), now, unranked) for names in ({}, renamed))
+    return all(_is_kept(_ranks(declared, names), now, unranked) for names in ({}, renamed))
 
 
 def _is_kept(
@@ -523,9 +523,9 @@ def _levels(ranks: Mapping[str, int], now: Mapping[str, int]) -> list[list[int]]
 def _ranks(configuration: Configuration, renamed: Mapping[str, str]) -> dict[str, dict[str, int]]:
     """Return the priority of each controller of each module, the highest that is stated."""
     ranks: dict[str, dict[str, int]] = {}
-    for stated in configuration.relationships:
-        if isinstance(stated, Control):
-            of = ranks.setdefault(renamed.get(stated.controlled, stated.controlled), {})
-            name = renamed.get(stated.controller, stated.controller)
-            of[name] = max(of.get(name, 0), stated.priority or 0)
+    for declared in configuration.relationships:
+        if isinstance(declared, Control):
+            of = ranks.setdefault(renamed.get(declared.controlled, declared.controlled), {})
+            name = renamed.get(declared.controller, declared.controller)
+            of[name] = max(of.get(name, 0), declared.priority or 0)
     return ranks

@@ -102,20 +102,20 @@ def _connected(
     def kept(atoms: Iterable[TermId]) -> Sequence[TermId]:
         return [atom for atom in atoms if arguments(atom)[0] in those]
 
-    stated = {signature: kept(found[signature]) for signature in (_WEIGHS, _HOLD)}
-    return _Heard(of, {**stated, _HEARS: heard, _ARCHITECTURE: found[_ARCHITECTURE]})
+    declared = {signature: kept(found[signature]) for signature in (_WEIGHS, _HOLD)}
+    return _Heard(of, {**declared, _HEARS: heard, _ARCHITECTURE: found[_ARCHITECTURE]})
 
 
 def _parted(sharing: Sequence[str], heard: _Heard) -> Sequence[TermId]:
     """Return holds by which each of some modules but the first differs from all others."""
-    stated = {arguments(atom)[0]: atom for atom in heard.stated[_HOLD]}
-    taken = {as_symbol(arguments(atom)[1]) for atom in stated.values()}
+    declared = {arguments(atom)[0]: atom for atom in heard.stated[_HOLD]}
+    taken = {as_symbol(arguments(atom)[1]) for atom in declared.values()}
     free = (each for each in map(clingo.Number, count(1)) if each not in taken)
     for module, hold in zip(sharing[1:], free, strict=False):
         for relationship in heard.of[module]:
             own = clingo.Function(_HOLD.name, [as_symbol(relationship), hold])
-            stated[relationship] = as_term(own)
-    return tuple(stated.values())
+            declared[relationship] = as_term(own)
+    return tuple(declared.values())
 
 
 def _price(

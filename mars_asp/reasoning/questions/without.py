@@ -183,8 +183,8 @@ class _Ways:
 
     def _back(self, kind: type, receiver: str, feeder: str) -> Iterator[int]:
         """Yield the lines from a module through nodes to a receiver."""
-        behind: dict[int, int | None] = dict.fromkeys(self._into.get((kind, receiver), ()))
-        waiting = list(behind)
+        after: dict[int, int | None] = dict.fromkeys(self._into.get((kind, receiver), ()))
+        waiting = list(after)
         while waiting:
             number = waiting.pop()
             origin = ends_of(self._lines[number])[1]
@@ -192,10 +192,10 @@ class _Ways:
                 on: int | None = number
                 while on is not None:
                     yield on
-                    on = behind[on]
+                    on = after[on]
             elif origin in self._nodes and self._nodes[origin].stands_for is None:
-                before = [n for n in self._into.get((kind, origin), ()) if n not in behind]
-                behind.update(dict.fromkeys(before, number))
+                before = [n for n in self._into.get((kind, origin), ()) if n not in after]
+                after.update(dict.fromkeys(before, number))
                 waiting += before
 
     def _on(self, kind: type, feeder: str) -> Iterator[int]:

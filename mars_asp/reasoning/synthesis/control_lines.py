@@ -75,13 +75,13 @@ class ControlLines:
         stack = sorted(self._into.pop(receiver, ()), reverse=True, key=_by_place)
         while stack:
             line = stack.pop()
-            behind = [line]
+            after = [line]
             if self._fans_out(line.controller):
-                behind = self._into[line.controller]
+                after = self._into[line.controller]
                 self._write_split(line.controller)
             else:
                 self._write_line(line)
-            for each in behind:
+            for each in after:
                 stack += self._opened_by(each.controller)
 
     def _opened_by(self, node: TermId) -> list[_ControlLine]:

@@ -75,8 +75,8 @@ class DataLines:
         for line in reversed(lines):
             own = self._places.get(line.line)
             if own is None:
-                behind = (place[each.line] for each in self._out_of.get(line.client, ()))
-                own = min(behind, default=0)
+                after = (place[each.line] for each in self._out_of.get(line.client, ()))
+                own = min(after, default=0)
             place[line.line] = own
         return place
 
@@ -102,9 +102,9 @@ class DataLines:
         if line not in self._modes:
             return None, None
         if line in self._places:
-            stated = self._draft.relationships[self._places[line]]
-            if isinstance(stated, Data) and stated.mode is not None:
-                return stated.mode, stated.hz
+            declared = self._draft.relationships[self._places[line]]
+            if isinstance(declared, Data) and declared.mode is not None:
+                return declared.mode, declared.hz
         rate = self._rates.get(line)
         hz = None if rate is None else self._draft.rates.hertz(as_symbol(rate).number)
         return _mode(self._modes[line]), hz

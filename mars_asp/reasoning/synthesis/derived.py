@@ -48,7 +48,7 @@ class SpecifiedAtoms:
 
     def of_each(self, name: str) -> dict[TermId, TermId]:
         """Return what a predicate says of each thing."""
-        return {thing: said for thing, said in self.rows(name, 2)}
+        return {thing: item for thing, item in self.rows(name, 2)}
 
     @cached_property
     def kinds(self) -> Mapping[TermId, str]:

@@ -62,8 +62,8 @@ def excluded(
         found.answer.check()
     except MarsError:
         return None
-    said = [heard(atom, relaxed) for atom in found.answer.true_of([_BROKEN])[_BROKEN]]
-    return NoSpecificationError(_diagnostics(said)) if said else None
+    entries = [heard(atom, relaxed) for atom in found.answer.true_of([_BROKEN])[_BROKEN]]
+    return NoSpecificationError(_diagnostics(entries)) if entries else None
 
 
 def _is_constraint(rule: Rule) -> bool:

@@ -89,8 +89,8 @@ class InheritanceNodes:
 
     def allocation(self, node: str) -> Allocation | None:
         """Return which of similar providers a node takes, `None` the nearest."""
-        stated = (line.allocation for line in self._into[node])
-        return next((allocation for allocation in stated if allocation is not None), None)
+        declared = (line.allocation for line in self._into[node])
+        return next((allocation for allocation in declared if allocation is not None), None)
 
     def fed(self, node: str) -> list[str]:
         """Return the modules that a node feeds, in the order of the specification."""
@@ -169,9 +169,9 @@ class InheritanceNodes:
             return False
         native = self.functions(name)
         commanders, direct = set(self.commanders(node)), set(self.commanders(name))
-        said = {each: self._commanded_functions(each) for each in commanders | direct}
-        own = {c for c in commanders | direct if (said[c] & native if said[c] else native)}
-        borrows = all(said[c] - native if said[c] else not native for c in commanders)
+        entries = {each: self._commanded_functions(each) for each in commanders | direct}
+        own = {c for c in commanders | direct if (entries[c] & native if entries[c] else native)}
+        borrows = all(entries[c] - native if entries[c] else not native for c in commanders)
         return borrows and direct & commanders == own & commanders and direct <= own
 
     def _providers(self, node: str, name: str) -> set[str]:
@@ -194,8 +194,8 @@ class InheritanceNodes:
 
     def _wanted(self, node: str) -> frozenset[str]:
         """Return the motions that a node's commanders name, all where one of them names none."""
-        said = [self._commanded_functions(name) for name in self.commanders(node)]
-        return frozenset(MOTION_FUNCTIONS if not all(said) else set().union(*said))
+        entries = [self._commanded_functions(name) for name in self.commanders(node)]
+        return frozenset(MOTION_FUNCTIONS if not all(entries) else set().union(*entries))
 
     def _effect(self, node: str, name: str) -> _Effect:
         """Return what those whom a node feeds do for each function of a module."""

@@ -117,8 +117,8 @@ def costs_of(facts: Iterable[Fact]) -> Iterator[None]:
 
 def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
     together = f"could be chosen together add up to {error.total}, more than {MOST_COST}"
-    stated = [fact for fact in facts if fact.atom.name == "converts"]
-    if error.level != CONVERSION or not stated:
+    declared = [fact for fact in facts if fact.atom.name == "converts"]
+    if error.level != CONVERSION or not declared:
         return Diagnostic(
             "costs-too-large",
             "error",
@@ -126,7 +126,7 @@ def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
             whole_file("rules"),
             help="state smaller weights in the `#minimize` statements of your rule files",
         )
-    dearest = max(stated, key=lambda fact: int(str(fact.atom.arguments[4])))
+    dearest = max(declared, key=lambda fact: int(str(fact.atom.arguments[4])))
     return Diagnostic(
         "costs-too-large",
         "error",

@@ -34,8 +34,8 @@ def one_by_one(read: Sequence[Clause], judged: frozenset[int]) -> Iterator[Diagn
         about = copies._head_pattern(read[number])
         for general in dict.fromkeys((about, (*about[:-1], ""))):
             others = [o for o in plain if copies._head_pattern(read[o]) == general]
-            told = (copies._subsumed(read, number, other) for other in others if other != number)
-            if first := next(filter(None, told), None):
+            result = (copies._subsumed(read, number, other) for other in others if other != number)
+            if first := next(filter(None, result), None):
                 yield first.diagnostic
                 break
 

@@ -36,11 +36,11 @@ def found_in(rules: str, replaced: frozenset[str] = frozenset()) -> list[str]:
     known = KnownValue(clauses, declared, {}, replaced)
     found = (each for clause in clauses for each in wrong_values(clause, known, declared))
     first = DECLARED.count("\n")
-    told = {
+    entries = {
         f"{each.span.line - first}:{each.span.column} {each.message}"
         for each in (one.diagnostic for one in found)
     }
-    return sorted(told)
+    return sorted(entries)
 
 
 @pytest.mark.parametrize(
@@ -87,8 +87,8 @@ def test_values_of_one_sort_are_as_they_should_be(rules: str) -> None:
     ],
 )
 def test_a_value_of_two_sorts_is_told(rules: str, problem: str) -> None:
-    (told,) = found_in(rules)
-    assert told.startswith(problem)
+    (result,) = found_in(rules)
+    assert result.startswith(problem)
 
 
 def test_a_constant_that_is_replaced_may_be_any() -> None:

@@ -181,15 +181,15 @@ def test_what_wraps_while_grounding_is_what_does_not_fit(form: str) -> None:
             continue
         rule = form.format(expression)
         expected = not all(expression.fits({"X": x, "Y": y}) for x in xs for y in ys if y != 7)
-        told = [
+        entries = [
             Asked(Span("a.lp", 1, 1, 1, 1), each) for each in computations([rule]).get(rule, ())
         ]
         facts = [*(f"x({x})." for x in xs), *(f"y({y})." for y in ys), "z(7).", "#defined q/1."]
         control = clingo.Control(["--warn=none"])
-        program = [rule, *facts, *(telling(number, each) for number, each in enumerate(told))]
+        program = [rule, *facts, *(telling(number, each) for number, each in enumerate(entries))]
         control.add("base", [], "\n".join(program))
         control.ground()
-        found = [each.message for each in (*wrapped(control, told), *overflows(rule, "a.lp"))]
+        found = [each.message for each in (*wrapped(control, entries), *overflows(rule, "a.lp"))]
         assert bool([each for each in found if "sum" not in each]) == expected, (
             rule,
             xs,
@@ -227,10 +227,10 @@ def test_what_wraps_while_grounding_is_what_does_not_fit(form: str) -> None:
 def test_sums_that_may_not_fit_are_told_with_what_they_may_be(
     rule: str, facts: str, wrong: list[str]
 ) -> None:
-    told = [Asked(Span("a.lp", 1, 1, 1, 1), each) for each in computations([rule])[rule]]
+    entries = [Asked(Span("a.lp", 1, 1, 1, 1), each) for each in computations([rule])[rule]]
     control = clingo.Control(["--warn=none"])
     # The sum itself would end the process of a clingo that adds in 32 bits, or refuse.
-    rules = (telling(number, each) for number, each in enumerate(told))
+    rules = (telling(number, each) for number, each in enumerate(entries))
     control.add("base", [], "\n".join((facts, "#defined w/1. #defined v/1. #defined w/2.", *rules)))
     control.ground()
-    assert [each.message.split()[4].rstrip(",") for each in wrapped(control, told)] == wrong
+    assert [each.message.split()[4].rstrip(",") for each in wrapped(control, entries)] == wrong

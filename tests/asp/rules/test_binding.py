@@ -44,9 +44,9 @@ def test_what_is_seen_is_what_clingo_says(seed: int) -> None:
         values = chance.choices(("X", "Y", "Z", "X+Y", "n", "f(X)", "3", '"A"'), k=2)
         found = _seen_unbound(values, body)
         if found is not None:
-            told = _told_unbound(values, body)
-            assert found - {"_"} == told - {"_"}, (values, text)
-            assert bool(found) == bool(told), (values, text)
+            result = _told_unbound(values, body)
+            assert found - {"_"} == result - {"_"}, (values, text)
+            assert bool(found) == bool(result), (values, text)
             seen[bool(found)] += 1
     assert min(seen[True], seen[False]) >= 5
 

@@ -130,8 +130,8 @@ def test_what_is_no_mark_is_no_declaration() -> None:
     ],
 )
 def test_what_is_wrong_is_told(text: str, problem: str) -> None:
-    _, (told,) = read(text)
-    assert told.split(": ", 1)[1].startswith(problem)
+    _, (result,) = read(text)
+    assert result.split(": ", 1)[1].startswith(problem)
 
 
 def test_words_that_look_like_a_line_are_words() -> None:
@@ -141,7 +141,7 @@ def test_words_that_look_like_a_line_are_words() -> None:
 
 
 def test_what_never_ends_is_told_in_few_words() -> None:
-    _, (told,) = read("%*! p(" + "X,\n" * 20_000 + "*%")
-    assert len(told) < 200
-    _, (told,) = read("%*! p" + " " * 100_000 + "q(X)\n*%")
-    assert len(told) < 200
+    _, (result,) = read("%*! p(" + "X,\n" * 20_000 + "*%")
+    assert len(result) < 200
+    _, (result,) = read("%*! p" + " " * 100_000 + "q(X)\n*%")
+    assert len(result) < 200

@@ -145,8 +145,8 @@ def test_a_rule_without_a_body_has_what_is_listed_without_conditions() -> None:
     ],
 )
 def test_what_is_wrong_with_a_list_is_told_at_its_place(text: str, message: str) -> None:
-    told, line, column = wrong(text)
-    assert told.startswith(message)
+    result, line, column = wrong(text)
+    assert result.startswith(message)
     assert (line, column) == (2 if "twice" in message else 1, 1)
 
 
@@ -181,14 +181,14 @@ def test_a_term_may_have_a_label_that_the_rule_of_its_body_fills() -> None:
         "beside(N,X,Z) :- name(N,X); edge(X,Y); weight(Y, Z, K).",
         "beside(N,X,Y) :- name(N,X); edge(X,Y).",
     ]
-    said = [(each, label) for each in book.rules for label in labels(each, KEYS)]
-    assert [label.holes for _, label in said] == [("X", "Y"), ("K", "N")]
+    entries = [(each, label) for each in book.rules for label in labels(each, KEYS)]
+    assert [label.holes for _, label in entries] == [("X", "Y"), ("K", "N")]
     control = clingo.Control(["--warn=none"])
     facts = "name(l,a). edge(a,b). weight(b,c,7)."
-    made = "\n".join(each.text for each in labelling("base", said))
+    made = "\n".join(each.text for each in labelling("base", entries))
     control.add("base", [], f"{facts}\n{book.text('base')}\n{RULE}\n{made}")
     control.ground()
-    found = [(str(as_symbol(f.term)), f.text) for f in labelled(control, "base", said)]
+    found = [(str(as_symbol(f.term)), f.text) for f in labelled(control, "base", entries)]
     assert found == [("a", "from a, b"), ("c", "by: 0.007 W; l")]
 
 

@@ -61,11 +61,11 @@ def wrong_explanations(text: str, facts: Iterable[str], rng: random.Random) -> l
     for atom in rng.sample(absent, min(_ASKED, len(absent))):
         missing = explain_absence(explainer, atom, _LEVELS)
         wrong += faults([missing], given, true)
-        said = {id(attempt.rule) for attempt in getattr(missing, "attempts", ())}
+        entries = {id(attempt.rule) for attempt in getattr(missing, "attempts", ())}
         wrong += [
             f"nothing is said of {rule.text} for {atom}"
             for rule in explainer.rules
-            if id(rule) not in said and could_give(rule, atom)
+            if id(rule) not in entries and could_give(rule, atom)
         ]
     return wrong + faults(traces.values(), given, true)
 
@@ -86,13 +86,13 @@ def wrong_derivations(text: str, facts: Iterable[str]) -> list[str] | None:
     steps = all_steps(traces.values())
     wrong = faults(traces.values(), given, true)
     numbers = {id(rule): number for number, rule in enumerate(explainer.rules)}
-    told = {
+    entries = {
         (numbers[id(step.rule)], frozenset(step.bindings.items()), clingo.parse_term(step.atom))
         for step in steps
     }
     standing = standing_firings(explainer.rules, given, true)
-    wrong += [f"{firing} is no derivation" for firing in told - standing]
-    wrong += [f"{firing} is missing" for firing in standing - told]
+    wrong += [f"{firing} is no derivation" for firing in entries - standing]
+    wrong += [f"{firing} is missing" for firing in standing - entries]
     alike = Counter(
         (
             step.atom,

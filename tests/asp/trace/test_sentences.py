@@ -72,8 +72,8 @@ def sentences(*facts: str) -> Sentences:
     ],
 )
 def test_a_fact_is_told_by_the_first_form_that_can_be_filled(fact: str, said: str | None) -> None:
-    told = sentences('wants(1,"A","B")').says(atom(fact))
-    assert (told.sentence if told else None) == said
+    result = sentences('wants(1,"A","B")').says(atom(fact))
+    assert (result.sentence if result else None) == said
 
 
 @pytest.mark.parametrize(
@@ -91,8 +91,8 @@ def test_an_absence_is_told_without_what_it_leaves_open(pattern: str, said: str 
 
 
 def test_a_number_orders_what_names_the_same_thing() -> None:
-    told = sentences('wants(1,"A","B")', "rate(1,12500)")
-    ranks = [told.rank(atom(each)) for each in ('wants(1,"A","B")', 'wants(2,"A","B")', "x(1)")]
+    result = sentences('wants(1,"A","B")', "rate(1,12500)")
+    ranks = [result.rank(atom(each)) for each in ('wants(1,"A","B")', 'wants(2,"A","B")', "x(1)")]
     assert ranks == [12500, None, None]
 
 

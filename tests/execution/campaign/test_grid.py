@@ -52,8 +52,8 @@ def test_the_first_key_changes_slowest_and_seeds_fastest() -> None:
 
 def test_a_run_has_one_name_however_its_keys_were_stated() -> None:
     names = [
-        [run.name for run in Grid((1,), read_axes(stated)).runs()]
-        for stated in (["b.x=1", "a.x=2"], ["a.x=2", "b.x=1"])
+        [run.name for run in Grid((1,), read_axes(declared)).runs()]
+        for declared in (["b.x=1", "a.x=2"], ["a.x=2", "b.x=1"])
     ]
     assert names[0] == names[1] == [run_name(1, {"a.x": 2, "b.x": 1})]
     assert run_name(1, {"a": 150}) != run_name(1, {"a": 200})

@@ -64,7 +64,7 @@ def measure(function: str) -> float:
 
 
 def differences(tree: Tree, seed: int, seen: Counter[str]) -> list[str]:
-    told = []
+    entries = []
     camera = Motions(tree, "Cam", seed)
     for function in FUNCTIONS:
         fed = expected_target(camera, function)
@@ -80,19 +80,19 @@ def differences(tree: Tree, seed: int, seen: Counter[str]) -> list[str]:
         rows = slice(0, 3) if alone and index < 3 else slice(0, 6)
         wanted = np.eye(6)[index] * RATE / measure(function)
         if not np.allclose(moved[rows], wanted[rows], atol=1e-6):
-            told.append(f"{seed}: {function} by {rates} moves {moved.round(4)}")
+            entries.append(f"{seed}: {function} by {rates} moves {moved.round(4)}")
         seen["alone" if alone else "together"] += 1
-    return told
+    return entries
 
 
 def test_the_camera_moves_as_it_is_commanded() -> None:
     seen: Counter[str] = Counter()
-    told = []
+    entries = []
     for seed in seeds(20, 60):
         parts = dict(random_tree(seed).parts)
         parts.pop("Eye", None)
-        told += differences(Tree(parts), seed, seen)
-    assert told == []
+        entries += differences(Tree(parts), seed, seen)
+    assert entries == []
     assert seen["alone"] > 15, seen
     assert seen["together"] > 15, seen
 

@@ -97,9 +97,9 @@ def compare_run(seed: int) -> str | None:
     modules = {module.name: module for module in project.configuration.declared}
     # Read from its text, which has to say for whom InheritanceNodes stand.
     text = print_configuration(found.specification.configuration)
-    told = executed(parse_text(text, "s.mars").configuration, modules, sent, periods)
-    for name, got in told.items():
-        wanted = changes(reading.told(name, END)) if name in reading.heard else []
+    result = executed(parse_text(text, "s.mars").configuration, modules, sent, periods)
+    for name, got in result.items():
+        wanted = changes(reading.commands_until(name, END)) if name in reading.heard else []
         if got != wanted:
             where = 0
             while where < min(len(got), len(wanted)) and alike(got[where], wanted[where]):

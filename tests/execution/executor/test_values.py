@@ -51,7 +51,7 @@ WAYS = [
 
 @pytest.mark.parametrize("lines", WAYS)
 def test_no_receiver_sees_what_another_did(lines: str) -> None:
-    first, second, told, kept = Box(), Box(), list[bytes](), [1, [2]]
+    first, second, result, kept = Box(), Box(), list[bytes](), [1, [2]]
 
     def passing(value: list[Any]) -> list[Any]:
         made = [value[0], [*value[1]]]
@@ -61,11 +61,11 @@ def test_no_receiver_sees_what_another_did(lines: str) -> None:
     modules = [sensor("S"), sink("A"), sink("B"), data_out("D")]
     behaviours = {"S": Behaviour(lambda: kept, ms(100)), "A": first, "B": second, "D": passing}
     behaviours["DataTransformer1"] = passing
-    executor = executed(lines, modules, behaviours, 0.5, observe=Lines(told.append).observe)
+    executor = executed(lines, modules, behaviours, 0.5, observe=Lines(result.append).observe)
     assert first.seen == ["[1, [2]]"] * len(first.seen)
     assert len(first.seen) >= 6
     assert second.seen == ["[1, [2]]"] * len(second.seen)
-    assert {repr(json.loads(each)["value"]) for each in told} == {"[1, [2]]"}
+    assert {repr(json.loads(each)["value"]) for each in result} == {"[1, [2]]"}
     assert not executor.failures
 
 

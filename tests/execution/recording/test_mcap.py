@@ -136,10 +136,10 @@ def test_a_package_that_is_missing_is_named_before_the_run(
     monkeypatch.setitem(sys.modules, "mcap", None)
     out = tmp_path / "a.mcap"
     assert run_here([*WORDS, "--record", str(out)]) == 2
-    told = capsys.readouterr()
-    assert "`.mcap` needs the package `mcap`, which is not installed" in told.err
-    assert "pip install 'mars-asp[mcap]'" in told.err
-    assert (told.out, out.exists()) == ("", False)
+    output = capsys.readouterr()
+    assert "`.mcap` needs the package `mcap`, which is not installed" in output.err
+    assert "pip install 'mars-asp[mcap]'" in output.err
+    assert (output.out, out.exists()) == ("", False)
 
 
 def test_an_ending_that_says_nothing_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -51,11 +51,11 @@ def test_a_plot_names_who_held_control() -> None:
 
 def test_a_contact_is_shown_where_and_when_it_was() -> None:
     made = trial(BASE + HAND + WALL + GOAL.format(THERE))
-    told, frame = texts(drawn(made)), framed(made, judge(made))[0]
-    assert told[:2] == ["fail", "violated: no_collision, clearance"]
+    result, frame = texts(drawn(made)), framed(made, judge(made))[0]
+    assert result[:2] == ["fail", "violated: no_collision, clearance"]
     # At 200 mm/s the rim of 200 mm comes to the wall at 500 mm after 1.5 s.
-    assert "contact: at 1.50 s" in told
-    assert not [each for each in told if each.startswith("least clearance")]
+    assert "contact: at 1.50 s" in result
+    assert not [each for each in result if each.startswith("least clearance")]
     x, y = frame.at(500, 0)
     title = "contact at 1.50 s"
     (found,) = re.findall(
@@ -173,13 +173,13 @@ def test_a_scale_is_a_bar_of_a_round_length() -> None:
     for scale in (3.0, 0.16, 0.01, 1e-4):
         _, _, bar, text = signs.listed(scale)[0]
         found = re.search(r"M-8 0h([\d.]+)", bar)
-        told = re.search(r">([\d.]+) (mm|m|km)<", text)
+        result = re.search(r">([\d.]+) (mm|m|km)<", text)
         assert found
-        assert told
-        length = float(told[1]) * {"mm": 1, "m": 1000, "km": 1_000_000}[told[2]]
+        assert result
+        length = float(result[1]) * {"mm": 1, "m": 1000, "km": 1_000_000}[result[2]]
         assert float(found[1]) == pytest.approx(length * scale, abs=0.1)
         assert 60 < float(found[1]) <= 160
-        assert told[1].replace(".", "").strip("0") in ("1", "2", "5")
+        assert result[1].replace(".", "").strip("0") in ("1", "2", "5")
 
 
 @pytest.mark.parametrize(
@@ -225,12 +225,12 @@ def two(start: str) -> Trial:
 def test_of_two_robots_each_goal_is_shown_and_who_came_near_to_whom() -> None:
     # They pass side by side, 230 mm apart, and the wall is 60 mm from the rim of `left`.
     made = two("500, 230")
-    picture, told = drawn(made), texts(drawn(made))
-    assert "goal of left: 10 mm around (400, 0), reached at 1.95 s" in told
-    assert "goal of right: 200 mm around (0, 0), not reached" in told
-    assert f"nearest to it: {round(hypot(300, 230))} mm, at 2.00 s" in told
+    picture, result = drawn(made), texts(drawn(made))
+    assert "goal of left: 10 mm around (400, 0), reached at 1.95 s" in result
+    assert "goal of right: 200 mm around (0, 0), not reached" in result
+    assert f"nearest to it: {round(hypot(300, 230))} mm, at 2.00 s" in result
     # Of 500 mm, 300 pass in each second.
-    assert "least clearance of left and right: 30 mm, at 1.67 s" in told
+    assert "least clearance of left and right: 30 mm, at 1.67 s" in result
     (line,) = [e for e in picture.iterfind(".//{*}path") if e.get("class") == "least"]
     frame, x = framed(made, judge(made))[0], 1000 / 3
     ends = [float(number) for number in re.findall(r"[\d.]+", line.attrib["d"])]
@@ -249,9 +249,9 @@ def test_of_two_robots_each_goal_is_shown_and_who_came_near_to_whom() -> None:
 
 def test_a_contact_of_two_robots_is_one_sign_between_them() -> None:
     made = two("1000, 0")
-    told = texts(drawn(made))
-    assert "contact of left and right: at 2.67 s" in told
-    assert not [each for each in told if each.startswith("least clearance")]
+    result = texts(drawn(made))
+    assert "contact of left and right: at 2.67 s" in result
+    assert not [each for each in result if each.startswith("least clearance")]
     x, y = framed(made, judge(made))[0].at(1600 / 3 + 100, 0)
     title = "contact of left and right at 2.67 s"
     (found,) = re.findall(
@@ -262,8 +262,8 @@ def test_a_contact_of_two_robots_is_one_sign_between_them() -> None:
 
 
 def test_of_several_robots_the_least_clearance_may_be_to_a_wall() -> None:
-    told = texts(drawn(two("2000, 900")))
-    assert "least clearance of left: 60 mm, at 0.00 s" in told
+    result = texts(drawn(two("2000, 900")))
+    assert "least clearance of left: 60 mm, at 0.00 s" in result
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -319,9 +319,9 @@ def test_many_contacts_of_many_robots_are_listed_in_few_lines() -> None:
         + "\n"
         + "".join(f"P{k} is_controlled_by C{k}\n" for k in range(20)),
     )
-    told = [each for each in texts(drawn(made)) if "contact" in each]
-    assert len(told) == 7
-    assert told[-1].endswith(" of others")
+    entries = [each for each in texts(drawn(made)) if "contact" in each]
+    assert len(entries) == 7
+    assert entries[-1].endswith(" of others")
     assert_apart(drawn(made))
 
 

@@ -83,11 +83,11 @@ def hostile_page() -> str:
 
 
 def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
-    told = replay_json(*judged())
-    assert told["robots"][0]["poses"][0] == [0, 0, 0, 0]
-    assert told["robots"][0]["poses"][-1][0] == 3
-    assert told["moving"] == [{"round": ((0, 800), (1000, 800), (0, 800)), "speed": 500}]
-    (arbiter,) = told["arbiters"]
+    result = replay_json(*judged())
+    assert result["robots"][0]["poses"][0] == [0, 0, 0, 0]
+    assert result["robots"][0]["poses"][-1][0] == 3
+    assert result["moving"] == [{"round": ((0, 800), (1000, 800), (0, 800)), "speed": 500}]
+    (arbiter,) = result["arbiters"]
     assert arbiter["holdings"] == [
         [0, "Low", "Low", "alone in force"],
         [0, "High", "High", "priority 7 outranks Low (3)"],
@@ -98,7 +98,7 @@ def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
     assert (low["name"], low["priority"], low["in_force"]) == ("Low", 3, [[0, 3.25]])
     assert (high["name"], high["priority"]) == ("High", 7)
     assert high["in_force"] == [[0, 1.15], [2, 3.25]]
-    assert [c[1] for c in told["robots"][0]["commands"]] == ["High", "Low", "High"]
+    assert [c[1] for c in result["robots"][0]["commands"]] == ["High", "Low", "High"]
 
 
 def test_a_page_fetches_nothing_and_lets_only_its_own_script_run() -> None:
@@ -202,8 +202,8 @@ def test_a_click_on_a_lane_says_who_won_and_why(browser: Browser, tmp_path: Path
 
     def said(name: str, share: float) -> list[str]:
         browser.run(f"{CLICK}({json.dumps(name)}, {share})")
-        *told, state = text_of(browser, "#time", ".told", ".verdict", ".asked", ".wins", "#state")
-        return [*told, state.split(".")[0]]
+        *result, state = text_of(browser, "#time", ".told", ".verdict", ".asked", ".wins", "#state")
+        return [*result, state.split(".")[0]]
 
     assert said("Low", 0.25) == [
         "0.75 s",

@@ -74,8 +74,8 @@ def test_time_passes_for_a_module_that_a_fault_silences(tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text("def go(ctx):\n    return 'Trans_Z', 100 * ctx.now + ctx.dt\n")
     text = bound(C="b.py:go") + "[faults.C]\nfrom = 1\nuntil = 2\n"
     made = trial(text, folder=tmp_path)
-    told = [rate for rate in rates(made, "P") if rate >= 90]
-    assert told[:2] == pytest.approx([90.1, 201.1])
+    entries = [rate for rate in rates(made, "P") if rate >= 90]
+    assert entries[:2] == pytest.approx([90.1, 201.1])
 
 
 def annotated(tmp_path: Path, source: str, modules: str, lines: str, scenario: str) -> Trial:
@@ -209,8 +209,8 @@ def test_what_cannot_run_is_refused_at_its_binding_all_at_once(
         trial(text, robot)
     found = raised.value.diagnostics
     assert [d.span.line for d in found] == [4 + 3 * k for k in range(len(names))]
-    for name, told, diagnostic in zip(names, REFUSED.values(), found, strict=True):
-        assert diagnostic.message.startswith(f"`{name}`: {told}")
+    for name, item, diagnostic in zip(names, REFUSED.values(), found, strict=True):
+        assert diagnostic.message.startswith(f"`{name}`: {item}")
     assert found[1].help == "did you mean `go`?"
     assert found[6].help == "leave out `.stp`: an object of the class is called"
 

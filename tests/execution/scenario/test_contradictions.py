@@ -94,9 +94,9 @@ def test_each_contradiction_is_reported_where_it_is() -> None:
     expected = {}
     for number, line in enumerate(CONTRADICTIONS.splitlines(), 1):
         if "^" in line:
-            told = re.search(r"  # (.*)", line)
-            assert told is not None
-            expected[number, line.index("^") + 1] = told[1]
+            result = re.search(r"  # (.*)", line)
+            assert result is not None
+            expected[number, line.index("^") + 1] = result[1]
     with pytest.raises(MarsError) as raised:
         read_scenario(CONTRADICTIONS.replace("^", ""), Path("s.toml"))
     found = {(d.span.line, d.span.column): d.message for d in raised.value.diagnostics}

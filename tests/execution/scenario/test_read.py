@@ -65,12 +65,12 @@ def test_values_of_a_wrong_form_are_reported_where_they_stand() -> None:
         read_scenario(WRONG_FORMS.replace("^", ""), Path("s.toml"))
     found = raised.value.diagnostics
     assert sorted({(d.span.line, d.span.column) for d in found}) == marked
-    told = {d.span.line: d.message for d in found}
-    assert told[4] == "`start` must be `[forward, side, heading]`"
-    assert told[8] == "an entry of `walls` must be a list of 2 or more points `[forward, side]`"
+    entries = {d.span.line: d.message for d in found}
+    assert entries[4] == "`start` must be `[forward, side, heading]`"
+    assert entries[8] == "an entry of `walls` must be a list of 2 or more points `[forward, side]`"
     form = "`{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points"
-    assert told[20] == f"an entry of `moving` must be a table {form}"
-    assert told[28] == "`reach` has no `at`"
+    assert entries[20] == f"an entry of `moving` must be a table {form}"
+    assert entries[28] == "`reach` has no `at`"
 
 
 @pytest.mark.parametrize("key", ["a", '"a b"', "'a.b'"])

@@ -131,11 +131,11 @@ VALUES = st.recursive(
 def test_whatever_stands_in_a_scenario_is_told_or_is_as_the_schema_says(
     tables: dict[str, Any],
 ) -> None:
-    told = list(mistakes({**GOOD, **tables}))
-    assert len(set(told)) == len(told)
-    for mistake in told:
+    entries = list(mistakes({**GOOD, **tables}))
+    assert len(set(entries)) == len(entries)
+    for mistake in entries:
         assert "None" not in mistake.message
-    if not told:
+    if not entries:
         Draft4Validator(SCHEMA).validate({**GOOD, **tables})
 
 

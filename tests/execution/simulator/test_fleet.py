@@ -109,8 +109,8 @@ def test_what_happens_does_not_depend_on_who_is_asked_or_listed_first(seed: int)
         return [(b.pose, b.contacts, b.struck, b.clearance) for _, b in sorted(bodies.items())]
 
     orders = sample(tuple(permutations(range(3))), 2)
-    told = driven(orders[0], orders[0])
-    assert all(driven(order, order[::-1]) == told for order in orders[1:])
+    result = driven(orders[0], orders[0])
+    assert all(driven(order, order[::-1]) == result for order in orders[1:])
 
 
 @settings(deadline=None, max_examples=examples(20, 40))

@@ -25,14 +25,14 @@ rates = st.lists(periods | exact | near.map(lambda text: Rate(Fraction(text))), 
 @few
 @given(rates)
 def test_numbers_are_in_the_exact_order_and_stand_for_one_rate_each(stated: list[Rate]) -> None:
-    told = rates_of(stated)
+    result = rates_of(stated)
     ordered = sorted(set(stated))
-    numbers = [told.millihertz(hz) for hz in ordered]
+    numbers = [result.millihertz(hz) for hz in ordered]
     assert all(low < high for low, high in pairwise(numbers))
     assert all(1 <= number <= MOST for number in numbers)
-    assert [told.hertz(number) for number in numbers] == ordered
+    assert [result.hertz(number) for number in numbers] == ordered
     rounded = [n for n, hz in zip(numbers, ordered, strict=True) if hz * 1000 != n]
-    assert list(told.rounded) == rounded
+    assert list(result.rounded) == rounded
 
 
 def test_holds_are_compared_with_exact_periods() -> None:

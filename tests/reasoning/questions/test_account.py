@@ -81,10 +81,10 @@ def test_what_is_told(
     monkeypatch.chdir(path.parent)
     show_all_paragraphs(monkeypatch)
     run_here(["explain", path.name])
-    told, expected = capsys.readouterr().out, path.with_suffix(".txt")
+    output, expected = capsys.readouterr().out, path.with_suffix(".txt")
     if update_golden:
-        expected.write_text(told, encoding="utf-8")
-    assert told == expected.read_text(encoding="utf-8")
+        expected.write_text(output, encoding="utf-8")
+    assert output == expected.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(("path", "name"), FOREIGN.items(), ids=FOREIGN)
@@ -98,10 +98,10 @@ def test_what_is_told_of_files_of_others(
     monkeypatch.chdir(ROOT / "tests")
     show_all_paragraphs(monkeypatch)
     run_here(["explain", path, "--quiet"])
-    told, expected = capsys.readouterr().out, ROOT / f"tests/accounts/{name}.txt"
+    output, expected = capsys.readouterr().out, ROOT / f"tests/accounts/{name}.txt"
     if update_golden:
-        expected.write_text(told, encoding="utf-8")
-    assert told == expected.read_text(encoding="utf-8")
+        expected.write_text(output, encoding="utf-8")
+    assert output == expected.read_text(encoding="utf-8")
 
 
 #: What sharing saves is told of one arbiter alone, for it takes a search of its own.
@@ -169,8 +169,8 @@ def test_whatever_a_sentence_counts_is_listed() -> None:
 
 def test_what_is_counted_and_not_listed_is_found() -> None:
     cited = Cited(Span(str(CASES[0]), 1, 1, 1, 1), "", "of `A`")
-    said = "`A` feeds 2 modules on 1 lines."
-    assert [each.partition(" are")[0] for each in uncounted(Account(said, (cited,), ()))] == [
+    text = "`A` feeds 2 modules on 1 lines."
+    assert [each.partition(" are")[0] for each in uncounted(Account(text, (cited,), ()))] == [
         "0 modules|controllers"
     ]
 
@@ -257,8 +257,8 @@ def test_a_part_tells_what_the_whole_does() -> None:
         project = load_project(str(path))
         for topic in explain(Reasoner(project, rulebook), traced=False).topics:
             part = explain(Reasoner(project, rulebook), topic.name, traced=False).topics
-            told = [each.account for each in part if each.name == topic.name]
-            assert topic.account in map(without_price, told), (path, topic.name)
+            entries = [each.account for each in part if each.name == topic.name]
+            assert topic.account in map(without_price, entries), (path, topic.name)
 
 
 def without_price(account: Account | None) -> Account | None:

@@ -117,12 +117,12 @@ def test_why_nothing_costs_less(
     monkeypatch.chdir((ROOT / path).parent)
     run_here(["explain", (ROOT / path).name, "--alternatives", "1"])
     first = capsys.readouterr().out.split("\n\n")[0].rstrip()
-    told = f"{first}\n"
+    text = f"{first}\n"
     name = path.split("/")[-2 if path.endswith("config.mars") else -1].removesuffix(".mars")
     expected = ROOT / "tests" / "alternatives" / f"{name}.txt"
     if update_golden:
-        expected.write_text(told, encoding="utf-8")
-    assert told == expected.read_text(encoding="utf-8")
+        expected.write_text(text, encoding="utf-8")
+    assert text == expected.read_text(encoding="utf-8")
 
 
 def told_of(path: str) -> tuple[Reasoner, Alternatives]:

@@ -67,9 +67,9 @@ def _told(texts: EditedTexts, written: str) -> Iterator[str]:
 
 def _identifiers(texts: EditedTexts) -> Mapping[str, int]:
     project, names = texts.project, {}
-    for number, stated in texts.relationships.items():
-        first, second = ends_of(stated)
-        names[f"{first} {_VERBS[type(stated).__name__]} {second}"] = number
+    for number, declared in texts.relationships.items():
+        first, second = ends_of(declared)
+        names[f"{first} {_VERBS[type(declared).__name__]} {second}"] = number
     described = described_modules(project.configuration, project.modules)
     for number, module, annotation in numbered_annotations(project.configuration, described):
         word = annotation.kind if isinstance(annotation, Service) else annotation.name

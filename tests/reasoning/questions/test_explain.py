@@ -40,8 +40,8 @@ def test_both_sorts_are_the_whole(subject: str | None) -> None:
 
     assert parts[0].synthesis is None
     assert all(part.topics for part in parts)
-    told = [(t.title, trace_json(t.trace)) for part in parts for t in part.topics]
-    assert told == [(t.title, trace_json(t.trace)) for t in whole.topics]
+    entries = [(t.title, trace_json(t.trace)) for part in parts for t in part.topics]
+    assert entries == [(t.title, trace_json(t.trace)) for t in whole.topics]
 
 
 def test_where_nothing_realises_the_configuration(tmp_path: Path) -> None:
@@ -72,9 +72,9 @@ def test_a_consequence_that_is_not_there_is_told_without_resolving() -> None:
         if subject in there:
             continue
         part = Reasoner(LEVEL0, rulebook)
-        with pytest.raises(MarsError) as told:
+        with pytest.raises(MarsError) as result:
             explain(part, subject)
         with pytest.raises(MarsError) as expected:
             explain(whole, subject)
-        assert told.value.diagnostics == expected.value.diagnostics
+        assert result.value.diagnostics == expected.value.diagnostics
         assert not part.is_resolved, subject

@@ -92,20 +92,20 @@ def wrong_explanations(seed: int, folder: Path) -> list[str]:
         for atom in true - given
         if (f"{'' if atom.positive else '-'}{atom.name}", len(atom.arguments)) in pack.predicates
     }
-    said = {atom for atom in true if (atom.name, len(atom.arguments)) == ("consequence", 4)}
+    entries = {atom for atom in true if (atom.name, len(atom.arguments)) == ("consequence", 4)}
     analysis = analyse(facts, rulebook, project.configuration.span)
-    found = {told.atom for told in analysis.consequences}
-    wrong += [f"analysis: {atom}" for atom in found ^ said]
-    traces = Evidence(rulebook, facts, analysis).explainer.why(sorted(mine | said))
+    found = {item.atom for item in analysis.consequences}
+    wrong += [f"analysis: {atom}" for atom in found ^ entries]
+    traces = Evidence(rulebook, facts, analysis).explainer.why(sorted(mine | entries))
     wrong += faults(traces.values(), given, true, pack.constants)
     wrong += [f"whole: {a}" for a, trace in traces.items() if not isinstance(trace, Derived)]
     told_by = (project, rulebook, given, true, pack.constants, wrong)
     for atom in rng.sample(sorted(mine), min(ASKED, len(mine))):
         asked_of(str(atom), {str(atom)}, *told_by)
     by_name: dict[str, set[str]] = {}
-    for told in said:
-        name = f"{told.arguments[0]}({shown(told.arguments[2])})"
-        by_name.setdefault(name, set()).add(str(told))
+    for item in entries:
+        name = f"{item.arguments[0]}({shown(item.arguments[2])})"
+        by_name.setdefault(name, set()).add(str(item))
     for name in rng.sample(sorted(by_name), min(ASKED, len(by_name))):
         asked_of(name, by_name[name], *told_by)
     for atom in rng.sample(sorted(absent(pack, mine, project)), ASKED):

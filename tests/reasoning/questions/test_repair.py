@@ -169,9 +169,9 @@ def test_an_edit_that_many_findings_share_is_tried_once_and_first(
 ) -> None:
     monkeypatch.setattr(repair, "MOST_FACTS", 0)
     monkeypatch.setattr(repair, "LEAST_TRIED", 5)
-    told: list[tuple[int, int]] = []
-    found = repairs(_hub(20), RULEBOOK, progress=lambda *state: told.append(state))
-    assert told == [(done, 5) for done in range(5)]
+    entries: list[tuple[int, int]] = []
+    found = repairs(_hub(20), RULEBOOK, progress=lambda *state: entries.append(state))
+    assert entries == [(done, 5) for done in range(5)]
     assert len(found) == 20
     for number, each in enumerate(found):
         assert str(each.mends[0].edits[0].term) == 'declare("Raw","Other")'
@@ -196,10 +196,10 @@ def _uses(source: str, clients: Iterable[str]) -> list[str]:
 
 def test_many_undeclared_names_are_all_mended_by_one_edit_and_a_bounded_number_of_tries() -> None:
     project = load_project("robot.mars", text=_undeclared(120))
-    told: list[tuple[int, int]] = []
-    found = repairs(project, RULEBOOK, progress=lambda *state: told.append(state))
+    entries: list[tuple[int, int]] = []
+    found = repairs(project, RULEBOOK, progress=lambda *state: entries.append(state))
     most = repair.MOST_FACTS // (len(project_facts(project)) + repair.FACTS_OF_A_TRY)
-    assert len(told) <= max(repair.LEAST_TRIED, most // repair.ONE_IN_FOR_FURTHER) < 120
+    assert len(entries) <= max(repair.LEAST_TRIED, most // repair.ONE_IN_FOR_FURTHER) < 120
     assert len(found) == 120
     whole = {mend.lines: mend for each in found for mend in each.mends if mend.others == 119}
     (all_named,) = whole.values()
@@ -234,9 +234,9 @@ def test_findings_that_no_try_is_left_for_say_so(
 def test_a_time_limit_ends_the_search_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
     path = str(ROOT / "tests/repair/roles/config.mars")
     assert run_here(["explain", path, "--repair", "--time-limit", "0.001"]) == 3
-    told = capsys.readouterr()
-    assert told.out.count("no time was left: ask for `class_mismatch(") == 3
-    assert "the time limit ended the search" in told.err
+    output = capsys.readouterr()
+    assert output.out.count("no time was left: ask for `class_mismatch(") == 3
+    assert "the time limit ended the search" in output.err
     assert run_here(["explain", path, "--repair", "--time-limit", "600"]) == 1
     assert all(not found.late for found in repairs(load_project(path), RULEBOOK, seconds=600))
 
@@ -323,8 +323,8 @@ def test_conflicting_rules_of_packs_are_named(
     for verb in ("analyse", "synthesise", "explain", "check"):
         form = ["--format", "full"] if verb == "check" else []
         assert run_here([verb, path, "--rules", str(pack), *form]) == 2
-        told = "".join(capsys.readouterr())
-        quoted = [re.search(rf"^ +{line} \|", told, re.MULTILINE) for line in (1, 2, 3, 4, 5)]
+        output = "".join(capsys.readouterr())
+        quoted = [re.search(rf"^ +{line} \|", output, re.MULTILINE) for line in (1, 2, 3, 4, 5)]
         assert list(map(bool, quoted)) == [True, True, False, False, True]
     pack.write_text("odd :- not odd.\n")
     assert run_here(["analyse", path, "--rules", str(pack)]) == 2

@@ -85,15 +85,15 @@ def test_sets_are_tried_by_size_then_by_weight_and_heavy_edits_alone_and_last(
     rules = (
         f"doom(0). {_saves(0, 'D C')} {_saves(0, 'B', 2)} {_saves(0, 'Z', 3)} {_saves(0, 'Y', 4)}"
     )
-    told: list[tuple[int, int]] = []
+    entries: list[tuple[int, int]] = []
     project = _project()
-    (found,) = repairs(project, book(rules), progress=lambda *state: told.append(state))
+    (found,) = repairs(project, book(rules), progress=lambda *state: entries.append(state))
     singles, pairs = ["C", "D", "B", "Z"], ["C D", "C B", "D B", "C Z", "D Z", "B Z"]
     assert tries == [*singles, *pairs, "C D B", "C D Z", "C B Z", "D B Z", "Y"]
     assert (found.proposed, found.tried, found.mends) == (5, 15, ())
     assert (found.complete, found.late) == (True, False)
     most = 200_000 // (len(project_facts(project)) + 500)
-    assert told == [(done, most) for done in range(15)]
+    assert entries == [(done, most) for done in range(15)]
 
 
 def test_sixty_sets_are_tried_for_a_finding_and_then_the_heavy_edits(
@@ -137,12 +137,12 @@ def test_ten_sets_are_tried_however_large_a_robot_is(
     book: Callable[[str], Rulebook], tries: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(repair, "MOST_FACTS", 0)
-    told: list[tuple[int, int]] = []
+    entries: list[tuple[int, int]] = []
     names = [f"L{number:02}" for number in range(12)]
     rules = book(f"doom(0). {_saves(0, ' '.join(names))}")
-    (found,) = repairs(_project(), rules, progress=lambda *state: told.append(state))
+    (found,) = repairs(_project(), rules, progress=lambda *state: entries.append(state))
     assert tries == names[:10]
-    assert told == [(done, 10) for done in range(10)]
+    assert entries == [(done, 10) for done in range(10)]
     assert (found.tried, found.complete, found.late) == (10, False, False)
 
 
@@ -439,5 +439,5 @@ def test_who_ranked_strictly_above_another_still_does(
 
 
 def _controls(lines: str) -> str:
-    stated = (line.strip().replace(":", " is_controlled_by ") for line in lines.split(";"))
-    return "\n".join(["@configuration", "@modules W, X", *stated, "W is_mounted_on X", ""])
+    declared = (line.strip().replace(":", " is_controlled_by ") for line in lines.split(";"))
+    return "\n".join(["@configuration", "@modules W, X", *declared, "W is_mounted_on X", ""])

@@ -38,9 +38,9 @@ SHOWN = (
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.parent.name + "/" + path.stem)
 @pytest.mark.parametrize("options", ["--depth all", "--depth all --all"])
 def test_traces_show_nothing_of_the_encoding(path: Path, options: str) -> None:
-    told = run(f"mars-asp explain {path.name} {options}", path.parent)
-    assert "[" in told
-    assert list(forbidden_in(told)) == []
+    output = run(f"mars-asp explain {path.name} {options}", path.parent)
+    assert "[" in output
+    assert list(forbidden_in(output)) == []
 
 
 def test_no_verb_shows_anything_of_the_encoding(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,10 +86,10 @@ PREVENTING = f"`service_infeasible(Map)` ({UNREALISED}:4) prevents it"
 def test_no_node_is_there_where_nothing_realises_the_configuration(subject: str) -> None:
     done = mars("explain", UNREALISED, "--why-not", subject)
     assert done.returncode == 1
-    said = " ".join(done.stdout.split())
+    output = " ".join(done.stdout.split())
     title = subject.removesuffix("(_)")
-    assert f"No {title}: no specification realises this configuration: {PREVENTING}" in said
-    assert "4 Map uses_data_from Sonar NotifyAtFrequency 50" in said
+    assert f"No {title}: no specification realises this configuration: {PREVENTING}" in output
+    assert "4 Map uses_data_from Sonar NotifyAtFrequency 50" in output
     found = json.loads(mars("explain", UNREALISED, "--why-not", subject, "--format=json").stdout)
     assert not found["present"]
     assert [trace["rule"]["id"] for trace in found["obstacles"]] == ["data/unresolvable"]
@@ -136,7 +136,7 @@ def test_a_rule_of_any_kind_speaks_of_those_that_no_rule_names(tmp_path: Path) -
         "consequence( spaced , note, M, 1) :- module(M), oddity(weird, M).\n",
         encoding="utf-8",
     )
-    for subject, said in (
+    for subject, item in (
         ("data_divergence(Turn)", "data/divergence"),
         ("weird(Turn)", "mine/any"),
         ("spaced(Turn)", "mine/spaced"),
@@ -145,7 +145,7 @@ def test_a_rule_of_any_kind_speaks_of_those_that_no_rule_names(tmp_path: Path) -
         found = json.loads(mars(*words, "--format", "json").stdout)
         assert not found["present"]
         attempts = found["traces"][0]["premises"]
-        assert [attempt["rule"]["id"] for attempt in attempts] == [said]
+        assert [attempt["rule"]["id"] for attempt in attempts] == [item]
     assert "strange(Turn) holds: `Turn` is `strange`" in mars(*words[:-1], "strange(Turn)").stdout
 
 

@@ -45,8 +45,8 @@ def compare(text: str) -> str | None:
         agree = found is None and expected is None
         return None if agree else f"{found and found.resolution}; exhaustive search {expected}"
     if (cost_of(found), found.resolution.count) != expected:
-        said = f"{cost_of(found)}, {found.resolution.count} optima"
-        return f"{said}; exhaustive search {expected}"
+        message = f"{cost_of(found)}, {found.resolution.count} optima"
+        return f"{message}; exhaustive search {expected}"
     specification = found.specification.configuration
     if (fed := feeding(specification)) != (wanted := to_be_fed(project.configuration)):
         return f"InheritanceNodes {fed}; from the text {wanted}"

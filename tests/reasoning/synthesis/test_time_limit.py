@@ -76,7 +76,7 @@ def test_what_was_found_is_printed_with_its_bound(
     path = tmp_path / "c.mars"
     path.write_text(one_source(40, 14, 50, 1), encoding="utf-8")
     assert run_here(["synthesise", "--time-limit", "0.001", str(path)]) == 3
-    printed, said = capsys.readouterr()
+    printed, output = capsys.readouterr()
     assert printed.startswith("@specification")
-    assert "best found" in said
-    assert "lower bound" in said
+    assert "best found" in output
+    assert "lower bound" in output
