@@ -12,6 +12,7 @@ from mars_asp.cli.reason import (
     STANDARD_INPUT,
     add_stdin_filename,
     is_excluded,
+    is_other_file,
     robots_in_folder,
     shown_input,
 )
@@ -137,6 +138,9 @@ def _format(name: str, shown: str, is_written: bool) -> tuple[bool, str, str]:
         help_text = f"`mars-asp import {recognised(before)} FILE` prints it as a `.mars` file"
         place = whole_file(shown)
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
+    if is_other_file(shown, before):
+        message, place = f"`{shown}` is not a `.mars` file", whole_file(shown)
+        raise MarsError([Diagnostic("usage", "error", message, place)])
     text = format_text(before, shown)
     changed = text.encode() != raw
     if changed and not piped and is_written:

@@ -235,9 +235,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
     # What is wrong with a file is shown in its own lines.
     remember(path, text)
     format = arguments.from_format or recognised(text)
-    is_text = "\0" not in text
-    is_part = is_text and Path(path).suffix.lower() in _PARTS and not _CONFIGURATION.search(text)
-    if format == "mars" and arguments.from_format is None and is_part:
+    if format == "mars" and arguments.from_format is None and is_other_file(path, text):
         message = f"`{path}` is not a robot by itself"
         help_text = "name the workspace, package or launch file that uses it"
         if Path(path).suffix.lower() in (".md", ".toml", ".json"):
@@ -245,6 +243,12 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
         place = whole_file(path)
         raise MarsError([Diagnostic("usage", "error", message, place, help=help_text)])
     return ForeignFile(path, text, format)
+
+
+def is_other_file(path: str, text: str) -> bool:
+    """Return whether a file is a source, a document or the like, by its suffix and its text."""
+    is_other = "\0" not in text and Path(path).suffix.lower() in _PARTS
+    return is_other and _CONFIGURATION.search(text) is None
 
 
 def only_robot(arguments: argparse.Namespace, path: str) -> str:

@@ -274,3 +274,13 @@ def test_paths_without_anything_to_read_are_named(
     write(here, {"b.mars": MARS, "empty/x.txt": ""})
     run_here(command.split())
     assert message in " ".join("".join(capsys.readouterr()).split())
+
+
+def test_fmt_refuses_documents_and_sources(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, text in (("a.md", "# Robots\n"), ("b.cpp", "int main() {}\n")):
+        (tmp_path / name).write_text(text)
+        assert run_here(["fmt", str(tmp_path / name)]) == 2
+        message = " ".join(capsys.readouterr().err.split())
+        assert message.endswith(f"{name}` is not a `.mars` file")
