@@ -124,12 +124,12 @@ def _of_rules(fragment: Fragment, able: Set[int], first: int) -> Fragment:
 
 @lru_cache(maxsize=4096)
 def blank(text: str) -> str:
-    """Return what takes as much place as a text, and holds nothing."""
+    """Return blanks with the same lines and columns as a text."""
     return "\n" * text.count("\n") + " " * len(text.rpartition("\n")[2])
 
 
 def notes(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Note]:
-    """Yield what clingo says of the text of some fragments, in the order in which it was said."""
+    """Yield the notes of clingo on some fragments, in the order of its messages."""
     for match in filter(None, (re.match(_NOTE, each) for each in said)):
         found = _located(fragments, int(match[1]), int(match[2]))
         if found is not None:

@@ -35,12 +35,12 @@ class RenderedMessage(NamedTuple):
 
     @property
     def help(self) -> str | None:
-        """Return what the rule says there is to do; `None` where it says nothing."""
+        """Return the help of the rule, or None if it has none."""
         return self.filled(self.rule.help)
 
     @property
     def effect(self) -> str | None:
-        """Return what the rule says will happen; `None` where it says nothing."""
+        """Return the effect that the rule states, or None if it states none."""
         return self.filled(self.rule.effect)
 
     def filled(self, text: str | None, show: Callable[[TermId], str] | None = None) -> str | None:

@@ -404,7 +404,7 @@ class Answer:
 
     @property
     def cost(self) -> Mapping[int, int]:
-        """Return what the answer costs, by priority."""
+        """Return the cost of the answer, by priority."""
         return self.resolution.cost
 
     @property

@@ -25,7 +25,7 @@ def account_lines(topic: Topic, account: Account, width: int) -> Iterator[str]:
 
 
 def told_lines(of: str, account: Account, rule: str | None, width: int) -> Iterator[str]:
-    """Yield what is told of something: the answer with its rule, lines of files, and notes."""
+    """Yield the lines of an explanation: the answer with its rule, lines of files, and notes."""
     ending = f"  [{rule}]" if rule else ""
     answer = (account.answer or "").rstrip(".")
     yield from wrapped(f"{of} {answer}.{ending}", width, "", FURTHER)

@@ -77,7 +77,7 @@ def analysis_lines(
 
 
 def analysis_json(project: Project, analysis: Analysis, selected: Selected) -> dict[str, object]:
-    """Return what is reported of an analysis with the keys of the command line's contract."""
+    """Return the reported consequences with the keys of the contract of the command line."""
     configuration = project.configuration
     return {
         "configuration": {

@@ -138,7 +138,7 @@ def help_text() -> str:
 
 
 def _value_name(action: argparse.Action) -> str:
-    """Return what the value of an option is called; nothing where it has none."""
+    """Return the name of the value of an option; empty if it has none."""
     if action.nargs == 0:
         return ""
     return action.metavar if isinstance(action.metavar, str) else "|".join(action.choices or ())
@@ -163,11 +163,11 @@ class Parser(argparse.ArgumentParser):
         super().__init__(**settings, allow_abbrev=False)
 
     def options(self) -> list[argparse.Action]:
-        """Return what can be said by options."""
+        """Return the options."""
         return [action for action in self._actions if action.option_strings]
 
     def positionals(self) -> list[argparse.Action]:
-        """Return what is said by words alone."""
+        """Return the positional arguments."""
         return [action for action in self._actions if not action.option_strings]
 
     def defaults(self) -> dict[str, Any]:

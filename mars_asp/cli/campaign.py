@@ -188,7 +188,7 @@ def _grid(arguments: argparse.Namespace, text: str, path: Path) -> "Grid":
 
 
 def _journal(header: bytes, arguments: argparse.Namespace) -> "Journal":
-    """Return what the output holds already.
+    """Return the runs that the output has already.
 
     Raises:
         MarsError: it is of another campaign.

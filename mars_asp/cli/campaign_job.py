@@ -66,7 +66,7 @@ def job_of(
     code: Mapping[str, bytes],
     arguments: argparse.Namespace,
 ) -> Job:
-    """Return what all runs have in common."""
+    """Return the values that all runs share."""
     most = memory_limit(arguments)
     if most is not None and arguments.memory_limit is None:
         # What there is has to do for all of them.
@@ -81,7 +81,7 @@ def job_of(
 def hashes(
     project: Project, text: str, code: Mapping[str, bytes], arguments: argparse.Namespace
 ) -> tuple[str, str]:
-    """Return what identifies a configuration, with its sources and rules, and a scenario."""
+    """Return a digest of a configuration, its sources, its rules and a scenario."""
     configuration = project.configuration
     spans = [
         *(name.span for name in configuration.modules),

@@ -387,7 +387,7 @@ def _is_file(word: str, files: Sequence[str]) -> bool:
 
 
 def _contradiction(arguments: argparse.Namespace) -> str | None:
-    """Return what arguments leave open or would be ignored."""
+    """Return the conflict between options, or None if there is none."""
     has_subject = arguments.subject is not None
     if has_subject and arguments.about is not None:
         return "SUBJECT and --about mean the same: give one of them"
@@ -519,7 +519,7 @@ def _depth(text: str) -> int | None:
 
 
 def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
-    """Yield what is said below the traces."""
+    """Yield the sentences after the traces."""
     if arguments.only == "nodes" and answer.synthesis is None:
         yield f"{unrealised(answer.analysis)}, so there is no node to explain"
     elif not answer.topics and answer.subject is not None:

@@ -101,7 +101,7 @@ def _json_number(value: Decimal | Fraction | None) -> int | float | None:
 
 
 def module_lines(module: Module) -> Iterator[str]:
-    """Yield what annotations make a module, in lines for readers."""
+    """Yield lines about the module that annotations describe."""
     classes = ", ".join(module_classes(module)) or "no class"
     yield f"{module.name} ({classes})  {module.span.path}:{module.span.line}"
     for service in module.services:

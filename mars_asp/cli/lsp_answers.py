@@ -214,7 +214,7 @@ class _EditorQuery:
         return load(self.arguments, self.question.path)
 
     def reasoner(self, *stages: str) -> Reasoner:
-        """Return what answers questions about the robot."""
+        """Return the reasoner of the robot."""
         rulebook = rulebook_for(self.arguments, stages)
         return Reasoner(self.project, rulebook, Budget(self.options.time_limit))
 

@@ -84,7 +84,7 @@ class CaseItem(pytest.Item):
             raise UnmetError(self.check)
 
     def repr_failure(self, excinfo: "pytest.ExceptionInfo[BaseException]") -> str:  # type: ignore[override]
-        """Return what is expected, where, and what was found."""
+        """Return the expectation, its location and the result as text."""
         if not isinstance(excinfo.value, UnmetError):
             return str(super().repr_failure(excinfo))
         lines = []

@@ -162,7 +162,7 @@ def one_of_several(project: Project) -> Iterator[Diagnostic]:
 
 
 def _with_kinds(parsed: Parsed, arguments: argparse.Namespace) -> Parsed:
-    """Return what was parsed, with the kinds of nodes that packs bring.
+    """Return a parsed file with the kinds of nodes that packs bring.
 
     Raises:
         MarsError: it names nodes of packs that are not given.

@@ -106,7 +106,7 @@ def _by_hand(consequence: Consequence) -> Iterator[str]:
 
 
 def _unproposed(consequence: Consequence) -> str:
-    """Return what is said where no rule proposes an edit."""
+    """Return the sentence for a finding without a proposed edit."""
     if consequence.help:
         return f"no edit is known that would fix it; by hand: {visible(consequence.help)}"
     rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"

@@ -198,7 +198,7 @@ def _mended(found: LintResult) -> int:
 
 
 def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
-    """Return what there is to say of the rule of an id, a predicate, or a file of rules.
+    """Return the text about the rule of an id, a predicate, or a file of rules.
 
     Raises:
         MarsError: there is none of these.
@@ -231,7 +231,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
 
 
 def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
-    """Return what `rules show` prints of a kind or of the id of a rule, None if it is neither."""
+    """Return the output of `rules show` for a kind or a rule, or None if it is neither."""
     rulebook = rulebook_for(arguments, STAGES)
     known = (*rulebook.by_id, *kinds(rulebook), *INPUT_CODES)
     if name not in known:
@@ -246,7 +246,7 @@ def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
 
 
 def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
-    """Return what `shown` tells, for programs.
+    """Return the content of `shown` as JSON.
 
     Raises:
         MarsError: there is no such rule, predicate or file.
@@ -272,7 +272,7 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
 
 
 def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> str | None:
-    """Return what is wrong with a call, if anything is."""
+    """Return the fault of a call, or None if there is none."""
     if action == "show" and not what:
         return "`show` needs the ID of a rule, a predicate, a kind or a file; `list` names rules"
     if action in ("new", "diff") and not what:

@@ -73,7 +73,7 @@ def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, fol
 
 
 def file_document(path: str, stage: str, outline: Outline) -> str:
-    """Return what there is to say of a file of rules."""
+    """Return the document of a file of rules."""
     parts = [f"## {markdown(file_name(path, stage))}", markdown(outline.title), markdown(path)]
     lines = [f"Purpose: {markdown(outline.purpose)}"] if outline.purpose else []
     for name, predicates in predicates_of(outline):
@@ -83,7 +83,7 @@ def file_document(path: str, stage: str, outline: Outline) -> str:
 
 
 def predicates_of(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]]]:
-    """Yield what a file does with predicates, and with which."""
+    """Yield each use of predicates in a file, and these predicates."""
     yield "given", outline.given
     yield "derives", outline.derives
     yield "decides", outline.decides
@@ -91,13 +91,13 @@ def predicates_of(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]
 
 
 def safe(text: str) -> str:
-    """Return what packs wrote with control characters escaped, but for tabs and line feeds."""
+    """Return a text of packs with control characters escaped, except tabs and line feeds."""
     lines = (map(visible, line.split("\t")) for line in text.split("\n"))
     return "\n".join(map("\t".join, lines))
 
 
 def rule_document(rule: Rule, heading: str) -> str:
-    """Return what there is to say of a rule, below a heading such as `##`."""
+    """Return the document of a rule, below a heading such as `##`."""
     parts = [f"{heading} {markdown(rule.id)}", markdown(rule.because or "no message")]
     if rule.effect:
         parts.append(f"Effect: {markdown(rule.effect)}")
@@ -143,7 +143,7 @@ def rule_summary(rule: Rule, heading: str, example: RuleExample | None) -> str:
 
 
 def predicate_document(declaration: Declaration) -> str:
-    """Return what is declared of a predicate."""
+    """Return the document of a predicate."""
     sentences = {"says": declaration.says, "unless": declaration.unless}
     lines = [f"{key}: {markdown(each)}" for key, found in sentences.items() for each in found]
     origin = declaration.attribution or declaration.origin
@@ -164,7 +164,7 @@ def predicate_document(declaration: Declaration) -> str:
 
 
 def _use_by_packs(declaration: Declaration) -> str | None:
-    """Return what packs may do with a predicate: derive it, read it, or neither."""
+    """Return the permission of packs for a predicate: `extend`, `read` or None."""
     if declaration.extensible:
         return "extend"
     is_open = declaration.public or declaration.signature.unsigned in _reserved()
@@ -197,7 +197,7 @@ def predicate_lines(rulebook: Rulebook, stage: str) -> Iterator[str]:
 
 
 def predicate_json(declaration: Declaration) -> dict[str, object]:
-    """Return what is declared of a predicate, for programs."""
+    """Return the declaration of a predicate as JSON."""
     return {
         "predicate": str(declaration.signature),
         "arguments": [
@@ -219,7 +219,7 @@ def predicate_json(declaration: Declaration) -> dict[str, object]:
 
 
 def rule_json(rule: Rule) -> dict[str, object]:
-    """Return what there is to say of a rule, for programs."""
+    """Return a rule as JSON."""
     return {
         "id": rule.id,
         "stage": rule.stage,

@@ -64,7 +64,7 @@ def kind_document(kind: Kind) -> Iterator[str]:
 
 
 def kind_json(kind: Kind) -> dict[str, object]:
-    """Return what is said of a kind, for programs."""
+    """Return a kind as JSON."""
     declared = kind.stated
     more: dict[str, object] = {}
     if declared is not None:

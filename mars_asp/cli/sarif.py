@@ -68,7 +68,7 @@ def _invocation(results: Iterable[Result], status: int) -> _Json:
 
 
 def _descriptor(code: str, first: Result) -> _Json:
-    """Return what is known of the rule or check that found something (3.49)."""
+    """Return the descriptor of the rule or check of a result (3.49)."""
     level = {"defaultConfiguration": {"level": first.diagnostic.severity}}
     if first.consequence is None:
         # GitHub asks for a description and for help of each.
@@ -93,7 +93,7 @@ def _descriptor(code: str, first: Result) -> _Json:
 
 
 def _help(kind: str, rule: Rule) -> _Json:
-    """Return what to do, as text and as Markdown, with the words that it fills in left open."""
+    """Return the help as text and as Markdown, with its holes left open."""
     what = _unfilled(rule.because) or _spaced_words(kind)
     advice = _unfilled(rule.help)
     show = f"`mars-asp rules show {rule.id}` explains it."
@@ -154,7 +154,7 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
 
 
 def _message_text(result: Result) -> str:
-    """Return what was found, what will happen and what to do, after what it is about."""
+    """Return the subject, the message, the effect and the help of a result."""
     found = result.diagnostic
     text = plain_text(found.message, found.effect, found.help and f"help: {found.help}")
     return text if result.has_file else f"{visible(found.span.path)}: {text}"
@@ -191,6 +191,6 @@ def _artifact(path: str) -> _Json:
 
 
 def _fingerprint(consequence: Consequence) -> str:
-    """Return what stays the same of a finding when its lines move."""
+    """Return the fingerprint of a finding, which is the same when its lines move."""
     parts = (consequence.kind, consequence.subject, *consequence.participants)
     return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()[:32]

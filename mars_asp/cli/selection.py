@@ -304,7 +304,7 @@ class Selection:
     # ---- What is chosen --------------------------------------------------------------------------
 
     def _choice(self, folder: Path) -> _Choice:
-        """Return what options and the settings for a folder say.
+        """Return the selection of options and of the settings for a folder.
 
         Raises:
             MarsError: what is wrong with the settings, or with their baseline.
@@ -392,7 +392,7 @@ class Selection:
         found: Sequence[Consequence],
         messages: Sequence[Diagnostic],
     ) -> Iterator[Diagnostic]:
-        """Yield what is odd about comments: those that hide nothing, or name nothing."""
+        """Yield remarks on comments that hide nothing or name an unknown kind."""
         if not ignores:
             return
         matched = {(*each.spans[0][:2], name) for each in found for name in _selectors(each)}

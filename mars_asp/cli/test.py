@@ -205,7 +205,7 @@ def _ran(found: FoundCase, rulebook: Rulebook) -> CaseFileResult:
 def _measured(
     found: Iterable[FoundCase], books: dict[Path | None, Rulebook], arguments: argparse.Namespace
 ) -> tuple[Mapping[str, object], Sequence[str], int]:
-    """Return what `--coverage` and `--mutate` found, for programs and people, and the status."""
+    """Return the results of `--coverage` and `--mutate` as JSON and as lines, and the status."""
     if not arguments.coverage and not arguments.mutate:
         return {}, (), 0
     from mars_asp.cli.cases_measure import measured

@@ -169,7 +169,7 @@ def verification_json(
 def verification_lines(
     verification: Verification, compared: SpecificationComparison, width: int
 ) -> Iterator[str]:
-    """Yield what fails and what may be meant otherwise, or that nothing fails."""
+    """Yield the lines about violations and doubts, or the line that there are none."""
     for violation in verification.violations:
         yield from _finding_text(f"clause {violation.clause}", violation, width)
         yield from _lines_at(violation.locations)
@@ -225,7 +225,7 @@ def _run_without(arguments: argparse.Namespace) -> int:
 
 
 def _without_text(name: str, found: Sequence["ViolatedClause"], width: int) -> Iterator[str]:
-    """Yield what breaks, each violation with the lines of the configuration that it rests on."""
+    """Yield the lines about violations, each with the configuration lines of its premises."""
     if not found:
         yield f"without {name} the specification still realises the configuration"
         return

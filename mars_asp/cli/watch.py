@@ -84,7 +84,7 @@ class Stage:
                 self._changed.notify_all()
 
     def scenes(self) -> Iterator[bytes]:
-        """Yield what is shown whenever it changes, empty where it has not for long."""
+        """Yield the state of the page when it changes, and empty bytes after a long pause."""
         number, over = 0, False
         while not over:
             before = number

@@ -77,7 +77,7 @@ def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.
 
 
 def read_standard_input(most: int = -1) -> bytes:
-    """Return what standard input holds, at most so many bytes of it.
+    """Return the content of standard input, at most so many bytes.
 
     A terminal is read by the group of processes in its foreground, and that is the command's.
     """
@@ -230,7 +230,7 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
 
 
 def _heard(results: int, worker: int) -> Generator[bytes]:
-    """Yield what comes through the pipe until it is closed, or the worker has ended.
+    """Yield the chunks of the pipe until it is closed or the worker has ended.
 
     A process that the worker began may hold the pipe open for longer. Where the system does not
     tell of an end, that process is waited for.

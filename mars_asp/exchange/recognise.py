@@ -37,7 +37,7 @@ _MUX = _Sign(
 
 
 def key_pattern(names: str) -> str:
-    """Return what finds a key of YAML or JSON, at whichever depth."""
+    """Return a pattern for a key of YAML or JSON, at any depth."""
     begin = r"(?m)(?:^|[{,])[ \t]{0,200}(?:-[ \t]{1,8}){0,8}"
     return rf"{begin}[\"']?(?:{names})[\"']?[ \t]{{0,8}}:"
 
@@ -47,7 +47,7 @@ _PROLOG = r"\A\ufeff?(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+"
 
 
 def _root(name: str) -> str:
-    """Return what matches a document up to its root, also behind a document type.
+    """Return a pattern for a document up to its root, also after a document type.
 
     Readers refuse document types, but what is refused is known by its root, too.
     """

@@ -208,7 +208,7 @@ class _Wiring:
                 self.ways[passage.source].append(passage.target)
 
     def controlled(self, topic: str) -> tuple[str, ...]:
-        """Return what obeys the commands on a topic: nodes, or else a module named like it."""
+        """Return the nodes that obey the commands on a topic, else a module named like it."""
         hearing = tuple(each.node for each in self.subscribed.get(topic, ()))
         is_on_the_way = topic in self.heard or topic in self.passed
         if hearing or is_on_the_way or (self.observed and topic not in self.outputs):

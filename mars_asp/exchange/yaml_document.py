@@ -353,7 +353,7 @@ def _is_copy(node: Node, of: Node) -> bool:
 
 
 def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:
-    """Yield what a merge key brings in."""
+    """Yield the entries of a merge key."""
     for each in value.nodes if isinstance(value, Items) else (value,):
         if not isinstance(each, Pairs):
             raise _yaml_error(each.span, "`<<` expects a map", "name a map after `<<`")

@@ -143,7 +143,7 @@ def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
 
 
 def _stated_in(rulebook: Rulebook) -> frozenset[Signature]:
-    """Return what rules on a run are given of the configuration."""
+    """Return the facts of the configuration that rules on a run are given."""
     kinds = (each for each in rulebook.brought if isinstance(each, AttributeKind))
     own = (each.declaration.signature._replace(name=each.predicate) for each in kinds)
     return frozenset((*GIVEN_TO_RUNS, *own))
@@ -233,7 +233,7 @@ def _at_work(trial: Trial) -> Iterator[Fact]:
 
 
 def _robots(trial: Trial) -> Iterator[Fact]:
-    """Yield what robots came near to, and which places they did not come to."""
+    """Yield the nearest approaches of robots, and the places that they did not reach."""
     scenario = trial.scenario
     yield _seen("called", THING, "something")
     for robot in scenario.robots:

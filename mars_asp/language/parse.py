@@ -282,7 +282,7 @@ def _read_conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
 
 
 def _stand_ins(layout: Layout, blocks: Blocks) -> Iterator[StandIn]:
-    """Yield what comments of InheritanceNodes say, outside of module blocks."""
+    """Yield the values of comments of InheritanceNodes, outside of module blocks."""
     for match in _outside("InheritanceNode", _STAND_IN, layout, blocks):
         span = layout.span(match.start("node"), match.end("module"))
         yield StandIn(match["node"], plain(match["module"]), span)

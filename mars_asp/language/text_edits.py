@@ -76,7 +76,7 @@ class Draft:
         return bisect_right(self._starts, offset)
 
     def blanks(self, line: int) -> str:
-        """Return what a line is indented by."""
+        """Return the indentation of a line."""
         text = self.line(line)
         return text[: len(text) - len(text.lstrip())]
 

@@ -50,7 +50,7 @@ class Completions(NamedTuple):
 
 
 def completion(scene: DocumentContext, position: Position) -> Completions:
-    """Return what may stand at a place of a `.mars` file or a source."""
+    """Return the completion items at a location of a `.mars` file or a source."""
     text = scene.here.text
     before = text.line_before(position)
     number = position.line + 1
@@ -129,7 +129,7 @@ def _modes() -> Iterator[Completion]:
 
 
 def _statement(scene: DocumentContext, before: str) -> Iterator[Completion]:
-    """Yield what may go on a line of a configuration."""
+    """Yield the completion items that continue a line of a configuration."""
     code = re.sub(r"(?:^|\s)(?://|#).*", "", before)
     if code != before:
         return

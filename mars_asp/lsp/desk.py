@@ -54,7 +54,7 @@ class EditorWorkspace:
         return tuple(sorted(found, key=lambda robot: robot.path != path))
 
     def findings(self, path: str) -> tuple[EditorFinding, ...]:
-        """Return what was found in a file, by whatever robot."""
+        """Return the findings in a file, of all robots."""
         every = (each for found in self.found.values() for each in found)
         return tuple(dict.fromkeys(each for each in every if each.place.path == path))
 

@@ -76,7 +76,7 @@ class DocumentOutline(NamedTuple):
 
 @lru_cache(maxsize=16)
 def outline(path: str, written: str) -> DocumentOutline:
-    """Return what a `.mars` file or a source names."""
+    """Return the occurrences of names in a `.mars` file or a source."""
     text = Text(path, written)
     if len(written) > MOST_CHARACTERS:
         return DocumentOutline(text, ())

@@ -96,7 +96,7 @@ class Text:
         return self.plain.split("\n")
 
     def line_before(self, position: Position) -> str:
-        """Return what stands before a position in its line."""
+        """Return the text before a position in its line."""
         line, column = self.column(position)
         return self.lines[line - 1][: column - 1]
 

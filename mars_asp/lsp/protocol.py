@@ -50,7 +50,7 @@ class Protocol:
         return types.SymbolInformation(self.location(place), name, _SYMBOLS[sort])
 
     def diagnostic(self, finding: EditorFinding) -> types.Diagnostic:
-        """Return what an editor shows of a finding."""
+        """Return a finding as a diagnostic of the protocol."""
         parts = (finding.message, finding.effect, finding.help and f"help: {finding.help}")
         return types.Diagnostic(
             range_of(finding.place.range),
@@ -108,7 +108,7 @@ def range_of(found: Range) -> types.Range:
 
 
 def hover_of(found: Hover | None) -> types.Hover | None:
-    """Return what an editor shows under the pointer."""
+    """Return a hover of the protocol."""
     if found is None:
         return None
     text = types.MarkupContent(types.MarkupKind.Markdown, found.markdown)
@@ -116,14 +116,14 @@ def hover_of(found: Hover | None) -> types.Hover | None:
 
 
 def symbol_of(found: Symbol) -> types.DocumentSymbol:
-    """Return what an editor lists of a file."""
+    """Return the symbols of a file."""
     return types.DocumentSymbol(
         found.name, _SYMBOLS[found.sort], range_of(found.whole), range_of(found.place), found.detail
     )
 
 
 def items_of(found: Completions) -> types.CompletionList:
-    """Return what an editor proposes."""
+    """Return the completion items."""
     items = [
         types.CompletionItem(
             each.label,

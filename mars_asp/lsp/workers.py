@@ -80,7 +80,7 @@ class Workers:
 
 
 def _answered(process: subprocess.Popen[bytes], question: Question) -> Any:
-    """Return what a process answers; nothing where it ended."""
+    """Return the answer of a process, or None if it ended."""
     assert process.stdin is not None and process.stdout is not None
     answer = None
     with suppress(OSError):

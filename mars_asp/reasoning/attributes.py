@@ -48,7 +48,7 @@ class AttributeKind(NamedTuple):
 
     @property
     def value(self) -> PredicateArgument | None:
-        """Return what its values are; a tag has none."""
+        """Return the type of its values; a tag has none."""
         return None if self.declaration.attribution == "tag" else self.declaration.arguments[1]
 
     def __str__(self) -> str:

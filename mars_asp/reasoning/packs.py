@@ -408,7 +408,7 @@ class _ManifestReader:
 
 
 def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
-    """Yield what packs have twice, and what they need that is not there."""
+    """Yield the duplicates of packs, and their requirements that are not met."""
     named = {each.manifest.name: each.manifest for each in packs if each.manifest is not None}
     first: dict[str, Span] = {}
     for manifest in (pack.manifest for pack in packs if pack.manifest is not None):

@@ -77,7 +77,7 @@ COSTS: Mapping[str, int] = {
 
 
 def by_name(cost: Mapping[int, int]) -> dict[str, int]:
-    """Return what something costs, level by level, by the names that users know."""
+    """Return a cost level by level, by the names that users know."""
     return {name: cost.get(level, 0) for name, level in COSTS.items()}
 
 

@@ -86,7 +86,7 @@ def verify(
     grounding: Grounding | None = None,
     modules: Mapping[str, Module] | None = None,
 ) -> tuple[Violation, ...]:
-    """Return what keeps a specification from realising a project's configuration.
+    """Return the violations that keep a specification from realising a configuration.
 
     `rulebook` holds the stage `verify`; `grounding` is that of the project's analysis, where there
     is one already; `modules` are those that the specification's own sources describe.
@@ -196,7 +196,7 @@ def written_cost(
     rulebook: Rulebook,
     deadline: float | None = None,
 ) -> Resolution:
-    """Return what a specification without violations costs, by the levels of the minimisation.
+    """Return the cost of a specification without violations, by the levels of the minimisation.
 
     `rulebook` holds the stage `cost`; `deadline` is a time of `time.monotonic`.
 

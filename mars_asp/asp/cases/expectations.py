@@ -52,7 +52,7 @@ class Expectation:
 
     @property
     def text(self) -> str:
-        """Return what is written behind the sign or word."""
+        """Return the text after the sign or word."""
         return " ".join(each.text for each in self.stated)
 
 

@@ -55,7 +55,7 @@ class Mutant:
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """Return what identifies the mutant while its statement stays as it is."""
+        """Return the key of the mutant, which is the same while its statement is."""
         return self.path, self.before, self.after
 
     def __str__(self) -> str:

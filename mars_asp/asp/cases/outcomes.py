@@ -149,7 +149,7 @@ def _expectation_text(expectation: Expectation) -> str:
 
 
 def _unmet(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
-    """Yield what an answer set does not meet of an expectation."""
+    """Yield the parts of an expectation that an answer set does not meet."""
     match expectation.kind:
         case ">":
             yield from _unsaid(expectation, answer)
@@ -181,7 +181,7 @@ def _unsaid(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
 
 
 def _beyond(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
-    """Yield what is missing, and what there is too much of the sorts that an `only` names."""
+    """Yield the missing atoms, and the surplus ones of predicates that an `only` names."""
     patterns = [each.pattern for each in expectation.stated]
     for each, pattern in zip(expectation.stated, patterns, strict=True):
         if not any(matches(pattern, atom) for atom in answer.atoms):

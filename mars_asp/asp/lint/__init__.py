@@ -84,7 +84,7 @@ def lint(rulebook: Rulebook, host: Host) -> tuple[LintFinding, ...]:
 
 
 def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Iterator[LintFinding]:
-    """Yield what is noteworthy about the rules from the number `begin` on."""
+    """Yield the findings about the rules from the number `begin` on."""
     read = clauses_of(rules)
     clauses = [clause for number in range(len(rules)) for clause in read[number]]
     after = sum(len(read[number]) for number in range(begin))

@@ -11,7 +11,7 @@ ALLOW = "rule-allow"
 
 
 def allowed(rules: Iterable[Rule], told: Sequence[LintFinding]) -> Iterator[LintFinding]:
-    """Yield what is found but for what rules allow, and what is wrong with lines that allow."""
+    """Yield the findings that no rule allows, and the faults of lines that allow."""
     owners = {rule.span: rule for rule in rules if rule.listed is None}
     used: set[tuple[object, str]] = set()
     for each in told:

@@ -93,7 +93,7 @@ def _bounded(clause: Clause) -> Iterator[tuple[str, int]]:
 
 
 def _most(operand: Operand, bounds: Mapping[str, int]) -> float:
-    """Return what an operand is at most, where variables are not negative."""
+    """Return the upper bound of an operand if its variables are not negative."""
     if isinstance(operand, Number):
         return operand.value
     if not isinstance(operand, Operation):

@@ -22,7 +22,7 @@ _INNER = "so nothing is in it: leave out one of the two"
 
 
 def wrong_bodies(clause: Clause, replaced: Set[str]) -> Iterator[LintFinding]:
-    """Yield what makes a body never hold, and what says nothing in it."""
+    """Yield the contradictions of a body, and its comparisons without effect."""
     bounds = [
         each for at, one in enumerate(clause.aggregates) for each in _aggregate_bounds(at, one)
     ]

@@ -16,7 +16,7 @@ class Fix(NamedTuple):
 
 
 def titled(fixes: Iterable[Fix]) -> str:
-    """Return what fixes do, in words."""
+    """Return a sentence about the changes of fixes."""
     written = " and ".join(f"`{each.text}`" for each in fixes if each.text)
     return f"write {written}" if written else "leave it out"
 
@@ -39,7 +39,7 @@ def found(
     labels: tuple[tuple[Span, str], ...] = (),
     severity: Severity = "warning",
 ) -> LintFinding:
-    """Return what is said of a rule."""
+    """Return a finding about a rule."""
     return LintFinding(Diagnostic(code, severity, message, place, labels, advice), rule, fixes)
 
 

@@ -96,7 +96,7 @@ def _begins(
 def documented_in_vain(
     clauses: Sequence[Clause], own: Sequence[Declaration], given: Set[Signature]
 ) -> Iterator[LintFinding]:
-    """Yield what is documented though nothing gives, declares or derives it."""
+    """Yield the documented predicates that nothing gives, declares or derives."""
     known = {head.signature.unsigned for clause in clauses for head, _ in clause.heads} | given
     for each in own:
         signature = each.signature.unsigned

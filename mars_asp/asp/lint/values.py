@@ -116,7 +116,7 @@ class KnownValue:
         return one if one.text or one.sort else other
 
     def meet(self, one: Values, other: Values) -> Values:
-        """Return what is in both."""
+        """Return the values that are in both."""
         if one is None:
             return other
         if other is None or one == other:
@@ -185,7 +185,7 @@ class KnownValue:
         return found | {Value("name", text="#inf"), Value("name", text="#sup")}
 
     def of_elements(self, aggregate: Aggregate, environment: Environment) -> Iterator[Values]:
-        """Yield what each element of an aggregate adds or compares."""
+        """Yield the term that each element of an aggregate adds or compares."""
         for element in aggregate.elements:
             inside = dict(environment)
             for name, values in self._variable_values(element.scope):
@@ -202,7 +202,7 @@ class KnownValue:
                     yield name, values
 
     def of(self, term: SyntaxNode, environment: Environment) -> Values:
-        """Return what the values of a term are."""
+        """Return the possible values of a term."""
         kind = term.ast_type
         if kind is Kind.Variable:
             return environment.get(term.name)

@@ -309,7 +309,7 @@ def misspelt_sorts(
 
 
 def _split(written: str) -> Iterator[str]:
-    """Yield what stands between the commas outside of brackets."""
+    """Yield the parts between the commas outside of brackets."""
     depth = begin = 0
     for at, character in enumerate(written):
         depth += (character in "({") - (character in ")}")

@@ -237,7 +237,7 @@ def _elements_of(written: str) -> Iterator[_Element]:
 
 
 def _split(written: str, sign: str, most: int = -1) -> list[str]:
-    """Return what stands between signs that are in no bracket and no string."""
+    """Return the parts between separators outside of brackets and strings."""
     parts, depth = [""], 0
     for match in _TOKEN.finditer(written):
         token = match[0]

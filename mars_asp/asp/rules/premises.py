@@ -24,7 +24,7 @@ _SILENT_TOO = re.compile(r"$|#\s*project\b")
 
 
 def premises_of(text: str) -> Premises | None:
-    """Return what the rules of a text need; `None` where no build has read it."""
+    """Return the premises of the rules of a text, or None if no build has read it."""
     return _known(text, lambda: None)
 
 
@@ -42,7 +42,7 @@ def fragment_of(rule: Rule) -> Fragment:
 
 
 def premises_of_rule(rule: Rule, text: str | None = None, gives: str | None = None) -> Premises:
-    """Return what a rule needs; or a `text` with its body, and that `gives` another predicate."""
+    """Return the premises of a rule, or of a `text` with its body and the head `gives`."""
     needs, own = memoized("needs", _makers(), [rule.text], _of_rule)[rule.text]
     heads = own if gives is None else frozenset({gives})
     return Premises(("", ""), (rule.text if text is None else text,), (needs,), (heads,))
@@ -80,7 +80,7 @@ def _read_text(text: str) -> Premises | None:
 
 
 def _between(lines: Sequence[str], begin: Place, end: Place) -> str:
-    """Return what stands between two places, the first of which may be behind the other."""
+    """Return the text between two locations; none if the first comes after the second."""
     if begin >= end:
         return ""
     (first, left), (last, right) = begin, end

@@ -59,12 +59,12 @@ class RuleFile(NamedTuple):
 
     @property
     def documented(self) -> Documented:
-        """Return what it declares of predicates."""
+        """Return its declarations of predicates."""
         return Documented(self.stage, self.shown, self.docstrings)
 
     @property
     def name(self) -> str:
-        """Return what the ids of its rules begin with."""
+        """Return the prefix of the ids of its rules."""
         return file_name(self.shown, self.stage)
 
 
@@ -249,7 +249,7 @@ def wrong_packs(
 
 
 def _reader(space: NameSpace, stage: str, others: Sequence[NameSpace], sealed: Seal) -> Reader:
-    """Return what the rules of one stage of a pack may read."""
+    """Return the predicates that the rules of one stage of a pack may read."""
     seen = sealed.sees[stage]
     known = sealed.known(stage)
     if space.needs is not None:
@@ -266,7 +266,7 @@ def _reader(space: NameSpace, stage: str, others: Sequence[NameSpace], sealed: S
 def _wrong_rules(
     space: NameSpace, reader: Reader, sealed: Seal, contract: Contract
 ) -> Iterator[Diagnostic]:
-    """Yield what is wrong with the rules of one stage of a pack."""
+    """Yield the faults of the rules of one stage of a pack."""
     rules = [rule for rule in space.rules if rule.stage == reader.stage]
     read = statements_of(rule.text for rule in rules)
     entries: set[str] = set()

@@ -119,7 +119,7 @@ class Rule:
 
     @property
     def sentences(self) -> Iterator[tuple[str, str]]:
-        """Yield what the rule says to users, by the keys of the lines that hold it."""
+        """Yield the texts of the rule for users, by the keys of their lines."""
         for key, text in (("because", self.because), ("help", self.help), ("effect", self.effect)):
             if text:
                 yield key, text

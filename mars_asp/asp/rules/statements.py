@@ -485,7 +485,7 @@ def _start_of(node: SyntaxNode | ast.AST) -> Place:
 
 
 def costs(text: str) -> tuple[Statement, ...]:
-    """Return what the statements of a text minimise or maximise, without pools, with places."""
+    """Return the costs that the statements of a text minimise or maximise, with locations."""
     place = places(text)
     nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
     return tuple(_statement(plain(each), place) for node in nodes for each in node.unpool())
@@ -511,7 +511,7 @@ def operands(text: str) -> tuple[Operand, ...]:
 
 
 def definitions(text: str) -> dict[str, Operand]:
-    """Return what each constant stands for that a text replaces, by `#const`."""
+    """Return the values of the constants that a text replaces by `#const`."""
     if "#const" not in text:
         return {}
     reader = ArithmeticReader(text)
@@ -839,7 +839,7 @@ class ArithmeticReader:
         return Operation(sign or "", operands, self._source_text(node), self.place(node))
 
     def _source_text(self, node: SyntaxNode) -> str:
-        """Return what stands in the text: a number that does not fit is another in the tree."""
+        """Return the source text: a number that does not fit is another in the tree."""
         line, column, end_line, end = node.extent
         if line != end_line:
             return str(node)

@@ -376,7 +376,7 @@ class Grounding:
 
     @property
     def facts(self) -> frozenset[int]:
-        """Return what is a fact in spite of all choices, by its numbers in the ground program."""
+        """Return the facts, whatever is chosen, by their numbers in the ground program."""
         return frozenset(self._program.facts)
 
     def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
@@ -390,7 +390,7 @@ class Grounding:
     def extra_cost(
         self, symbol: clingo.Symbol, deadline: float | None = None
     ) -> dict[int, int] | None:
-        """Return what the cheapest answer with an atom costs more, level by level.
+        """Return the additional cost of the cheapest answer with an atom, level by level.
 
         `None` where no answer has it. To be asked after `resolve`.
 
@@ -447,7 +447,7 @@ class Grounding:
 
 
 def unsolved(program: Iterable[Fragment]) -> clingo.Control:
-    """Return what a program derives, as far as it can be grounded; no solver is told of it."""
+    """Return a control with a program grounded as far as possible, without a solver."""
     control = clingo.Control(_OPTIONS, lambda *_: None, _MOST_MESSAGES)
     control.register_observer(clingo.Observer(), replace=True)
     with suppress(RuntimeError):

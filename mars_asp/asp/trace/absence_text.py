@@ -39,7 +39,7 @@ def attempt_text(attempt: NearMiss) -> str:
 
 
 def failure(attempt: NearMiss, go_on: bool) -> Sequence[Trace | NearMiss | str]:
-    """Return what stands below an attempt before what holds: the premise that fails and why."""
+    """Return the steps below a near miss: first the premise that fails, and why."""
     cause = attempt.cause
     if isinstance(cause, Underivable) and cause.attempts and (go_on or is_unspoken(cause)):
         return nearest(cause)

@@ -63,7 +63,7 @@ class CountedWithout:
     def of_all(
         self, groups: tuple[AggregateGroup, ...]
     ) -> tuple[frozenset[TermId], frozenset[TermId]]:
-        """Return what several groups add together."""
+        """Return the premises of several groups, and the atoms on whose absence these rest."""
         if groups not in self._held:
             added = [self.of(group) for group in groups]
             inside = frozenset(atom for premises, _ in added for atom in premises)

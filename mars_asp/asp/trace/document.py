@@ -224,7 +224,7 @@ class _JsonLines:
 
 
 def _step_key(step: _Step) -> object:
-    """Return what tells steps apart: facts by their atoms, what is derived by itself."""
+    """Return the key of a step: the atom of a fact, else the step itself."""
     return (type(step), step.atom) if isinstance(step, Given | Absent) else id(step)
 
 

@@ -169,7 +169,7 @@ class _Component:
                     heapq.heappush(waiting, (turn + after, places[user]))
 
     def _of_atom(self, atom: TermId) -> int:
-        """Return what an atom needs: itself, and what all of its firings need."""
+        """Return the bits of the atoms that an atom, or all of its firings, needs."""
         common = _EVERYTHING
         for firing in self._firings[atom]:
             needed = self._any(firing.premises)
@@ -179,7 +179,7 @@ class _Component:
         return self._bits[atom] | common
 
     def _any(self, premises: Iterable[TermId]) -> int:
-        """Return what one of some premises needs."""
+        """Return the atoms that any of some premises needs, as bits."""
         found = 0
         for premise in premises:
             known = premise in self._heights or premise not in self._firings

@@ -140,11 +140,11 @@ def firing_order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol
 
 
 def weight_of(told_apart: TermId) -> clingo.Symbol:
-    """Return what an element weighs, by what tells it apart: the first term of its tuple."""
+    """Return the weight of an element: the first term of its tuple."""
     inside = term_ids.arguments(told_apart)
     return as_symbol(inside[0]) if inside else clingo.Number(0)
 
 
 def number_of(weight: clingo.Symbol) -> int:
-    """Return what a weight adds to a sum: nothing, unless it is a number."""
+    """Return the number that a weight adds to a sum: 0 unless it is a number."""
     return weight.number if weight.type == clingo.SymbolType.Number else 0

@@ -100,7 +100,7 @@ def pattern_is_open(term: ast.AST) -> bool:
 
 
 def pattern_in(text: str) -> clingo.Symbol | None:
-    """Return what a user writes, an atom that may have variables, as a pattern, if it is one."""
+    """Return an atom of a user, perhaps with variables, as a pattern, or None if it is none."""
     try:
         (rule,) = parsed(f"{text}.")[1:]
         if rule.body or rule.head.sign != ast.Sign.NoSign:
@@ -111,7 +111,7 @@ def pattern_in(text: str) -> clingo.Symbol | None:
 
 
 def pattern_of(term: ast.AST) -> clingo.Symbol:
-    """Return what a user writes, an atom that may have variables, as a pattern.
+    """Return an atom of a user, perhaps with variables, as a pattern.
 
     Raises:
         ValueError: the term holds arithmetic, an interval or a pool.

@@ -155,12 +155,12 @@ class Derived:
 
     @property
     def bindings(self) -> Mapping[str, clingo.Symbol]:
-        """Return what the variables stand for."""
+        """Return the values of the variables."""
         return bindings_of(self.values)
 
     @property
     def values_written(self) -> dict[str, str]:
-        """Return what the variables stand for, as clingo writes it."""
+        """Return the values of the variables in the syntax of clingo."""
         return {name: _text(value) for name, value in _terms_of(self.values).items()}
 
     @property
@@ -236,7 +236,7 @@ def is_pseudo(span: Span) -> bool:
 
 
 def bindings_of(values: TermId) -> dict[str, clingo.Symbol]:
-    """Return what variables stand for, of a term `v(n("X",...),1,...)`."""
+    """Return the values of variables in a term `v(n("X",...),1,...)`."""
     return {name: as_symbol(value) for name, value in _terms_of(values).items()}
 
 

@@ -34,7 +34,7 @@ def is_bridge(program: RosProgram) -> bool:
 def bridged(
     program: RosProgram, arguments: Sequence[str], document: Node | None, span: Span
 ) -> Interface:
-    """Return what a bridge at `span` publishes and hears, by its arguments and its file."""
+    """Return the topics of a bridge at `span`, by its arguments and its file."""
     words = takewhile(lambda word: word != "--ros-args", arguments)
     found = list(_of_file(document))
     unread: list[Unread] = []

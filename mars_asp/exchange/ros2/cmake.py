@@ -350,7 +350,7 @@ def _end_of_block(commands: Sequence[_Command], at: int, name: str) -> int:
 def _installed(
     is_folder: bool, words: Sequence[str], folder: str, values: Mapping[str, Sequence[str]]
 ) -> Iterator[Installed]:
-    """Yield what a command installs to the shared folder of the package."""
+    """Yield the files that a command installs to the shared folder of the package."""
     if "DESTINATION" not in words[:-1]:
         return
     at = words.index("DESTINATION")

@@ -26,7 +26,7 @@ _INTERPRETERS = frozenset({"python", "python3", "bash", "sh"})
 
 
 def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
-    """Return what a command line does, each text of which may hold several words."""
+    """Return the action of a command line, each text of which may hold several words."""
     words = [word for text in texts for word in _split_words(text)]
     known = [plain(word) for word in words]
     match known:

@@ -94,7 +94,7 @@ def _steps_in(name: str) -> tuple[str, ...]:
 
 
 def _sections(node: Node, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Node]]:
-    """Yield what stands under each `ros__parameters`, with the parts of the names above it."""
+    """Yield the map under each `ros__parameters`, with the parts of the names above it."""
     if not isinstance(node, Pairs):
         return
     for key, value in node.pairs:

@@ -83,7 +83,7 @@ class Programs:
         )
 
     def interface(self, program: RosProgram) -> Interface | None:
-        """Return what a program publishes and hears, `None` where its source is not here."""
+        """Return the topics of a program, or None if its source is not in the workspace."""
         if program not in self._read:
             self._read[program] = self._interface(program)
         return self._read[program]

@@ -562,7 +562,7 @@ class Evaluator:
     def call_local(
         self, function: Local, arguments: Sequence[Value], named: Mapping[str, Value]
     ) -> Value:
-        """Return what a function of the file returns."""
+        """Return the value that a function of the file returns."""
         self.calls += 1
         if self.depth >= _DEEPEST_CALL or self.calls > _MOST_CALLS:
             return None

@@ -256,7 +256,7 @@ class PythonTexts:
         return PythonTexts(self.files, file, ast.Module([], []), self.far + 1).text(held)
 
     def gone_over(self, node: ast.expr) -> ast.expr | None:
-        """Return what a loop over a name goes over."""
+        """Return the values of a loop over a name."""
         held = self.held(node)
         if held is not None:
             return held[0]

@@ -179,7 +179,7 @@ def filled(text: Text, arguments: "Sequence[Value]", named: "Mapping[str, Value]
 
 
 def summed(first: Value, second: Value) -> Value:
-    """Return what two values added are: a longer list, or a longer text."""
+    """Return the sum of two values: a longer list, or a longer text."""
     match first, second:
         case Listed(items), Listed(more):
             return Listed([*items, *more][:MOST_ITEMS], first.span)
@@ -196,7 +196,7 @@ def summed(first: Value, second: Value) -> Value:
 
 
 def counted(call: PythonCall) -> Value:
-    """Return what `range`, `enumerate` or `zip` gives, as far as that is written out."""
+    """Return the values of `range`, `enumerate` or `zip`, as far as they are written out."""
     if call.name == "range":
         texts = [plain(text_from(each)) for each in call.arguments]
         bounds = [int(text) for text in texts if text is not None and _WHOLE.fullmatch(text)]

@@ -40,7 +40,7 @@ def _bound(target: ast.expr, item: ast.expr) -> dict[str, ast.expr]:
 
 
 def _items(over: ast.expr, held: Held, depth: int) -> list[ast.expr] | None:
-    """Return what a loop goes over, if it is written out."""
+    """Return the values of a loop, or None if they are not written out."""
     if depth > _DEEPEST:
         return None
     match over:
@@ -167,7 +167,7 @@ def distinct(made: Iterable[dict[str, ast.expr]]) -> list[dict[str, ast.expr]]:
 
 
 def constants_of(node: ast.AST | None) -> Iterator[tuple[str, ast.expr]]:
-    """Yield what a class assigns in its own body."""
+    """Yield the assignments in the body of a class."""
     for statement in node.body if isinstance(node, ast.ClassDef) else ():
         match statement:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):

@@ -125,7 +125,7 @@ class _Program:
         self.missing: set[str] = set()
 
     def interface(self) -> Interface:
-        """Return what the program publishes and hears."""
+        """Return the topics that the program publishes and subscribes to."""
         file, function = self.start
         entry = None if function is None else file.outer.get(function)
         if entry is None:

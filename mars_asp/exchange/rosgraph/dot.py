@@ -95,7 +95,7 @@ def _said(attributes: dict[str, DotToken], key: str) -> str:
 
 
 def _element_name(element: _DotElement, places: DotPlaces) -> str:
-    """Return what an element is called: its label, else its tooltip, else its identifier."""
+    """Return the name of an element: its label, else its tooltip, else its identifier."""
     label = _label(element.attributes, places)
     if label:
         return label

@@ -8,7 +8,7 @@ from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 
 
 def value(pairs: Pairs, *keys: str) -> Node | None:
-    """Return what stands behind the first of these keys that a map has."""
+    """Return the value of the first of some keys that a map has."""
     found = {key.text: node for key, node in pairs.pairs}
     return next((found[key] for key in keys if key in found), None)
 

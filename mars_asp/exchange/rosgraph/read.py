@@ -78,7 +78,7 @@ def _empty(path: str) -> Diagnostic:
 
 
 def _reader(text: str, path: str) -> Callable[[str, str], Dump]:
-    """Return what reads the kind of dump that a text is.
+    """Return the reader for the kind of dump of a text.
 
     Raises:
         MarsError: it is none.
@@ -96,7 +96,7 @@ def _reader(text: str, path: str) -> Callable[[str, str], Dump]:
 
 
 def _each_once(unread: Iterable[Unread]) -> Iterator[Unread]:
-    """Yield what was not read, each thing at its first place alone."""
+    """Yield the unread things, each at its first location."""
     seen: set[tuple[str, str]] = set()
     for each in unread:
         if (each.sort, each.name) not in seen:

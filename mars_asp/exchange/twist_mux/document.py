@@ -262,7 +262,7 @@ class _MuxReader:
                 )
 
     def mapped(self, leaves: Sequence[_Leaf]) -> Iterator[_MuxEntry]:
-        """Yield what maps and dotted keys say, in the order of the file."""
+        """Yield the entries of maps and dotted keys, in the order of the file."""
         spans: dict[str, Span] = {}
         fields: dict[str, dict[str, tuple[Scalar, Node]]] = {}
         for parts, key, value in leaves:

@@ -53,7 +53,7 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
 def _obstacles(
     configuration: Configuration, mounts: Sequence[Mount], body: KinematicTree, roots: Sequence[str]
 ) -> Iterator[Diagnostic]:
-    """Yield what keeps mounts from being one tree."""
+    """Yield the reasons why mounts are not one tree."""
     seen: set[str] = set()
     for mount in mounts:
         if mount.mounting not in body.carrier:

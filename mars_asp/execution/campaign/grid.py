@@ -34,7 +34,7 @@ class Run(NamedTuple):
 
 
 def run_name(seed: int, vary: Changes) -> str:
-    """Return what identifies a run, of what its line holds."""
+    """Return the key of a run, from the values of its line."""
     return json.dumps([seed, vary], sort_keys=True)
 
 

@@ -209,7 +209,7 @@ class Plan:
         return self._guess(name)
 
     def _guess(self, name: str) -> str:
-        """Return what an undescribed module must be, by its relationships."""
+        """Return the class of an undescribed module, by its relationships."""
         if self.control_out[name]:
             return "control_out"
         if self.data_out[name]:

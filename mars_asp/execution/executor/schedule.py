@@ -53,7 +53,7 @@ class Schedule:
         return self._arrivals
 
     def queue(self, rank: int) -> Callable[[Action], None]:
-        """Return what queues an event of this instant."""
+        """Return a function that queues an event of this instant."""
         return self._queues[rank].append
 
     def at(self, time: int, rank: int, action: Action) -> None:

@@ -191,7 +191,7 @@ def draw_goals(signs: Signs, frame: Frame) -> Iterator[str]:
 
 
 def draw_signs(signs: Signs, frame: Frame) -> Iterator[str]:
-    """Yield what happened where, in the plane."""
+    """Yield the markers of events in the plane."""
     for body in signs.trial.bodies:
         start = body.motion[0].pose
         x, y = frame.at(start.forward, start.side)

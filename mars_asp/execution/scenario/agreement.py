@@ -51,7 +51,7 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
 def _unknown_name(
     table: str, name: str, modules: Iterable[str], left: Iterable[str], scenario: Scenario
 ) -> Diagnostic:
-    """Return what is wrong with a name; `left` are the modules that nothing runs."""
+    """Return the diagnostic for an unknown name; `left` are the modules that nothing runs."""
     place = scenario.places[f"{table}.{name}"]
     message = f"`{table}` names `{name}`, which is not a module of the specification"
     if parts := sorted(each for each in modules if each.startswith(f"{name}.")):

@@ -21,7 +21,7 @@ _MOST_TURNS = 1000
 
 
 def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Iterator[Mistake]:
-    """Yield what contradicts something else, in all of a scenario that is not wrong by itself."""
+    """Yield the contradictions between values of a scenario that are each valid."""
     sound = tables
     for mistake in wrong:
         sound = _without(sound, mistake.path) if mistake.path else sound

@@ -80,7 +80,7 @@ class Functions:
     def _find_function(
         self, name: str, folder: Folder, path: Path, called: str
     ) -> tuple[Callable[..., Any], tuple[str, int] | None]:
-        """Return what to call for a module, and where it is defined."""
+        """Return the callable of a module, and its location."""
         if not path.is_file():
             text = f"`{_seen_from_here(str(path))}` is not a file"
             raise UnfitError(text, "name a file, relative to the scenario")
@@ -103,7 +103,7 @@ class Functions:
     def _part(
         self, target: Any, part: str, name: str, context: Context, knows: bool
     ) -> tuple[Any, bool]:
-        """Return what a file, a class or an object has by a name."""
+        """Return the attribute of a file, a class or an object by its name."""
         if isinstance(target, type) and not isinstance(getattr(target, part, None), type):
             made, knows = self._made(target, name, context)
             return method_of(made, part), knows

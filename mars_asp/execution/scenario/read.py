@@ -60,7 +60,7 @@ class Scenario:
     places: Mapping[str, Span] = field(default_factory=dict)
 
     def called(self, robot: ScenarioRobot) -> str:
-        """Return what a sentence calls a robot: one of several by its name."""
+        """Return the words for a robot in a sentence: its name if there are several."""
         return "the robot" if len(self.robots) == 1 else f"`{robot.name}`"
 
 

@@ -296,7 +296,7 @@ def _as_json(value: Any, depth: int = 0) -> Any:
 
 
 def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield what an error at a path means to the author of a scenario."""
+    """Yield the mistakes of the author that an error at a path shows."""
     kind = error.kind
     key = str(next((part for part in reversed(path) if isinstance(part, str)), ""))
     schema, value = _schema(path, tables), _value_at(path, tables)
@@ -338,7 +338,7 @@ def _whole_schema(tables: Mapping[str, Any]) -> _Schema:
 def _unknown_key(
     path: _Path, key: str, known: Mapping[str, _Schema], tables: Mapping[str, Any]
 ) -> Mistake:
-    """Return what is wrong with a key: it is of another kind of table, or of none."""
+    """Return the mistake of a key: it is of another kind of table, or of none."""
     table = path[:-1]
     kinds = _plain_schema(table, tables).get("oneOf", ())
     others = [each["properties"]["kind"]["enum"][0] for each in kinds if key in each["properties"]]
@@ -384,7 +384,7 @@ def _of_kind(schema: _Schema, value: Any) -> _Schema:
 
 
 def _value_at(path: _Path, value: Any) -> Any:
-    """Return what stands at a place in a scenario."""
+    """Return the value at a path in a scenario."""
     for part in path:
         value = value[part]
     return value

@@ -159,7 +159,7 @@ def odometry(body: Body, noise: Random, *, sigma: float = 0.0) -> Callable[[floa
 def marks(
     body: Body, place: Place, *, view: float = 60.0, reach: float = 5000.0
 ) -> Callable[[float], list[tuple[str, float, float]]]:
-    """Return what a camera sees: (colour, bearing, distance) of marks that nothing hides."""
+    """Return (colour, bearing, distance) of the marks that a camera sees."""
 
     def read(seconds: float) -> list[tuple[str, float, float]]:
         pose = place(seconds)

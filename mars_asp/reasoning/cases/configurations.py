@@ -199,7 +199,7 @@ class _Robot:
 
     @cached_property
     def cost(self) -> Mapping[str, int]:
-        """Return what the specification costs."""
+        """Return the costs of the specification."""
         found = self._reasoner.synthesis
         return by_name({} if found is None else found.resolution.cost)
 

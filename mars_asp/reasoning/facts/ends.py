@@ -84,7 +84,7 @@ class Ends:
 
 @remembered
 def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> Ends:
-    """Return what the data lines of a configuration name."""
+    """Return the ports that the data lines of a configuration name."""
     lines = [each for each in configuration.relationships if isinstance(each, Data)]
     named: dict[str, dict[str, None]] = {}
     entered: dict[str, dict[str, None]] = {}

@@ -62,7 +62,7 @@ class SpecifiedAtoms:
 
     @cached_property
     def converts(self) -> Mapping[TermId, tuple[str, str]]:
-        """Return what each transformer converts: from one representation to another."""
+        """Return the two representations of each transformer: source and target."""
         rows = self.rows("spec_converts", 3)
         return {node: (self.string(source), self.string(target)) for node, source, target in rows}
 
@@ -74,7 +74,7 @@ class SpecifiedAtoms:
 
     @cached_property
     def resolved(self) -> Mapping[TermId, tuple[str, ...]]:
-        """Return what each node resolves, in the order of the words."""
+        """Return the consequences that each node resolves, in alphabetical order."""
         found: dict[TermId, set[str]] = {}
         for node, kind, subject in self.rows("resolves", 3):
             found.setdefault(node, set()).add(f"{self.text(kind)}({self.string(subject)})")

@@ -58,7 +58,7 @@ class InheritanceNodes:
         return self.configuration.node_kind(name) in _COPYING
 
     def chain(self, name: str) -> list[str]:
-        """Return what a module is mounted on, itself first."""
+        """Return the carriers of a module, itself first."""
         chain = [name]
         while chain[-1] in self.mounts and self.mounts[chain[-1]].mounted not in chain:
             chain.append(self.mounts[chain[-1]].mounted)
