@@ -43,7 +43,7 @@ def _ratio(word: str, candidate: str, likeness: float) -> float:
 
 @lru_cache(maxsize=1)
 def _matcher(word: str) -> "SequenceMatcher[str]":
-    """Return what looks a word up in others, which is costly to begin."""
+    """Return a matcher for a word, which is costly to prepare."""
     # Few words are misspelt, so that few commands need it.
     from difflib import SequenceMatcher  # noqa: PLC0415
 

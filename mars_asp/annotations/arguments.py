@@ -194,7 +194,7 @@ def read_vertex(text: str) -> tuple[int, Transformation] | list[ArgumentProblem]
 
 
 def parts(text: str) -> Iterator[tuple[int, str]]:
-    """Yield what commas outside of brackets part, and where each begins."""
+    """Yield the parts between commas outside of brackets, and their offsets."""
     if not _BRACKETS.search(text):
         begin = 0
         for part in text.split(","):

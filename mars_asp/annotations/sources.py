@@ -171,7 +171,7 @@ class Source:
         return None
 
     def stretch(self, begin: int, end: int, most: int) -> SourceRange:
-        """Return what stands between two offsets, at most so many bytes.
+        """Return the text between two offsets, at most so many bytes.
 
         Nothing may be open at `begin`, such as where a comment ends.
         """
@@ -261,7 +261,7 @@ def _is_within(spans: Sequence[tuple[int, int]], offset: int) -> bool:
 
 
 def _dead_stretches(data: bytes) -> Iterator[tuple[int, int]]:
-    """Yield what stands between `#if 0` and its `#else`, `#elif` or `#endif`."""
+    """Yield the ranges between `#if 0` and its `#else`, `#elif` or `#endif`."""
     first = _DEAD_IF.search(data)
     if first is None:
         return

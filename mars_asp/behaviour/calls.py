@@ -110,7 +110,7 @@ def prepared(
     *,
     knows: bool = False,
 ) -> Callable[..., Any]:
-    """Return what takes the inputs of one computation and returns its result.
+    """Return a function that takes the inputs of one computation and returns its result.
 
     Of an input of which nothing but the source is known, `inputs` has that alone; `None` is for
     inputs that are not known. The values come in this order, and each goes to the parameter of the
@@ -227,7 +227,7 @@ def _handing(
 
 
 def _signature(target: Callable[..., Any]) -> Signature | None:
-    """Return what an object takes; `None` where Python does not know it."""
+    """Return the parameters of an object, or None if Python does not know them."""
     try:
         return inspect.signature(target, eval_str=True)
     except Exception:  # an annotation that Python cannot read may raise anything

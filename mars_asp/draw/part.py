@@ -53,7 +53,7 @@ def _has_port(line: Line, boxes: Collection[int], port: str) -> bool:
 def fitting(
     picture: Picture, width: Callable[[Picture], float], name: str | None = None
 ) -> Picture:
-    """Return what a screen has room for of a large picture: what is near the box of a name.
+    """Return the part of a large picture that fits a screen: the boxes near one with a name.
 
     Without a name that is the busiest one. `width` is how wide a picture is drawn.
     """

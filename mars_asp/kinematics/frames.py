@@ -48,7 +48,7 @@ class KinematicTree:
     joints: Mapping[str, tuple[Joint, ...]]
 
     def ancestors(self, name: str) -> tuple[str, ...]:
-        """Return what carries a module, nearest first."""
+        """Return the carriers of a module, nearest first."""
         found = []
         while name in self.carrier:
             name = self.carrier[name]

@@ -148,7 +148,7 @@ def _shares(joints: Sequence[Joint], columns: Matrix, index: int) -> Shares:
 
 
 def _in_degrees(function: str, turns: bool) -> float:
-    """Return what takes a share in radians to one in degrees, for a unit of degrees or mm."""
+    """Return the factor from a share in radians to one in degrees, for a unit of degrees or mm."""
     turned = function.startswith("Rotn")
     if turned == turns:
         return 1.0

@@ -129,7 +129,7 @@ def split(tokens: Sequence[SourceToken], angles: bool = True) -> list[list[Sourc
 
 
 def before(tokens: Sequence[SourceToken], sign: str) -> Sequence[SourceToken]:
-    """Return what stands before a sign that is outside of all brackets."""
+    """Return the tokens before a sign outside of all brackets."""
     index = 0
     while index < len(tokens):
         text = tokens[index].text

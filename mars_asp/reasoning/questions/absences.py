@@ -51,7 +51,7 @@ class Absence:
 
     @property
     def title(self) -> str:
-        """Return what is asked for, as `--why-not` takes it."""
+        """Return the absent thing in the syntax of `--why-not`."""
         return f"{self.kind}({self.module})"
 
 

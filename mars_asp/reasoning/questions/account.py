@@ -1,4 +1,4 @@
-"""Accounts of consequences and nodes: a sentence, the user's lines behind it, and what follows.
+"""Explanations of consequences and nodes: a sentence, the user's lines, and further sentences.
 
 What is told `rules/account` decides, words included; here it is read, and what its terms stand for
 is written as users write it.
@@ -54,7 +54,7 @@ _NODE = clingo.Function("node")
 
 @dataclass(frozen=True, slots=True)
 class Cited:
-    """A line of the user's, where that is in words, and what is said beside it."""
+    """A line of the user, its location in words, and the label beside it."""
 
     span: Span
     place: str
@@ -63,7 +63,7 @@ class Cited:
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """What is told of a consequence or node: a sentence, lines, and further sentences.
+    """The explanation of a consequence or node: a sentence, lines, and further sentences.
 
     `rules` are the ids of the rules that tell it.
     """
@@ -114,7 +114,7 @@ class TermNames:
         return self._place(as_symbol(thing))
 
     def order(self, term: TermId) -> "_Order":
-        """Return what a term of an order is compared by: modules are in the order of the file."""
+        """Return the sort key of a term: modules are in the order of the file."""
         found = self._orders.get(term)
         if found is None:
             found = self._orders[term] = tuple(map(self._place_of, _flatten(as_symbol(term))))
@@ -186,7 +186,7 @@ _WORDS: Mapping[str, Callable[[TermNames, clingo.Symbol], str]] = {
 
 
 def _flatten(symbol: clingo.Symbol) -> Iterator[clingo.Symbol]:
-    """Yield what a tuple holds, or a term itself."""
+    """Yield the elements of nested tuples, or a term itself."""
     if symbol.type == clingo.SymbolType.Function and not symbol.name:
         for each in symbol.arguments:
             yield from _flatten(each)
@@ -307,7 +307,7 @@ def _account(parts: Mapping[str, Sequence[RenderedMessage]], names: TermNames) -
 
 
 def _cited(cites: Sequence[RenderedMessage], names: TermNames) -> Iterator[Cited]:
-    """Yield the lines in their order, each once, with all that is said beside it."""
+    """Yield the lines in their order, each once, with all of its labels."""
     # Two things may be on one line.
     lines: dict[tuple[str, int], tuple[_Order, Span]] = {}
     labels: dict[tuple[str, int], dict[str, None]] = {}
@@ -328,7 +328,7 @@ def _sentence(each: RenderedMessage, names: TermNames) -> str:
 def _sorted_messages(
     told: Sequence[RenderedMessage], names: TermNames
 ) -> Sequence[RenderedMessage]:
-    """Return what is told by its order, then by rules, then by values."""
+    """Return messages sorted by order, then by rules, then by values."""
     if len(told) < 2:
         return told
     by_values = told if _are_few(told) else sorted(told, key=lambda each: text(each.values))
@@ -336,7 +336,7 @@ def _sorted_messages(
 
 
 def _are_few(told: Sequence[RenderedMessage]) -> bool:
-    """Whether each of them is told by a rule of its own, so that values decide nothing."""
+    """Whether each message has a rule of its own, so that values decide nothing."""
     return len({each.number for each in told}) == len(told)
 
 
@@ -477,7 +477,7 @@ def true_atoms(
 
 
 def names_of(project: Project, nodes: Iterable[IntroducedNode]) -> TermNames:
-    """Return what terms in sentences about a project and its nodes stand for."""
+    """Return the names and locations of terms in sentences about a project and its nodes."""
     configuration = project.configuration
     described = described_modules(configuration, project.modules)
     places: dict[int | str | tuple[str], Span] = {

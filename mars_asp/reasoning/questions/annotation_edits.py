@@ -31,7 +31,7 @@ class NoPlaceError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Marks:
-    """How a comment line is written: what stands before an annotation, and what behind it."""
+    """The form of a comment line: the text before an annotation, and the text after it."""
 
     before: str
     behind: str
@@ -132,11 +132,11 @@ class Annotations:
         return self._places[span.line, span.column]
 
     def _at(self, directive: Directive, index: int) -> int:
-        """Return the offset in the draft of a character behind an annotation's word."""
+        """Return the offset in the draft of a character after an annotation's word."""
         return self._draft.offset(*self._source.position(directive.place(self._source, index)))
 
     def _inside(self, module: Module) -> list[Directive]:
-        """Return the annotations of a module behind its `@module_start`, the last its end."""
+        """Return the annotations of a module after its `@module_start`, the last its end."""
         first = self._index(module.span) + 1
         last = next(n for n in range(first, len(self._found)) if self._is_end(n))
         return self._found[first : last + 1]
@@ -156,7 +156,7 @@ class Annotations:
         return self._found[first : last + 1]
 
     def _adjoin(self, index: int) -> bool:
-        """Say whether no code stands between an annotation and the next one."""
+        """Whether there is no code between an annotation and the next one."""
         begin, end = self._found[index].until, self._found[index + 1].offset
         return not self._source.stretch(begin, end, end - begin).code.strip()
 
@@ -172,7 +172,7 @@ class Annotations:
             self._draft.delete(line)
 
     def _marks(self, directive: Directive) -> _Marks | None:
-        """Return how the line of an annotation is written; nothing where code stands before it."""
+        """Return the form of the line of an annotation, or None if code precedes it."""
         line, column = self._source.position(directive.offset)
         before = self._draft.line(line)[: column - 1]
         if not (_LINE_MARK.fullmatch(before) or _BLOCK_MARK.fullmatch(before)):
@@ -182,14 +182,14 @@ class Annotations:
         return _Marks(before, " */" if after.startswith("*/") else "")
 
     def _mark(self, like: Directive) -> str:
-        """Return what begins a comment of its own, as another annotation shows it."""
+        """Return the start of a comment of its own, copied from another annotation."""
         marks = self._marks(like)
         if marks is not None and "*" not in marks.before:
             return marks.before.lstrip()
         return _MARKS.get(self._source.language, "// ")
 
     def _write_after(self, directive: Directive, text: str) -> None:
-        """Write an annotation on a line of its own behind another."""
+        """Write an annotation on a line of its own after another."""
         line = self._source.position(directive.end)[0]
         marks = self._marks(directive)
         if marks is None:
@@ -206,7 +206,7 @@ class Annotations:
             self._draft.insert(line, "behind", [marks.before + text + marks.behind])
 
     def _before(self, directive: Directive, lines: list[str]) -> None:
-        """Write annotations on lines of their own before another; behind it where code precedes."""
+        """Write annotations on lines of their own before another; after it if code precedes."""
         marks = self._marks(directive)
         line = self._source.position(directive.offset)[0]
         if marks is None:

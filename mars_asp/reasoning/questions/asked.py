@@ -1,4 +1,4 @@
-"""What is asked for where an absence is asked about, and what is wrong with such a question."""
+"""Questions about an absence, and the errors of such a question."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -49,7 +49,7 @@ def at_module(kind: str, name: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
 
 
 class AbsenceQuestion(NamedTuple):
-    """What is asked: a kind of consequence or node of a module or any, or an atom."""
+    """A question: a kind of consequence or node of a module or any, or an atom."""
 
     shown: str
     patterns: tuple[clingo.Symbol, ...]
@@ -58,7 +58,7 @@ class AbsenceQuestion(NamedTuple):
 
     @property
     def is_node(self) -> bool:
-        """Whether a node is asked for."""
+        """Whether the question is about a node."""
         return any(pattern.name != "consequence" for pattern in self.patterns) and bool(self.kind)
 
 
@@ -127,7 +127,7 @@ class Vocabulary:
         )
 
     def question(self, subject: str) -> AbsenceQuestion:
-        """Return what a subject asks for."""
+        """Return the question of a subject."""
         call = _CALL.fullmatch(subject)
         if call is not None:
             name = call[2] if call[2] is not None else call[3]
@@ -147,7 +147,7 @@ class Vocabulary:
         return AbsenceQuestion(subject, (self._known_atom(subject),))
 
     def _module_term(self, name: str | None, word: str) -> tuple[clingo.Symbol, str]:
-        """Return the term of a name, or of any, and how what is asked is called."""
+        """Return the term of a name, or of any, and the name of the thing in the answer."""
         if name in (None, "", "_"):
             return hole(), word
         # What rules of the base say is about modules.

@@ -55,7 +55,7 @@ def blame(
     module: str | None,
     gives: Callable[[Project], bool],
 ) -> Blame | None:
-    """Return why there is nothing of a kind for a module, or for any; `None` where no rule says.
+    """Return why there is nothing of a kind for a module, or for any; None if no rule states it.
 
     `gives` is whether there is one in a project.
 
@@ -80,7 +80,7 @@ def blame(
 def reasons(
     project: Project, rulebook: Rulebook, kinds: Iterable[str], modules: Iterable[str]
 ) -> Iterator[tuple[str, str, Blame]]:
-    """Yield why there is nothing of each kind for each module, where a rule says so, in any order.
+    """Yield why there is nothing of each kind for each module, if a rule states it, in any order.
 
     All are asked in one grounding; no change is proposed or tried. What is there may have a reason
     as well, which then means nothing.
@@ -111,7 +111,7 @@ def _sought_everywhere(kind: str) -> Atom:
 
 
 def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]:
-    """Yield where the inputs and outputs are described that are asked for."""
+    """Yield the locations of the inputs and outputs in question."""
     queries = {str(name) for question in questions for name in question.arguments[1:]}
     ports = {name: port for name, port in port_names(project).items() if name in queries}
     if not ports:
@@ -181,7 +181,7 @@ class _Told:
         }
 
     def of(self, signature: Signature) -> Iterator[RenderedMessage]:
-        """Yield what rules that derive a predicate say."""
+        """Yield the messages of rules that derive a predicate."""
         return (each for each in self._every if each.rule.derives(signature))
 
     def text(self, told: RenderedMessage) -> str:
@@ -208,7 +208,7 @@ class _Told:
 
     @cached_property
     def _cited(self) -> Mapping[clingo.Symbol, Sequence[clingo.Symbol]]:
-        """Return what each reason cites."""
+        """Return the lines that each reason cites."""
         cited: dict[clingo.Symbol, list[clingo.Symbol]] = {}
         for each in self._grounding.symbols("cites", 4):
             *reason, identifier = each.arguments

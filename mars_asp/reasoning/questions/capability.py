@@ -83,7 +83,7 @@ class CapabilityAnswer:
 
     @property
     def able(self) -> bool:
-        """Whether everything that is asked can be done at one time."""
+        """Whether all demands can be met at one time."""
         return all(verdict.able for verdict in self.verdicts)
 
 
@@ -130,7 +130,7 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAn
 
 
 def _accounts(project: Project, evidence: Evidence, count: int) -> Sequence[Account]:
-    """Return what is told of each demand."""
+    """Return the answer about each demand."""
     keys: list[Key] = [(_KIND, as_term(clingo.Number(i)), _CASE) for i in range(1, count + 1)]
 
     def atoms_of(read: Sequence[Signature]) -> Mapping[Signature, Sequence[TermId]]:

@@ -71,7 +71,7 @@ class Change(Generic[Item]):
 
     @property
     def item(self) -> Item:
-        """Return what changed, as it is now, or was where it is gone."""
+        """Return the changed thing as it is now, or as it was if it is gone."""
         item = self.old if self.new is None else self.new
         assert item is not None
         return item
@@ -264,7 +264,7 @@ class _Texts:
 
 
 def _stated_besides(project: Project) -> Iterator[Fact]:
-    """Yield what lines state that no rule of analysis is told."""
+    """Yield the values of lines that are facts of no rule of analysis."""
     yield from mount_tuples("mount_tuple", project.configuration)
     for module in described_modules(project.configuration, project.modules).values():
         for each in module.functions:

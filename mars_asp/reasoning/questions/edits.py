@@ -104,7 +104,7 @@ class EditedTexts:
         return {path: MarsFile(path, text) for path, text in texts.items()}
 
     def hertz(self, rate: Symbol) -> Fraction | None:
-        """Return the rate of a term; `None` where it stands for none."""
+        """Return the rate of a term, or None if it represents none."""
         return self._rates.hertz(rate.number) if rate.type == SymbolType.Number else None
 
     @cached_property
@@ -558,7 +558,7 @@ def _remove(drafts: _Drafts, number: Symbol) -> None:
 
 
 def _declare(drafts: _Drafts, source: Symbol, target: Symbol) -> None:
-    """Write a module block behind the last one, else at the end of the file."""
+    """Write a module block after the last one, else at the end of the file."""
     ends = source.string, target.string
     name = drafts.free_name()
     block = ["@module_start", f"@module_name {name}", "@Converts"]

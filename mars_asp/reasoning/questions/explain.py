@@ -268,7 +268,7 @@ def _nothing_of(
     synthesis: Synthesis | None,
     analysis: Analysis,
 ) -> MarsError:
-    """Return the error that a module has nothing of the sort that was asked for."""
+    """Return the error that a module has nothing of the requested sort."""
     if not concerned:
         return unconcerned(subject, project)
     if synthesis is None:
@@ -323,7 +323,7 @@ def _converter_of(node: IntroducedNode) -> str | None:
 def _node_atom(
     node: IntroducedNode, evidence: Evidence, synthesis: Synthesis | None
 ) -> clingo.Symbol:
-    """Return what decides that there is a node: the atom by which it is called, if it is one."""
+    """Return the atom that decides that there is a node: the term of the node, if it is an atom."""
     term, grounding = clingo.parse_term(node.term), evidence.analysis.grounding
     if synthesis is None or grounding.control.symbolic_atoms[term] is not None:
         return term

@@ -431,7 +431,7 @@ class FindingCounts:
         self._messages = Counter(map(_message, self._consequences))
 
     def lacks(self, finding: Consequence, before: "FindingCounts") -> bool:
-        """Say whether a finding of `before` is gone, and none of its kind stands in its place."""
+        """Whether a finding of `before` is gone, and no other of its kind replaces it."""
         about, message = _kind_and_subject(finding), _message(finding)
         return (
             self._kind_and_subject[about] < before._kind_and_subject[about]

@@ -31,7 +31,7 @@ class StatedRelationship(NamedTuple):
 
     @property
     def line(self) -> str:
-        """Return the line that says it."""
+        """Return the line that states it."""
         return f"{self.left} {self.keyword} {self.right}"
 
     @property
@@ -107,7 +107,7 @@ def _end_text(text: str) -> str:
 
 
 def _said(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
-    """Yield what states a relationship; ports may be left out."""
+    """Yield the statements of a relationship, also without ports."""
     match line:
         case Mount():
             yield StatedRelationship("is_mounted_on", written(line.mounting), written(line.mounted))

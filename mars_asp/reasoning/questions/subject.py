@@ -1,4 +1,4 @@
-"""What a question names, and what is said where it names nothing that is there."""
+"""The things that a question names, and the errors of a name without a thing."""
 
 import re
 from collections.abc import Iterable, Sequence, Set

@@ -284,7 +284,7 @@ def is_there(shown: str, resolves: Sequence[str], number: int = 1) -> str:
 
 
 def holds(shown: str, message: str = "") -> str:
-    """Return the answer that something else holds, with what is said of it."""
+    """Return the answer that something holds, with its message."""
     return f"{shown} holds{f': {message}' if message else ''}."
 
 
@@ -301,7 +301,7 @@ def _times(number: int) -> str:
 
 
 def node_term(held: clingo.Symbol, kind: str | None) -> str:
-    """Return the atom by which a node is called, of one that stands for it at a module."""
+    """Return the term of a node, from an atom that represents it at a module."""
     if kind == "arbitration_node" and held.name == "receives":
         return str(clingo.Function("arbiter", held.arguments[1].arguments))
     if held.match("inserted_at", 3):
@@ -382,7 +382,7 @@ def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
 
 
 def _never(_: Project) -> bool:
-    """Return that no change gives what is asked for."""
+    """Return False: no change gives a named node."""
     return False
 
 
@@ -470,7 +470,7 @@ def _first_words(words: Sequence[str]) -> Sequence[str]:
 
 
 def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
-    """Leave out rules that could give any kind of consequence where others name the one asked."""
+    """Leave out rules that could give any kind of consequence if others name the kind."""
     if pattern.name != "consequence" or not isinstance(trace, Underivable):
         return trace
     named = tuple(a for a in trace.attempts if kinds_of(a.rule) is not None)
