@@ -61,6 +61,11 @@ def _brief(value: object) -> str:
     return f"<{type(value).__name__}>"
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun: `1 error`, `2 errors`."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def listing(texts: Sequence[str]) -> str:
     """Return texts as a list in a sentence: `A, B and C`; empty for none."""
     return " and ".join(filter(None, (", ".join(texts[:-1]), *texts[-1:])))

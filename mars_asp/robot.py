@@ -33,7 +33,7 @@ from mars_asp.cli.explain import (
     why_not_paragraphs,
 )
 from mars_asp.cli.import_robot import check_one_tree, foreign_text
-from mars_asp.cli.layout import columns, counted
+from mars_asp.cli.layout import columns
 from mars_asp.cli.lines import line_text, lines_of, remember
 from mars_asp.cli.reason import (
     JUDGING,
@@ -63,7 +63,7 @@ from mars_asp.model.declarations import Configuration, Control, Data, Module, Mo
 from mars_asp.model.described import described_modules, module_classes
 from mars_asp.model.names import read_name
 from mars_asp.model.rates import as_number
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, findings
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.facts.compile import facts_text

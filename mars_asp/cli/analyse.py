@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from mars_asp.cli.again import command
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
 from mars_asp.cli.reason import (
     JUDGING,
@@ -23,7 +23,7 @@ from mars_asp.cli.report import colours, finding_lines, paint, report
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.selection import Selected, Selection, add_selection, hidden_text
 from mars_asp.diagnostic import Span
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
 from mars_asp.reasoning.findings import SEVERITIES
 from mars_asp.reasoning.project import Project, has_mounts

@@ -13,12 +13,12 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.cli.layout import counted
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.language.toml_text import long_number
+from mars_asp.output import counted
 from mars_asp.reasoning.analysis import Consequence
 
 _FORMAT, _VERSION = "mars-baseline", 1

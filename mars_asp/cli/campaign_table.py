@@ -5,7 +5,7 @@ from math import inf
 from typing import Any, TextIO
 
 from mars_asp.cli.layout import cells as width_of
-from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.layout import columns, wrapped
 from mars_asp.execution.campaign.summary import (
     MOST_WORST,
     QUANTILES,
@@ -21,7 +21,7 @@ from mars_asp.execution.campaign.summary import (
     worst,
 )
 from mars_asp.execution.scenario.vary import written_change
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 
 _Result = Mapping[str, Any]
 #: How the table calls quantities, and their units.

@@ -10,7 +10,7 @@ from mars_asp.asp.cases import Check, Failure, Outcome
 from mars_asp.asp.cases.outcomes import difference
 from mars_asp.cli.encode import encoded
 from mars_asp.diagnostic import Diagnostic, Span
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 
 
 class CaseFileResult(NamedTuple):
@@ -45,7 +45,7 @@ def print_outcomes(
             for line in _failure_lines(check):
                 print(line)
     updated = sum(outcome.updated is not None for outcome in outcomes) if arguments.update else 0
-    files = f"{updated} file{'s' * (updated != 1)}"
+    files = counted(updated, "file")
     print(f"{passed} passed, {failed} failed{f', {files} updated' if updated else ''}")
     for line in lines:
         print(line)

@@ -14,7 +14,6 @@ from mars_asp.cli.deliver import file_key, replace_files, write_closing, write_f
 from mars_asp.cli.excluded import add_exclusion
 from mars_asp.cli.fmt import unified_diff
 from mars_asp.cli.folding import instances_of
-from mars_asp.cli.layout import counted
 from mars_asp.cli.lines import forget, remember
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import (
@@ -39,6 +38,7 @@ from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, whole_file
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
 from mars_asp.language.text_edits import ConflictError, edited_bytes
+from mars_asp.output import counted
 from mars_asp.reading import OUTSIDE, is_hidden
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from mars_asp.cli.deliver import write_closing, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.folding import fold
-from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.lines import line_text
 from mars_asp.cli.publish import is_remark
 from mars_asp.cli.reason import STANDARD_INPUT
@@ -29,7 +29,7 @@ from mars_asp.cli.report import (
 from mars_asp.cli.results import Result
 from mars_asp.cli.selection import hidden_text
 from mars_asp.diagnostic import Severity, brief
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.questions.repair import Repair

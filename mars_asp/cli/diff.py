@@ -12,7 +12,7 @@ from mars_asp.cli.lines import line_at, lines_of
 from mars_asp.cli.reason import check_inputs, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
 from mars_asp.diagnostic import Span
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.questions.diff import Change, Difference, diff
 from mars_asp.reasoning.rules import COSTS
@@ -101,7 +101,7 @@ def difference_lines(found: Difference, coloured: bool, quiet: bool, width: int)
         return
     if found.is_empty:
         count = len({(span.path, span.line) for span in (*found.added, *found.removed)})
-        lines = f"{count} line{'s' * (count > 1)} changed, but"
+        lines = f"{counted(count, 'line')} changed, but"
         yield f"{lines} no consequence and no node" if count else "nothing changed"
     yield from _cost_line(found)
 

@@ -14,7 +14,7 @@ from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.again import command
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, compared, counted, wrapped
+from mars_asp.cli.layout import columns, compared, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import (
@@ -33,7 +33,7 @@ from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.findings import consequence_kinds
@@ -592,5 +592,5 @@ def _summary(answer: Explanation) -> str:
         return "no node is needed"
     proof = "proven: no specification has fewer" if resolution.proven else "best found"
     count = resolution.count
-    others = "" if count is None else f"; {count} such specification{'s' * (count != 1)}"
-    return f"{nodes} node{'s' * (nodes > 1)}, {proof}{others}"
+    others = "" if count is None else f"; {counted(count, 'such specification')}"
+    return f"{counted(nodes, 'node')}, {proof}{others}"

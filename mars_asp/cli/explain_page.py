@@ -19,7 +19,6 @@ import clingo
 from mars_asp.asp.trace.document import trace_lines
 from mars_asp.asp.trace.text import traces_text
 from mars_asp.asp.trace.tree import Unexplained
-from mars_asp.cli.layout import counted
 from mars_asp.cli.lines import line_at, lines_of
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.draw import Picture, depict
@@ -30,7 +29,7 @@ from mars_asp.draw.picture import NumberedFinding
 from mars_asp.draw.svg import svg_text
 from mars_asp.exchange.lift import realised_by, with_own_muxes
 from mars_asp.model.declarations import Configuration
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.absences import Absence

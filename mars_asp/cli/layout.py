@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 from mars_asp.asp.units import UNIT
-from mars_asp.output import listing
+from mars_asp.output import counted, listing
 
 #: Where nobody says how wide a line may be.
 _COLUMNS = 80
@@ -74,11 +74,6 @@ def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[s
             lines[-1].insert(0, lines[-2].pop())
     heads = [first, *(further for _ in lines[1:])]
     return [head + " ".join(words) for head, words in zip(heads, lines, strict=True)]
-
-
-def counted(number: int, noun: str) -> str:
-    """Return a number with its noun: `1 error`, `2 errors`."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 #: The units of costs that count something, by their names.

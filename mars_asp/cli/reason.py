@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.cli.layout import counted
 from mars_asp.cli.lines import remember
 from mars_asp.cli.progress import detail, stage
 from mars_asp.cli.report import report
@@ -21,7 +20,7 @@ from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
 from mars_asp.model.declarations import PackKind
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.launch_trees import analyse_trees
 from mars_asp.reasoning.packs import find_packs, kinds_of

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, counted, spent, wrapped
+from mars_asp.cli.layout import columns, spent, wrapped
 from mars_asp.cli.lines import line_json, line_text
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import JUDGING, judge_project, rulebook_for
@@ -14,7 +14,7 @@ from mars_asp.cli.report import colours, paint
 from mars_asp.cli.selection import Selection
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.text_edits import LineEdit
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.repair import (

@@ -12,7 +12,7 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, wrapped
 from mars_asp.cli.lines import line_json, line_text, whole_line
 from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span, brief, whole_file
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 
 if TYPE_CHECKING:
     from mars_asp.language.text_edits import LineEdit
@@ -264,7 +264,7 @@ def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[s
         )
     more = len(diagnostic.labels) - most
     if more > 0:
-        yield f"{_INSIDE}and {more} more place{'s' * (more > 1)}"
+        yield f"{_INSIDE}and {counted(more, 'more place')}"
 
 
 def _mark(

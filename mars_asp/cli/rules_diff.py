@@ -12,7 +12,7 @@ from mars_asp.cli.lines import lines_of
 from mars_asp.cli.reason import load, only_robot
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.questions.diff import Difference, diff
@@ -86,7 +86,7 @@ def _difference_text(compared: Iterable[_Compared]) -> Iterator[str]:
             yield f"{each.path}:"
             yield from (f"  {line}" for line in lines)
     if same:
-        yield f"unchanged: {same} configuration{'s' * (same > 1)}"
+        yield f"unchanged: {counted(same, 'configuration')}"
 
 
 def _changes(found: Difference) -> Iterator[str]:

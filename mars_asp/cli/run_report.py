@@ -8,10 +8,9 @@ from string import Template
 from typing import Any
 from urllib.parse import quote
 
-from mars_asp.cli.layout import counted
 from mars_asp.cli.winners import Row, in_turn
 from mars_asp.draw.page import whole_page
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 
 #: Longer tables are cut, and say so.
 MOST_ROWS = 1_000
@@ -70,7 +69,7 @@ def _summary(run: Mapping[str, Any]) -> str:
     near = "" if clearance is None else f", least clearance {clearance:.0f} mm"
     count = run["collisions"]
     return (
-        f"{run['seconds']:g} s, seed {run['seed']}: {count} collision{'s' * (count != 1)}{near}, "
+        f"{run['seconds']:g} s, seed {run['seed']}: {counted(count, 'collision')}{near}, "
         f"{run['driven_mm']:.0f} mm driven"
     )
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
-from mars_asp.cli.layout import counted
 from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
 from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import (
@@ -26,6 +25,7 @@ from mars_asp.diagnostic import (
     is_input_error,
     whole_file,
 )
+from mars_asp.output import counted
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 from mars_asp.reasoning.project import Project

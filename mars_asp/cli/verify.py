@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import (
@@ -25,7 +25,7 @@ from mars_asp.cli.reason import (
 from mars_asp.cli.report import report, report_unrealisable
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Module
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import by_name

@@ -17,9 +17,8 @@ from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from mars_asp.cli.layout import counted
 from mars_asp.draw.page import whole_page
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 
 if TYPE_CHECKING:
     from mars_asp.execution.judgement import Judgement

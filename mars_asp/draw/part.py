@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from mars_asp.draw.picture import Line, LineKind, Picture
+from mars_asp.output import counted
 
 #: How wide most screens are, in px.
 SCREEN = 1920
@@ -130,7 +131,7 @@ def _noted(
     noted = list(picture.boxes)
     for box, number in more.items():
         if number:
-            words = f"{number} more line{'' if number == 1 else 's'}"
+            words = counted(number, "more line")
             note = f"{noted[box].note}; {words}" if noted[box].note else words
             noted[box] = replace(noted[box], note=note)
     lines = tuple(line for line in picture.lines if line in among)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from mars_asp.lsp.places import Range
 from mars_asp.lsp.robot import DocumentContext, EditorRobot
+from mars_asp.output import counted
 
 #: So many nodes are named; of others there is their number.
 _MOST_NAMED = 3
@@ -43,7 +44,7 @@ def _lens_title(robot: EditorRobot, name: str) -> str:
     parts = []
     about = len(robot.consequences.get(name, ()))
     if about:
-        parts.append(f"{about} consequence{'s' * (about > 1)}")
+        parts.append(counted(about, "consequence"))
     nodes = (robot.nodes or {}).get(name, ())
     if nodes:
         named = ", ".join(nodes) if len(nodes) <= _MOST_NAMED else f"{len(nodes)} nodes"
@@ -54,12 +55,12 @@ def _lens_title(robot: EditorRobot, name: str) -> str:
 def _summary(scene: DocumentContext, robot: EditorRobot) -> str:
     """Return how much was found in the robot, and how many nodes its specification adds."""
     found = {title for titles in robot.consequences.values() for title in titles}
-    parts = [f"{len(found)} consequence{'s' * (len(found) != 1)}"]
+    parts = [counted(len(found), "consequence")]
     for severity in ("error", "warning"):
         number = sum(each.severity == severity for each in scene.findings)
         if number:
-            parts.append(f"{number} {severity}{'s' * (number > 1)}")
+            parts.append(counted(number, severity))
     if robot.nodes is not None:
         nodes = {node for names in robot.nodes.values() for node in names}
-        parts.append(f"{len(nodes)} node{'s' * (len(nodes) != 1)}")
+        parts.append(counted(len(nodes), "node"))
     return ", ".join(parts)

@@ -66,6 +66,7 @@ from mars_asp.model.graph import (
     Renaming,
     RepeatedKey,
 )
+from mars_asp.output import counted
 from mars_asp.spelling import nearest
 
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
@@ -960,7 +961,7 @@ class _WorkspaceRobot:
             first, *_ = self.conditional.values()
             verb = "depends" if len(self.conditional) == 1 else "depend"
             message = (
-                f"{_with_plural(len(self.conditional), 'node')} {verb} on conditions, "
+                f"{counted(len(self.conditional), 'node')} {verb} on conditions, "
                 "of which every branch was read"
             )
             self.problems.append(Diagnostic("launch", "note", message, first, kind="launch"))
@@ -968,7 +969,7 @@ class _WorkspaceRobot:
             spans = self.catalogued
             names = ", ".join(f"`{name}`" for name in list(spans)[:_MOST_NAMED])
             more = ", ..." if len(spans) > _MOST_NAMED else ""
-            described = _with_plural(len(spans), "node")
+            described = counted(len(spans), "node")
             message = f"the topics of {described} are from the catalogue: {names}{more}"
             first = next(iter(spans.values()))
             self.problems.append(Diagnostic("catalogue", "note", message, first, kind="catalogue"))
@@ -991,7 +992,3 @@ def _value_of(given: GivenParameter | None, default: str | None) -> str | None:
     if given is None:
         return default
     return given.text if given.is_known else None
-
-
-def _with_plural(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from mars_asp.execution.executor.link import Link, Message, Observer
 from mars_asp.execution.executor.schedule import Schedule
+from mars_asp.output import listing
 
 #: The module that a stop or an average is ascribed to where no single one commanded it.
 NOBODY = ""
@@ -178,8 +179,8 @@ class HierarchicalArbitration:
         others = [i for i in self.inputs if i is not winner and i.until > now]
         lower = [f"{i.link.source} ({i.link.priority})" for i in others if i.link.priority < own]
         equal = [i.link.source for i in others if i.link.priority == own]
-        lines = [f"priority {own} outranks {_enumeration(lower)}"] if lower else []
-        lines += [f"later than {_enumeration(equal)} of the same priority {own}"] if equal else []
+        lines = [f"priority {own} outranks {listing(lower)}"] if lower else []
+        lines += [f"later than {listing(equal)} of the same priority {own}"] if equal else []
         return ", ".join(lines) or "alone in force"
 
     def _hold(self, holder: str, why: Callable[[], str], through: str = NOBODY) -> None:
@@ -190,7 +191,3 @@ class HierarchicalArbitration:
         self.holdings.append(Holding(self.name, holder, now, reason, through))
         if self.observe is not None:
             self.observe(now, "holds", self.name, [holder, reason])
-
-
-def _enumeration(names: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

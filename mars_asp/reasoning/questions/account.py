@@ -24,6 +24,7 @@ from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, a
 from mars_asp.diagnostic import Span
 from mars_asp.model.described import described_modules
 from mars_asp.model.rates import as_written
+from mars_asp.output import counted
 from mars_asp.reasoning.analysis import Consequence, Key
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
 from mars_asp.reasoning.facts.rates import Rates, rates_in
@@ -177,7 +178,7 @@ _WORDS: Mapping[str, Callable[[TermNames, clingo.Symbol], str]] = {
     "hz": TermNames._hz,
     "sends": lambda names, rate: f"delivers at {names.word(rate)}",
     "offers": lambda names, mode: f"offers {names.word(mode)}",
-    "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
+    "lines": lambda _, count: counted(count.number, "line"),
     "on_lines": lambda _, count: f" on {count.number} lines" if count.number else "",
     "splitters_for": TermNames._splitters_for,
     "itself": lambda names, module: f"`{names.word(module)}`",

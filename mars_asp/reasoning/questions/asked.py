@@ -13,6 +13,7 @@ from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.trace.patterns import hole, is_hole, pattern_in
 from mars_asp.diagnostic import MarsError
 from mars_asp.model.declarations import ends_of, node_names
+from mars_asp.output import counted
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 from mars_asp.reasoning.project import port_names
@@ -227,7 +228,7 @@ class Vocabulary:
         if not same:
             return self._unknown_predicate(name)
         return self._query_error(
-            f"no rule and no fact gives `{name}` with {arity} argument{'s' * (arity != 1)}",
+            f"no rule and no fact gives `{name}` with {counted(arity, 'argument')}",
             f"write `{name}(NAME, NAME)`"
             if name in RELATIONSHIPS
             else f"there is {' and '.join(f'`{kind}`' for kind in same)}",

@@ -13,6 +13,7 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
 from mars_asp.diagnostic import Span
+from mars_asp.output import counted
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.account import TermNames, names_of, reads, telling, true_atoms
 from mars_asp.reasoning.session import Evidence
@@ -131,8 +132,5 @@ def places(spans: Iterable[Span], path: str) -> str:
         far = f"-{last}" if last > first + 1 else f", {before}{last}" if last > first else ""
         entries.append(f"{before}{first}{far}")
     more = sum(last - first + 1 for _, first, last in stretches[_MOST_STRETCHES:])
-    return f"{', '.join(entries)}{f' and {more} more line{_s(more)}' if more else ''}"
-
-
-def _s(number: int) -> str:
-    return "" if number == 1 else "s"
+    rest = f" and {counted(more, 'more line')}" if more else ""
+    return f"{', '.join(entries)}{rest}"
