@@ -73,12 +73,12 @@ def predicate_of(stage: str) -> str:
 
 
 def said(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> Iterator[RenderedMessage]:
-    """Yield what rules say whose `saying` was grounded with them."""
+    """Yield the messages of rules whose `saying` was grounded with them."""
     return (heard(atom, rules) for atom in atoms(control, predicate_of(stage), 3, True))
 
 
 def heard(atom: TermId, rules: Sequence[Rule]) -> RenderedMessage:
-    """Return what an atom keeps of what one of some rules says."""
+    """Return the message that an atom holds, of one of some rules."""
     place, head, values = arguments(atom)
     number = _number(place)
     return RenderedMessage(number, rules[number], head, values)
@@ -116,7 +116,7 @@ def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment
 def labels(
     control: clingo.Control, stage: str, listed: Sequence[tuple[Rule, Label]]
 ) -> Iterator[Labelled]:
-    """Yield what rules say of terms whose `labelling` was grounded with them, rule by rule."""
+    """Yield the labels of terms, rule by rule, if `labelling` was grounded with the rules."""
     found = map(arguments, atoms(control, f"_label_{stage}", 4, True))
     for place, head, term, values in sorted(found, key=lambda each: list(map(as_symbol, each))):
         label = listed[as_symbol(place).number][1]

@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
-    """Return what a URDF document says, and how that is printed.
+    """Return a parsed URDF document, and its `.mars` text.
 
     Raises:
         MarsError: what is wrong with the document.
@@ -81,7 +81,7 @@ def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
 
 
 def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
-    """Return what the files of others say, and how that is printed.
+    """Return the parsed foreign files, and their `.mars` text.
 
     Raises:
         MarsError: what is wrong with the files.

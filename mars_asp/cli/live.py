@@ -24,7 +24,7 @@ _T = TypeVar("_T")
 def live_line(
     arguments: argparse.Namespace, line_of: Callable[[_T, float], str]
 ) -> Iterator[Callable[[_T], None]]:
-    """Yield what shows how far something is; the line is gone at the end.
+    """Yield a function that shows the progress; its line is removed at the end.
 
     `line_of` returns the line, of what is shown and the seconds that it took until now.
     """

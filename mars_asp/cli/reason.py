@@ -172,7 +172,7 @@ def _with_kinds(parsed: Parsed, arguments: argparse.Namespace) -> Parsed:
 
 
 def _brought(arguments: argparse.Namespace, is_asked: bool) -> tuple[object, ...]:
-    """Return what packs bring besides rules: kinds of nodes, and attributes where it `is_asked`.
+    """Return the content of packs besides rules: kinds of nodes, and attributes if `is_asked`.
 
     Otherwise no rules are read here, and the faults of packs come later.
 
@@ -186,7 +186,7 @@ def _brought(arguments: argparse.Namespace, is_asked: bool) -> tuple[object, ...
 def _parse(
     arguments: argparse.Namespace, path: str, text: str | None, further: Sequence[str] = ()
 ) -> tuple[Parsed, str, str | None]:
-    """Return what a file says, its text, and the format that it is in where it is not ours.
+    """Return a parsed file, its text, and its format if it is foreign.
 
     `further` are files of others that say more of the same robot.
 

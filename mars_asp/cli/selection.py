@@ -235,7 +235,7 @@ class Selection:
         return not ignores and choice == _Choice(None, frozenset(), None)
 
     def _said_of(self, project: Project) -> tuple[_Choice, tuple[Ignore, ...]]:
-        """Return what is said for a file's folder, and comments of the files of its robot.
+        """Return the selection for the folder of a file, and the comments of its robot.
 
         Raises:
             MarsError: what is wrong with the settings, or with their baseline.
@@ -426,7 +426,7 @@ def _names_in(rulebook: Rulebook) -> frozenset[str]:
 
 
 def _input_paths(arguments: argparse.Namespace) -> Sequence[str]:
-    """Return what a verb reads, which takes one FILE or several."""
+    """Return the paths of the inputs of a command."""
     files: Sequence[str] | None = getattr(arguments, "files", None)
     return [arguments.file] if files is None else files
 

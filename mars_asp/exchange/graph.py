@@ -32,7 +32,7 @@ def joined(graphs: Sequence[Graph]) -> Graph:
 
 
 def united(first: GraphNode, second: GraphNode) -> GraphNode:
-    """Return what two sources of knowledge say of one node; the first one's places stay."""
+    """Return the union of two descriptions of one node, with the locations of the first."""
     return replace(
         first,
         published=each_once((*first.published, *second.published)),

@@ -119,7 +119,7 @@ class _FormattedLines:
         yield _with_comment(line, after)
 
     def _gap(self, begin: int, end: int) -> Iterator[str]:
-        """Yield what stands between two tokens, line by line; the last line is the token's own."""
+        """Yield the text between two tokens, line by line; the last line is that of the token."""
         first, *lines = self._layout.text[begin:end].split("\n")
         yield first.strip()
         number = self._layout.position(begin)[0]

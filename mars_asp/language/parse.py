@@ -268,7 +268,7 @@ def _given_up(layout: Layout, base: int) -> Diagnostic:
 
 
 def _read_conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
-    """Return what comments of transformers say; those in module blocks are about something else."""
+    """Return the conversions in comments of transformers, outside of module blocks."""
     return tuple(
         Conversion(
             match["node"],

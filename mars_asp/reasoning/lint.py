@@ -43,7 +43,7 @@ class LintResult(NamedTuple):
 
 
 def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
-    """Return what is noteworthy about rule packs; about our own rules where there are none.
+    """Return the findings about rule packs; about the built-in rules if there are none.
 
     What packs need and lies beside them is read with them, without being looked at itself. Where
     `grounded`, packs that an analysis would take are grounded over sample robots, so that
@@ -101,7 +101,7 @@ def _is_in(span: Span, folders: Sequence[Path]) -> bool:
 
 
 def _tried(rulebook: Rulebook) -> list[Diagnostic]:
-    """Return what fails when the rules are grounded over sample robots."""
+    """Return the errors of grounding the rules over sample robots."""
     found: dict[tuple[str, Span], Diagnostic] = {}
     most = 1 if rulebook.pack_rules > _MOST_RULES else None
     for facts, span in islice(sampled(), most):

@@ -174,7 +174,7 @@ def load_rulebook(
 
 
 def brought_by(extra: Iterable[Path]) -> tuple[object, ...]:
-    """Return what rule packs bring besides rules, without what else is to be said of them.
+    """Return the content of rule packs besides rules, without their diagnostics.
 
     Raises:
         MarsError: files that cannot be read, and attributes that are declared in two ways.
@@ -273,7 +273,7 @@ def _frozen(found: Mapping[Signature, set[str]]) -> dict[Signature, frozenset[st
 
 
 def _made(files: Iterable[_RuleText]) -> list[_Read]:
-    """Return what built-in files hold, as the build has made it where they are the same."""
+    """Return the content of built-in files, from the table of the build if it is current."""
     keys = {(file.shown, file.stage, _digest(file.path)): file for file in files}
     return list(
         memoized("rules", _makers(), keys, lambda key: _read_rules(keys[key], False)).values()

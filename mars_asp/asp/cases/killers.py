@@ -56,7 +56,7 @@ class Bench:
 def judge(
     files: Sequence[MutatedFile], mutants: Sequence[Mutant], bench: Bench, jobs: int
 ) -> Iterator[MutantVerdict]:
-    """Yield what notices each mutant of the files, in no order."""
+    """Yield the killer of each mutant of the files, in no order."""
     by_path = {file.path: file for file in files}
     holes = {
         (rule.span.path, rule.span.line): rule.holes

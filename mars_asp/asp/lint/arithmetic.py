@@ -27,7 +27,7 @@ _TURNED = {">": "<", ">=": "<=", "=": "="}
 def risks(
     rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]
 ) -> Iterator[LintFinding]:
-    """Yield what rules compute that may not fit: products, and sums of numbers a user states.
+    """Yield the operations that may not fit: products, and sums of numbers that a user states.
 
     `unbounded` are the positions from 0 of such numbers in the predicates that hold them, given.
     A rule that says why what it computes `fits` is taken at its word. So is one whose comparisons

@@ -87,7 +87,7 @@ def _marks(clause: Clause) -> frozenset[_Mark]:
 
 
 def _head_pattern(clause: Clause) -> _About:
-    """Return what rules with the same head have in common: predicate and constants."""
+    """Return the predicate and the constants that rules with the same head share."""
     if not clause.heads:
         return (clause.sort, None, "")
     head = clause.heads[0][0]
@@ -145,7 +145,7 @@ def _all_match(
 
 
 def _match(general: SyntaxNode, special: SyntaxNode, binding: _Binding) -> _Binding | None:
-    """Return what the variables of one tree have to be for it to be another."""
+    """Return the substitution that makes one tree another."""
     if general.ast_type is Kind.Variable:
         text = str(special)
         if general.name == "_":

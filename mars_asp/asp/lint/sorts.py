@@ -192,7 +192,7 @@ def _wrong_constants(
 def _never(
     clause: Clause, term: SyntaxNode, values: Values, what: str, known: KnownValue
 ) -> LintFinding:
-    """Return what is said of a constant that something never is."""
+    """Return the finding about a constant that an argument never is."""
     text, values = str(term), values or frozenset()
     place = clause.place(term)
     (given,) = known.of(term, {}) or {Value(None)}

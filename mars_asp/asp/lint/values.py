@@ -100,7 +100,7 @@ class KnownValue:
                     self._arguments[signature][at] = given
 
     def arguments(self, signature: Signature) -> Sequence[Values]:
-        """Return what the arguments of a predicate are; nothing where nothing is known."""
+        """Return the possible values of the arguments of a predicate; empty if unknown."""
         return self._arguments.get(signature.unsigned, ())
 
     def alike(self, one: Value, other: Value) -> Value | None:
@@ -150,7 +150,7 @@ class KnownValue:
                     yield Use(atom, values)
 
     def environment(self, clause: Clause, scope: ClauseScope) -> dict[str, Values]:
-        """Return what the variables of a scope are, so far as that is known."""
+        """Return the possible values of the variables of a scope."""
         found: dict[str, Values] = {}
         for name, values in self._variable_values(scope):
             found[name] = self.meet(found.get(name), values)
@@ -172,7 +172,7 @@ class KnownValue:
         return found
 
     def aggregated(self, aggregate: Aggregate, environment: Environment) -> Values:
-        """Return what the value of an aggregate is: of the sort of what it adds or compares."""
+        """Return the value of an aggregate: of the sort of the terms that it adds or compares."""
         if aggregate.function in ("count", "set"):
             return NUMBERS
         found: frozenset[Value] = _NOTHING

@@ -87,7 +87,7 @@ def _exact_value(
 
 
 def _computed(sign: str, values: Sequence[int | None]) -> int | None:
-    """Return what clingo means by an operation, if it had whole numbers of any size."""
+    """Return the value of an operation in clingo, with integers of any size."""
     match sign, values:
         case "-", [int(one)]:
             return -one

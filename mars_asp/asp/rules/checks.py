@@ -126,7 +126,7 @@ class Seal:
 
 
 def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
-    """Yield what clingo says against the rules of a text; none of them is grounded here."""
+    """Yield the errors of clingo about the rules of a text; none of them is grounded here."""
     notes: list[str] = []
     control = clingo.Control(["--warn=none"], lambda _, note: notes.append(note))
     try:

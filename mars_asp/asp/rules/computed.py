@@ -60,7 +60,7 @@ class _Site(NamedTuple):
 
 
 def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...]]:
-    """Return what each of some rules computes that could leave 32 bits."""
+    """Return the operations of each of some rules that could leave 32 bits."""
     files = map(Path, (__file__, binding.__file__, statements.__file__, ast.__file__))
     # Most rules compute nothing.
     asked = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
@@ -79,7 +79,7 @@ def _fits(operand: Operand) -> bool:
 
 
 def leaves(operand: Operand) -> tuple[str, ...]:
-    """Return what an operation is made of besides numbers, each once."""
+    """Return the operands of an operation besides numbers, each once."""
     if isinstance(operand, Operation):
         found = (leaf for inner in operand.operands for leaf in leaves(inner))
         return tuple(dict.fromkeys(found))

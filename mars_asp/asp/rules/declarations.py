@@ -184,7 +184,7 @@ def docstrings(written: Iterable[Piece]) -> Iterator[Docstring]:
 def declarations(
     found_in: Iterable[Docstring], shown: str, problems: list[Diagnostic]
 ) -> Iterator[Declaration]:
-    """Yield what the comments of a file declare, each predicate once; note what is wrong."""
+    """Yield the declarations in the comments of a file, each predicate once; note the faults."""
     first: dict[Signature, Span] = {}
     for text, line, column in found_in:
         place = point(shown, line, column)

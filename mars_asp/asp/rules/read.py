@@ -98,7 +98,7 @@ def _case(text: str, shown: str) -> tuple[tuple[Piece, ...], tuple[Diagnostic, .
 
 
 def _pieces(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Piece, ...]:
-    """Return what a text is made of; nothing where clingo cannot parse it."""
+    """Return the content of a text; empty if clingo cannot parse it."""
     try:
         return tuple(pieces(text))
     except RuleSyntaxError as error:

@@ -116,7 +116,7 @@ class Rulebook:
 
     @cached_property
     def declarations(self) -> Mapping[Signature, Declaration]:
-        """Return what is declared of predicates; packs say nothing of those that are not theirs."""
+        """Return the declarations of predicates; packs declare only their own."""
         found: dict[Signature, Declaration] = {}
         for file in self.documented:
             for each in file.declarations:
@@ -126,7 +126,7 @@ class Rulebook:
         return found
 
     def declared_in(self, stage: str) -> tuple[Declaration, ...]:
-        """Return what the texts of one stage declare of predicates."""
+        """Return the declarations in the texts of one stage."""
         files = (file for file in self.documented if file.stage == stage)
         return tuple(each for file in files for each in file.declarations)
 
@@ -145,7 +145,7 @@ class Rulebook:
 
     @cached_property
     def asked(self) -> tuple[Asked, ...]:
-        """Return what the rules of packs compute that may leave 32 bits."""
+        """Return the operations of packs that may leave 32 bits."""
         own = self.of_packs
         # What metadata lists computes nothing but what the rule does whose body it has.
         rules = [rule for rule in own if rule.listed is None and rule.stage == BASE]

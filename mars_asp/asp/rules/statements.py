@@ -493,7 +493,7 @@ def costs(text: str) -> tuple[Statement, ...]:
 
 @lru_cache(maxsize=_MOST)
 def rule_operands(text: str) -> tuple[Operand, ...]:
-    """Return what `operands` does of a rule, which is asked for in turns for several things."""
+    """Return `operands` of a rule, memoized for several callers."""
     return operands(text)
 
 

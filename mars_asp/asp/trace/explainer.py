@@ -72,7 +72,7 @@ class Explainer:
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
 
     def firings(self, text: str, asked: Mapping[str, Sequence[TermId]]) -> list[Firing]:
-        """Return what explanation rules find.
+        """Return the firings that explanation rules find.
 
         They are grounded as a part of their own, with predicates of their own, so that only they
         can matter. They begin with facts of the `asked` predicates, which have the arguments of

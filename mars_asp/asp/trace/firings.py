@@ -72,7 +72,7 @@ class Firing(NamedTuple):
 
 
 def read_firings(control: clingo.Control, question: int) -> list[Firing]:
-    """Return what the explanation rules of a question found."""
+    """Return the firings that the explanation rules of a question found."""
     elements: dict[TermId, list[AggregateElement]] = {}
     for atom in _atoms(control, f"_e{question}_"):
         key, told_apart, *parts = term_ids.arguments(atom)

@@ -72,7 +72,7 @@ class GivenFacts:
         return self._externals.get(written)
 
     def words_of_absence(self, pattern: term_ids.TermId) -> SentenceRenderer | None:
-        """Return what tells an absence; `None` where nothing is declared at all."""
+        """Return the renderer of an absence, or None if nothing is declared."""
         return SentenceRenderer(self._sentences, pattern) if self._declared else None
 
 

@@ -134,12 +134,12 @@ class Proofs:
 
 
 def _beside_groups(firing: Firing, counted: CountedWithout) -> tuple[object, ...]:
-    """Return what tells a firing from others with the same groups, without looking into these."""
+    """Return the key of a firing among those with the same groups."""
     held, lacking = counted.of_all(firing.groups)
     own = frozenset(firing.premises) - held, frozenset(firing.absent) - lacking
     return firing.rule, firing.values, firing.groups, *own
 
 
 def _derivation(firing: Firing, below: Support) -> tuple[object, ...]:
-    """Return what tells a derivation from the others of its atom."""
+    """Return the key of a derivation among those of its atom."""
     return firing.rule, firing.values, *map(frozenset, below)

@@ -207,7 +207,7 @@ class _Teller:
     def _leaves(
         self, below: Sequence[Trace | NearMiss | str]
     ) -> Sequence[Trace | NearMiss | str | _Quoted]:
-        """Return what stands below a step, leaves as they are written: each line of a file once.
+        """Return the entries below a step, leaves as quoted lines: each line of a file once.
 
         Lines that follow each other are in the order of what they say and then of their places.
         """

@@ -40,7 +40,7 @@ class FlatArbitration:
         schedule.at(period, rank, self.end_period)
 
     def input(self, link: Link) -> Callable[[Message], None]:
-        """Return what takes the commands of one controller."""
+        """Return the function that takes the commands of one controller."""
         return self.arrived.append
 
     def end_period(self) -> None:
@@ -103,7 +103,7 @@ class HierarchicalArbitration:
         self.suppressed: Counter[str] = Counter()
 
     def input(self, link: Link, hold: int) -> Callable[[Message], None]:
-        """Return what takes the commands of one controller, each in force for `hold` ns."""
+        """Return the function that takes the commands of one controller, in force for `hold` ns."""
         source = _Input(link, hold)
         self.inputs.append(source)
         return lambda message: self.receive(source, message)

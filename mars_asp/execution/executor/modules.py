@@ -204,7 +204,7 @@ class Effector:
         return self.ways
 
     def input(self, link: Link) -> Callable[[Message], None]:
-        """Return what takes the commands of one link."""
+        """Return the function that takes the commands of one link."""
         return lambda message: self.receive(link, message)
 
     def receive(self, link: Link, message: Message) -> None:

@@ -235,7 +235,7 @@ class Plan:
         return mode, hz if mode.name == AT_FREQUENCY else None
 
     def carried(self, link: Link) -> tuple[Mode, Fraction | None]:
-        """Return what a link carries: as stated, else as its feeder's input, else as offered."""
+        """Return the mode and rate of a link: stated, else those of its feeder, else offered."""
         mode, hz = link.mode, link.hz
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
             fed, rate = self.made(link.source)

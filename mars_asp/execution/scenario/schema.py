@@ -350,13 +350,13 @@ def _unknown_key(
 
 
 def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return what the schema says of a place in a scenario, of several kinds the one stated."""
+    """Return the schema of a path in a scenario, of several kinds the stated one."""
     schema = _plain_schema(path, tables)
     return _of_kind(schema, _value_at(path, tables)) if "oneOf" in schema else schema
 
 
 def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return what the schema says of a place, before it is known which of several kinds it has."""
+    """Return the schema of a path before its kind is known."""
     schema = _whole_schema(tables)
     for count, part in enumerate(path, 1):
         if "oneOf" in schema:
