@@ -59,7 +59,7 @@ def is_closed(lines: Sequence[str], block: tuple[int, int]) -> bool:
 
 
 def _read_block(text: str, around: _Around) -> Module | None:
-    """Return the module of a block by itself; `None` where anything is to be noted about it."""
+    """Return the module of a block by itself, or None if anything is to be noted about it."""
     body, _, end = around[1].rpartition("\n")
     if end.strip(" \t") != _LAST or _STRANGE.search(body):
         return None

@@ -38,7 +38,7 @@ class _UnreadableError(Exception):
 
 @lru_cache(maxsize=1024)
 def representation(text: str) -> str | None:
-    """Return a type's representation name; `None` where it is unknown, `""` where it is nothing."""
+    """Return a type's representation name, or None if it is unknown, `""` where it is nothing."""
     tokens = _TOKEN.findall(re.sub(r"\[\[.*?\]\]", " ", text))
     if not tokens or len(tokens) > _MOST_TOKENS:
         return None

@@ -30,7 +30,7 @@ class RenderedMessage(NamedTuple):
 
     @property
     def message(self) -> str | None:
-        """Return the rule's message; `None` where it has none."""
+        """Return the rule's message, or None if it has none."""
         return self.filled(self.rule.because)
 
     @property

@@ -111,7 +111,7 @@ def _outcomes(
 
 
 def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
-    """Return what became of a run; nothing where its workers were lost."""
+    """Return the outcome of a run, or None if its workers were lost."""
     from distributed import KilledWorker
 
     if future.status in ("cancelled", "lost"):
@@ -148,7 +148,7 @@ _here = threading.local()
 
 
 def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome | None:
-    """Carry out a run in the runner of this thread; nothing where nobody wants it any more."""
+    """Carry out a run in the runner of this thread; return None if it is not wanted any more."""
     from distributed import get_worker
 
     if version != __version__:

@@ -244,7 +244,7 @@ def _send(pipe: IO[bytes], payload: bytes) -> None:
 
 
 def _received(pipe: IO[bytes]) -> bytes | None:
-    """Return what was sent through a pipe; nothing where it was closed."""
+    """Return the bytes sent through a pipe, or None if it was closed."""
     head = _exactly(pipe, _LENGTH)
     return None if head is None else _exactly(pipe, int.from_bytes(head, "big"))
 
@@ -348,7 +348,7 @@ class _Carrier:
         return RunOutcome(_unfinished(scenario, FAIL, text))
 
     def _contained(self, scenario: Scenario, seconds: float) -> tuple[bytes | None, str | None]:
-        """Return what a child says of a run; else how it ended, `None` where its time was over."""
+        """Return what a child says of a run; else how it ended, or None if its time was over."""
         if not hasattr(os, "fork"):
             return self._result(scenario), None
         results, result = os.pipe()
@@ -448,7 +448,7 @@ def _warm_up(rulebook: Rulebook) -> None:
 
 
 def _ended_soon(child: int) -> int | None:
-    """Return how a child ended that closed its pipe; nothing where that takes more than a moment.
+    """Return the status of a child that closed its pipe, or None if it does not end soon.
 
     It is not ended before: how it ended by itself is what is reported.
     """

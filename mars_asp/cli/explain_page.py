@@ -132,7 +132,7 @@ class _Sources:
         return visible(path.removeprefix(folder + slash))
 
     def cite(self, path: str, line: int) -> str | None:
-        """Return the id of a line in the page; `None` where the file does not have it."""
+        """Return the id of a line in the page, or None if the file does not have it."""
         self.name(path)
         if not 0 < line <= len(self._lines[path]):
             return None

@@ -38,7 +38,7 @@ def line_at(span: Span) -> str:
 
 
 def whole_line(span: Span) -> str:
-    """Return the line of a file where something begins; nothing where it cannot be read."""
+    """Return the line of a file at the start of a span; empty if it cannot be read."""
     return linecache.getline(span.path, span.line) if _can_show(span.path) else ""
 
 

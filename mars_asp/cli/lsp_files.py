@@ -27,7 +27,7 @@ class EditorFiles:
     known: dict[str, Text] = field(default_factory=dict)
 
     def text(self, path: str) -> Text | None:
-        """Return the text of a file; nothing where it is none."""
+        """Return the text of a file, or None if it is not one."""
         path = os.path.abspath(path)  # noqa: PTH100 -- links stay as they are named
         if path not in self.known:
             raw = unsaved_bytes(Path(path))
@@ -41,7 +41,7 @@ class EditorFiles:
         return self.known[path]
 
     def place(self, span: Span) -> Place | None:
-        """Return where a span stands; nothing where its path is no file."""
+        """Return the place of a span, or None if its path is not a file."""
         try:
             text = self.text(_built_in(span.path) or span.path)
         except OSError:

@@ -292,7 +292,7 @@ def _mark(
 
 
 def _quote_line(span: Span, excerpt: str | None = None) -> _QuotedLine | None:
-    """Return the line at a place as it is shown; nothing where it is empty or cannot be read."""
+    """Return the line at a location as shown, or None if it is empty or cannot be read."""
     line = (whole_line(span) if excerpt is None else excerpt).rstrip("\r\n")
     if not line.strip():
         return None

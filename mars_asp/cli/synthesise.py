@@ -230,7 +230,7 @@ def _conversion_json(conversion: Conversion | None) -> dict[str, object]:
 
 
 def _first_class(module: Module | None) -> str | None:
-    """Return the first class of a declared module, nothing where it is not described."""
+    """Return the first class of a declared module, or None if it is not described."""
     return None if module is None else next(module_classes(module), None)
 
 

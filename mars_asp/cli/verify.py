@@ -48,7 +48,7 @@ _MOST_LINES = 10
 
 @dataclass(frozen=True, slots=True)
 class SpecificationComparison:
-    """What a specification costs and the least, each by name; `None` where time was over.
+    """What a specification costs and the least, each by name, or None if time was over.
 
     `fault` says what cannot be: a specification that costs less than what was called least. It is
     one of packs where they introduce nodes without a rule that asks for them.

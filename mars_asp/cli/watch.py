@@ -97,7 +97,7 @@ class Stage:
 
 @contextmanager
 def watched(title: str) -> Iterator[Stage | None]:
-    """Yield what shows a run in a page, whose address is printed; nothing where none is served."""
+    """Yield the stage of a page that shows a run, and print its address; None if none is served."""
     stage, path = Stage(), f"/{secrets.token_urlsafe(24)}/"
     try:
         server = _WatchServer(stage, path, _page(title).encode())

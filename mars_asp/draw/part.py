@@ -75,7 +75,7 @@ def fitting(
 
 
 def left_out(whole: Picture, shown: Picture) -> str | None:
-    """Return how much of a picture is not shown; nothing where all is."""
+    """Return how much of a picture is not shown, or None if all is."""
     parts = [
         f"{len(of) - len(left)} of {len(of)} {what}"
         for of, left, what in (

@@ -18,7 +18,7 @@ def is_plain(mux: Mux) -> bool:
 
 
 def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
-    """Return a mux with the inputs of another in the place of one; `None` where that cannot be.
+    """Return a mux with the inputs of another in the place of one, or None if that cannot be.
 
     So it is where they decide differently, or another input ties with that one.
     """

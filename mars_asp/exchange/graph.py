@@ -54,7 +54,7 @@ def each_once(ends: Iterable[Endpoint]) -> tuple[Endpoint, ...]:
 
 
 def represented(written: str | None) -> str | None:
-    """Return the representation of a message's type, `None` where it is not known."""
+    """Return the representation of a message's type, or None if it is not known."""
     if written is None or written.strip().lower() in _NO_TYPES:
         return None
     # ROS 1 names C++ templates `Image_`.

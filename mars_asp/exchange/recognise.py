@@ -87,7 +87,7 @@ _DUMPS: Mapping[str, tuple[_Sign, ...]] = {
 
 
 def dump_of(text: str) -> str | None:
-    """Return which kind of dump of a graph a text is; `None` where it is none."""
+    """Return which kind of dump of a graph a text is, or None if it is none."""
     head = text[:_HEAD]
     if re.match(_DOT, head):
         return "dot"

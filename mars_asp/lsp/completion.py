@@ -202,7 +202,7 @@ def _modules(scene: DocumentContext) -> Iterator[Completion]:
 
 
 def _within(prefix: str, name: str) -> str | None:
-    """Return a name of a robot as an included file has it; nothing where it is of another file."""
+    """Return a name of a robot as an included file has it, or None if it is of another file."""
     if not prefix:
         return name
     for before, own in ((f"{prefix}/", ""), (f"/{prefix}/", "/")):

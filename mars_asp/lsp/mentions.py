@@ -91,7 +91,7 @@ def is_configuration(path: str) -> bool:
 
 
 def language_of(path: str) -> str | None:
-    """Return the language of an annotated source; nothing where it is none."""
+    """Return the language of an annotated source, or None if it is of no known one."""
     return LANGUAGES.get(Path(path).suffix.lower())
 
 

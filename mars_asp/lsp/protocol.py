@@ -84,7 +84,7 @@ class Protocol:
 
 
 def path_of(uri: str) -> str | None:
-    """Return the path of a file; nothing where a text is none."""
+    """Return the path of a URI, or None if it is not that of a file."""
     try:
         path = to_fs_path(uri) if uri.startswith("file:") else None
     except ValueError:

@@ -100,7 +100,7 @@ def _send(pipe: int, payload: bytes) -> None:
 
 
 def read_pickle(pipe: int) -> Any:
-    """Return the next value that crosses a pipe; `None` where it was closed."""
+    """Return the next value that crosses a pipe, or None if it was closed."""
     head = _exactly(pipe, LENGTH)
     whole = None if head is None else _exactly(pipe, int.from_bytes(head, "big"))
     return None if whole is None else pickle.loads(whole)

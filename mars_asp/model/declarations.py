@@ -54,7 +54,7 @@ class Service:
     `output` and every input are normalised representation names; `None` is unknown (or, for
     `output`, none). `hz` is in Hertz. `commands` are the functions a ControlOut commands.
     `port` is the name of the output where it is not the function's; `parameters` are the names of
-    the inputs, in their order, `None` where one has none, and may be fewer than the inputs.
+    the inputs, in their order, or None if one has none, and may be fewer than the inputs.
     `span` starts at the annotation's `@`.
     """
 

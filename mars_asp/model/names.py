@@ -36,7 +36,7 @@ def quoted(name: str) -> str:
 
 
 def read_name(text: str) -> str | None:
-    """Return the name that a text writes; `None` where it writes none."""
+    """Return the name that a text writes, or None if it writes none."""
     return plain(text) if _NAME.fullmatch(text) else None
 
 
@@ -46,7 +46,7 @@ def end(name: str, port: str | None) -> str:
 
 
 def read_end(text: str) -> tuple[str, str | None] | None:
-    """Return the module and the port that a text writes; `None` where it writes none."""
+    """Return the module and the port that a text writes, or None if it writes none."""
     match = _END.fullmatch(text)
     if match is None:
         return None

@@ -27,7 +27,7 @@ FIRST_CLAUSE = 100
 
 
 def kinds_of(rule: Rule) -> frozenset[str] | None:
-    """Return the kinds of consequence that a rule names; `None` where it can derive any."""
+    """Return the kinds of consequence that a rule names, or None if it can derive any."""
     return rule.firsts.get(CONSEQUENCE) if CONSEQUENCE in rule.heads else frozenset()
 
 

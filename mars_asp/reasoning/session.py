@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 class Evidence:
     """What questions are answered from: rules, facts, and what follows from these.
 
-    `resolution` is chosen on top of that, `None` where nothing was or can be; `derived` follows
+    `resolution` is chosen on top of that, or None if nothing was or can be; `derived` follows
     from it.
     """
 
@@ -102,7 +102,7 @@ class Reasoner:
 
     @property
     def synthesis(self) -> Synthesis | None:
-        """Return the least specification; `None` where no specification realises the project.
+        """Return the least specification, or None if no specification realises the project.
 
         Raises:
             MarsError: rules that clingo refuses, or costs that are too large to be added up.

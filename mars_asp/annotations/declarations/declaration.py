@@ -20,7 +20,7 @@ class SourceDeclaration:
     """A function's declaration.
 
     `offset` is where it begins and `end` where its parameters do; `conditional` is the offset of an
-    `#if` within, if any. `output` is the type as written, `None` where it is not stated.
+    `#if` within, if any. `output` is the type as written, or None if it is not stated.
     """
 
     name: str

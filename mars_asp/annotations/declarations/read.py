@@ -28,7 +28,7 @@ _CONDITION = re.compile(r"(?m)^[ \t]*(#)[ \t]*(?:if|elif|else)")
 # Configurations of many equal robots declare the same over and over.
 @lru_cache(maxsize=4096)
 def read_declaration(language: str, text: str, code: str) -> SourceDeclaration | NoFunction | None:
-    """Read the declaration that begins in a stretch of a source; `None` where nothing stands there.
+    """Read the declaration that begins in a stretch of a source, or None if nothing stands there.
 
     Args:
         language: A key of the languages.

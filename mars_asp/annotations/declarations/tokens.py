@@ -76,7 +76,7 @@ def closing(tokens: Sequence[SourceToken], at: int) -> int:
 
 
 def angle(tokens: Sequence[SourceToken], at: int, expression: bool = False) -> int | None:
-    """Return the index behind the `>` that closes the `<` at `at`; `None` where none does.
+    """Return the index behind the `>` that closes the `<` at `at`, or None if none does.
 
     In an expression `<` may also compare; there, what stands between must look like types.
     """

@@ -64,7 +64,7 @@ class Mutant:
 
 @dataclass(frozen=True, slots=True)
 class MutantVerdict:
-    """What noticed a mutant; `None` where nothing did."""
+    """What noticed a mutant, or None if nothing did."""
 
     mutant: Mutant
     killer: str | None

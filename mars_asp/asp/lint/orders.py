@@ -79,7 +79,7 @@ def parted(term: SyntaxNode) -> tuple[str, int]:
 
 
 def _paths(given: Iterable[Compared], constants: Set[str]) -> _Distances | None:
-    """Return the most by which bases differ from others; `None` where nothing is possible."""
+    """Return the most by which bases differ from others, or None if nothing is possible."""
     paths: _Distances = {}
     for left, sign, right, plus in given:
         for base in (left, right):

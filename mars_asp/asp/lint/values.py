@@ -39,7 +39,7 @@ class Value(NamedTuple):
     text: str = ""
 
 
-#: All that a value can be; `None` where it can be anything.
+#: All that a value can be, or None if it can be anything.
 Values: TypeAlias = frozenset[Value] | None
 Environment: TypeAlias = Mapping[str, Values]
 

@@ -67,7 +67,7 @@ def unbound(values: Sequence[str], literals: Sequence[Conjunct]) -> frozenset[st
 
 
 def _seen_unbound(values: Sequence[str], literals: Sequence[Conjunct]) -> frozenset[str] | None:
-    """Return what `unbound` does; `None` where it does not show."""
+    """Return what `unbound` does, or None if it does not show."""
     if not all(literal.is_seen for literal in literals):
         return None
     words = (word for value in values for word in _WORD.findall(value))

@@ -199,7 +199,7 @@ def _sums(
 
 
 def _body(values: Sequence[str], site: _Site) -> tuple[Conjunct, ...] | None:
-    """Return literals beside a tree that bind all values; `None` where none do.
+    """Return literals beside a tree that bind all values, or None if none do.
 
     Left out are those with a variable that nothing else binds than what is computed.
     """

@@ -374,7 +374,7 @@ def _split_docstring(
 
 
 def _wrong_line(key: str, value: str, near_key: str) -> str | None:
-    """Return what to write instead of a line that says nothing; `None` where it does."""
+    """Return what to write instead of a line that says nothing, or None if it does."""
     choices = _SAID.get(near_key, ())
     if key == near_key and (value in choices if choices else value):
         return None

@@ -114,7 +114,7 @@ def read_file(
     strict: bool,
     expansions: Expansions = MappingProxyType({}),
 ) -> RuleFile | None:
-    """Return a file; `None` where it cannot be read as rules, and `problems` say why.
+    """Return a file, or None if it cannot be read as rules, and `problems` say why.
 
     When `strict`, numbers and the holes of messages are checked, too. `expansions` are what keys of
     metadata stand for besides.
@@ -195,7 +195,7 @@ _MOST_SPACES = 1000
 
 
 class NameSpace(NamedTuple):
-    """The files of one pack. `needs` are the packs that it names, `None` where it has no manifest.
+    """The files of one pack. `needs` are the packs that it names, or None if it has no manifest.
 
     Without a manifest it reads whatever other rules derive before its own, too.
     """

@@ -103,7 +103,7 @@ class Pattern(NamedTuple):
 
     @property
     def constant(self) -> str | None:
-        """Return the text of the one value that it is; `None` where it may be others."""
+        """Return the text of the one value that it is, or None if it may be others."""
         return self.text if self.is_constant else None
 
 

@@ -30,7 +30,7 @@ def term_of(symbol: clingo.Symbol) -> Term:
 
 
 def symbol_in(text: str) -> clingo.Symbol | None:
-    """Return the ground term that a text of a user's is; `None` where it is none."""
+    """Return the ground term that a text of a user's is, or None if it is none."""
     try:
         if not text.isascii():
             # What clingo says of a text it cuts between bytes, which its own Python cannot read.

@@ -139,7 +139,7 @@ def public_reader() -> TreeReader:
 
 
 def raw_reader() -> TreeReader | None:
-    """Return a reader that asks clingo's library itself; `None` where it cannot be had."""
+    """Return a reader that asks clingo's library itself, or None if it cannot be had."""
     try:
         internal: Any = importlib.import_module("clingo._internal")
         ffi, lib, check = internal._ffi, internal._lib, internal._handle_error

@@ -116,7 +116,7 @@ class Resolution:
     """The least answer of rules that choose.
 
     `cost` and `bound` map the levels of the minimisation to values; `count` is how many optima
-    there are, `None` where nobody counted.
+    there are, or None if nobody counted.
     """
 
     answer: ChosenAnswer
@@ -424,7 +424,7 @@ class Grounding:
         return "equal" if has_without(component, atom, best.cost) else "dearer"
 
     def part_of(self, symbol: clingo.Symbol) -> Part | None:
-        """Return the component in which an atom is open; `None` where the rules decide it."""
+        """Return the component in which an atom is open, or None if the rules decide it."""
         atom = self.control.symbolic_atoms[symbol]
         return None if atom is None else self._part_of.get(atom.literal)
 

@@ -71,7 +71,7 @@ def plain_reader() -> TermReader:
 
 
 def raw_reader() -> TermReader | None:
-    """Return a reader by clingo's own numbers; `None` where they cannot be had."""
+    """Return a reader by clingo's own numbers, or None if they cannot be had."""
     try:
         internal: Any = importlib.import_module("clingo._internal")
         ffi, lib, check = internal._ffi, internal._lib, internal._handle_error

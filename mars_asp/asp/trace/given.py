@@ -41,7 +41,7 @@ class GivenFacts:
         return self._facts.keys()
 
     def leaf(self, atom: term_ids.TermId) -> Given | None:
-        """Return an atom with its place; `None` where no fact gives it."""
+        """Return an atom with its place, or None if no fact gives it."""
         written = term_ids.text(atom)
         name = written.partition("(")[0]
         if name not in self._facts:

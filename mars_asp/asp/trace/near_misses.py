@@ -59,7 +59,7 @@ _MADE_UP = re.compile(r"(?<!\w)_H[0-9]+(?!\w)")
 class Candidate:
     """One way to come near an absent atom: the instances of some literals of a rule.
 
-    `fails` is the literal left out, `None` where a choice could be made and was not; `kept`
+    `fails` is the literal left out, or None if a choice could be made and was not; `kept`
     counts those before it that hold, and `alone` says that all others do.
     """
 

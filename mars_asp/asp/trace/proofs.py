@@ -66,7 +66,7 @@ class Proofs:
         return trace
 
     def _least(self, atom: TermId) -> Trace | None:
-        """Return the trace of an atom; `None` where it is no reason for anything."""
+        """Return the trace of an atom, or None if it is no reason for anything."""
         if atom not in self._traces:
             leaf = self._leaf(atom)
             self._traces[atom] = leaf if is_cited(leaf) else None
@@ -118,7 +118,7 @@ class Proofs:
         return self._absences[pattern]
 
     def _absence(self, pattern: TermId) -> Absent | None:
-        """Return an absence; `None` where it is no reason for anything."""
+        """Return an absence, or None if it is no reason for anything."""
         atom = text(pattern).replace("_any", "_")
         if atom.startswith("_not("):
             return Absent(f"not {atom.removeprefix('_not(').removesuffix(')')}")

@@ -54,7 +54,7 @@ class Sentences:
         self._forms: dict[tuple[str, int, str], _Form | None] = {}
 
     def says(self, atom: Atom) -> Sentence | None:
-        """Return the sentence of an atom; `None` where nobody declares one."""
+        """Return the sentence of an atom, or None if nobody declares one."""
         declared = self._declared.get((atom.name, len(atom.arguments)))
         return None if declared is None else self._first(declared.says, declared, atom)
 
@@ -88,7 +88,7 @@ class Sentences:
         return f"`{declared.name}` of `{thing}` is {words[0]}, not {words[1]}"
 
     def rank(self, atom: Atom) -> int | None:
-        """Return the number that orders what an atom is about; `None` where nothing does."""
+        """Return the number that orders what an atom is about, or None if nothing does."""
         own = self._declared.get((atom.name, len(atom.arguments)))
         for ordering in self._ordering if own is not None else ():
             assert own is not None and ordering.orders is not None
@@ -112,7 +112,7 @@ class Sentences:
         return None
 
     def _sentence_form(self, sentence: str, declared: Declaration) -> _Form | None:
-        """Return a sentence with its holes; `None` where one names nothing."""
+        """Return a sentence with its holes, or None if one names nothing."""
         holes = []
         for match in re.finditer(SENTENCE_HOLE, sentence):
             of = declared if match[1] is None else self._named.get(match[1])
@@ -177,7 +177,7 @@ def _is_open(value: Term) -> bool:
 
 
 def _readable_value(value: Term, argument: PredicateArgument) -> str | None:
-    """Return a value as people read it; `None` where it is open, or a term of the encoding."""
+    """Return a value as people read it, or None if it is open, or a term of the encoding."""
     if isinstance(value, int):
         unit = next((sort for sort in argument.sorts if sort in UNITS), None)
         return str(value) if unit is None else measured(value, unit)

@@ -57,7 +57,7 @@ class Given:
 
     @property
     def told(self) -> Sentence | None:
-        """Return the sentence that the vocabulary has for the fact; `None` where it has none."""
+        """Return the sentence that the vocabulary has for the fact, or None if it has none."""
         return None if self.words is None else self.words.sentences.says(self.words.atom)
 
     @property
@@ -73,7 +73,7 @@ class Given:
 
     @property
     def seconds(self) -> float | None:
-        """Return the first instant that the fact names, in seconds; `None` where it names none."""
+        """Return the first instant that the fact names, in seconds, or None if it names none."""
         if self.words is None or self.words.declared is None:
             return None
         places = self.words.declared.places("instant")
@@ -105,7 +105,7 @@ class Absent:
 
     @property
     def sentence(self) -> str | None:
-        """Return the sentence that the vocabulary has for it; `None` where it has none."""
+        """Return the sentence that the vocabulary has for it, or None if it has none."""
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
 
@@ -165,7 +165,7 @@ class Derived:
 
     @property
     def message(self) -> str | None:
-        """Return the rule's message, its holes filled; `None` where the rule has none."""
+        """Return the rule's message, its holes filled, or None if the rule has none."""
         return self.with_values(self.rule.because)
 
     def with_values(self, text: str | None) -> str | None:
@@ -226,7 +226,7 @@ class Underivable:
 
     @property
     def sentence(self) -> str | None:
-        """Return the sentence that the vocabulary has for it; `None` where it has none."""
+        """Return the sentence that the vocabulary has for it, or None if it has none."""
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
 

@@ -14,7 +14,7 @@ class InterfaceTopic:
 
     `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
     the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
-    is where the program says so, `None` where the catalogue does; `optional` is whether the program
+    is where the program says so, or None if the catalogue does; `optional` is whether the program
     works as well without it, `measured` whether it reports a motion, whatever its type; `last` is
     whether it is published only as the program ends. The program has it only if each parameter of
     `switches` is true, or false if not `wanted`. `image` is the image topic of a camera's

@@ -164,7 +164,7 @@ class _Scope:
         )
 
     def variable(self, name: str) -> str | None:
-        """Return the variable that gives an argument its value; `None` where a file sets it."""
+        """Return the variable that gives an argument its value, or None if a file sets it."""
         if name in self.passed:
             return self.passed[name]
         # What the environment has comes from outside everywhere.
@@ -570,7 +570,7 @@ class Launch:
     def _conditions(
         self, tests: Tests, scope: _Scope, files: tuple[Path, ...]
     ) -> tuple[StartCondition, ...] | None:
-        """Return the tests that are open; `None` where one fails for any arguments."""
+        """Return the tests that are open, or None if one fails for any arguments."""
         found: list[StartCondition] = []
         for test in tests:
             value = "true" if test.value is None else self._known_text(test.value, scope, files)

@@ -50,7 +50,7 @@ class PythonFiles:
         self.broken: dict[tuple[str, int, str], None] = {}
 
     def file(self, module: str) -> SourceFile | None:
-        """Return a file, `None` where it is not found or not Python."""
+        """Return a file, or None if it is not found or not Python."""
         if module not in self._read:
             found = self._find(module) if self._left else None
             self._left -= found is not None
@@ -106,7 +106,7 @@ def calls_of(part: ast.AST) -> Iterator[ast.Call]:
 
 
 def _parsed(text: str, path: str, module: str) -> SourceFile | None:
-    """Return a file, `None` where Python cannot read it.
+    """Return a file, or None if Python cannot read it.
 
     Raises:
         SyntaxError: it is not Python.

@@ -391,7 +391,7 @@ class _CppFile(ScopedCode):
     # ---- Rates
 
     def rates(self) -> dict[str, Fraction | None]:
-        """Return how often each publisher publishes, `None` where two timers differ."""
+        """Return how often each publisher publishes, or None if two timers differ."""
         found: dict[str, Fraction | None] = {}
         for hz, ranges in self._timers():
             for keeper in self._publishing(ranges):

@@ -14,7 +14,7 @@ def value(pairs: Pairs, *keys: str) -> Node | None:
 
 
 def word(pairs: Pairs, *keys: str) -> Scalar | None:
-    """Return the word behind the first of these keys; `None` where no word stands there."""
+    """Return the word behind the first of these keys, or None if no word stands there."""
     found = value(pairs, *keys)
     return found if isinstance(found, Scalar) and found.text else None
 

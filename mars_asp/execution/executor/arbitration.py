@@ -44,7 +44,7 @@ class FlatArbitration:
         return self.arrived.append
 
     def end_period(self) -> None:
-        """Send the mean of the period's messages; nothing where none came."""
+        """Send the mean of the messages of a period, if any came."""
         self.ends += 1
         self.schedule.at((self.ends + 1) * self.period, self.rank, self.end_period)
         if not self.arrived:

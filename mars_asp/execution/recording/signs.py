@@ -68,7 +68,7 @@ class Signs:
 
     @cached_property
     def least(self) -> Approach | None:
-        """Return where the clearance was least; nothing where there was contact."""
+        """Return where the clearance was least, or None if there was contact."""
         if self.contacts or self.judgement is None:
             return None
         return least_approach(self.nearest)

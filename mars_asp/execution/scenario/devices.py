@@ -131,7 +131,7 @@ def _sensor(
 
 
 def _scripted_command(function: str, rate: float | None = None) -> tuple[str, float] | None:
-    """Return what an entry of a script commands; nothing where it lets go."""
+    """Return the command of an entry of a script, or None if it lets go."""
     return None if rate is None else (function, float(rate))
 
 

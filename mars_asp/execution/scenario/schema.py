@@ -391,7 +391,7 @@ def _value_at(path: _Path, value: Any) -> Any:
 
 
 def _misformed_value(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
-    """Return the value whose form is wrong where a part of it is; `None` where none has one."""
+    """Return the value whose form is wrong where a part of it is, or None if none has one."""
     for count in range(len(path), 0, -1):
         if "description" in _schema(path[:count], tables):
             return path[:count]

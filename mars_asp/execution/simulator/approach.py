@@ -33,7 +33,7 @@ def pose_at(body: Body, seconds: float) -> Pose:
 
 
 def least_approach(body: Body) -> Approach | None:
-    """Return when it first was as near to something as ever; `None` where there is nothing.
+    """Return when it first was as near to something as ever, or None if there is nothing.
 
     It is looked for on the one step that had the least clearance. From one look to the next time
     passes in which nothing can have come as near; the last way is down to where it is least.

@@ -14,7 +14,7 @@ _SUFFIXES = (".lp", SUFFIX)
 
 
 class FoundCase(NamedTuple):
-    """A file of cases, and the pack that it is of; `None` where it is of none."""
+    """A file of cases, and the pack that it is of, or None if it is of none."""
 
     path: Path
     pack: Path | None

@@ -100,7 +100,7 @@ class Alternatives:
 def alternatives(
     reasoner: Reasoner, subject: str | None = None, most: int = 5, shown: int | None = None
 ) -> Alternatives | None:
-    """Return other realisations of all, or of the component of a node; `None` where there is none.
+    """Return other realisations of all, or of the component of a node, or None if there is none.
 
     Reasons are told of the first needs alone, of so many as are `shown`; of `None`, of all. The
     rulebook of `reasoner` holds the stages `resolve` and `account`.

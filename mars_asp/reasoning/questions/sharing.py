@@ -47,7 +47,7 @@ class _Heard:
 def apart(
     project: Project, evidence: Evidence, node: IntroducedNode, atoms_of: _Atoms
 ) -> TermId | None:
-    """Return `apart(N, X, Y, K, L)` of a shared arbiter N; `None` where that is not told.
+    """Return `apart(N, X, Y, K, L)` of a shared arbiter N, or None if that is not told.
 
     Of what control connects with them there are X nodes, and Y where they share none: K arbiters
     and splitters for the controllers in the list L. It is told where each module receives what the
@@ -78,7 +78,7 @@ def apart(
 def _connected(
     modules: Sequence[str], found: Mapping[Signature, Sequence[TermId]]
 ) -> _Heard | None:
-    """Return what control connects with modules; `None` where that is much, or is inherited."""
+    """Return what control connects with modules, or None if that is much, or is inherited."""
     lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_HEARS])]
     reached, waiting = set(modules), list(modules)
     beside: dict[str, list[str]] = defaultdict(list)

@@ -70,7 +70,7 @@ class WhyNot:
     `evidence` are the lines that the answer speaks of; `to_get` is the least change found that
     would make it hold, which was tried, and `None` where none was found. Of what holds, `see` is
     the subject whose explanation says why. `extra` is what the
-    cheapest realisation with `offered` costs more, by level; `None` where no realisation has such
+    cheapest realisation with `offered` costs more, by level, or None if no realisation has such
     an atom, or where it is nothing that is chosen. `choosable` tells these two apart. `obstacles`
     are the traces of what stands against every specification, where that is why there is nothing.
 

@@ -37,7 +37,7 @@ class NoSpecificationError(MarsError):
 def excluded(
     rulebook: Rulebook, facts: Iterable[Fact], wanted: str = ""
 ) -> NoSpecificationError | None:
-    """Return which constraints no specification meets; `None` where that is not the reason.
+    """Return which constraints no specification meets, or None if that is not the reason.
 
     With `wanted`, an atom in which `_` is any value, which none meets that has such an atom.
 
