@@ -202,7 +202,7 @@ def _probe(name: str, statement: str, holes: Sequence[str]) -> str:
 
 
 def _is_told(mutant: Mutant, holes: _Holes) -> bool:
-    """Say whether a mutant still binds what its message names."""
+    """Return whether a mutant still binds what its message names."""
     named = holes.get((mutant.path, mutant.line), ())
     return not mutant.after or not named or is_safe(_probe("0", mutant.after, named))
 

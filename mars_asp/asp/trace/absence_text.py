@@ -49,7 +49,7 @@ def failure(attempt: NearMiss, go_on: bool) -> Sequence[Trace | NearMiss | str]:
 
 
 def is_unspoken(missing: Underivable) -> bool:
-    """Say whether no rule tells what is missing, and each fails by what is there to be seen."""
+    """Return whether no rule tells what is missing, and each fails by what is there to be seen."""
     return all(
         attempt.message is None and not isinstance(attempt.cause, Underivable)
         for attempt in missing.attempts

@@ -66,7 +66,7 @@ class Needs:
         ]
 
     def stands_without(self, atom: TermId, premise: TermId) -> bool:
-        """Say whether a premise can be derived without a derived atom, or is no derived one."""
+        """Return whether a premise can be derived without a derived atom, or is no derived one."""
         if premise not in self._heights:
             return premise not in self._firings
         if self._heights[premise] <= self._heights[atom]:
@@ -140,7 +140,7 @@ class _Component:
         self._solve(nodes, users)
 
     def needs(self, premise: TermId, atom: TermId) -> bool:
-        """Say whether no derivation of an atom is without another one, which is one of these."""
+        """Return whether no derivation of an atom is without another one, which is one of these."""
         return bool(self._needed.get(premise, 0) & self._bits[atom])
 
     def _solve(self, nodes: Sequence[_Node], users: Mapping[_Node, Iterable[_Node]]) -> None:

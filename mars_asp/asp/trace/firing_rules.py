@@ -390,7 +390,7 @@ def _anonymous(term: ast.AST) -> str:
 
 
 def _is_projected(literal: ast.AST) -> bool:
-    """Say whether a premise has anonymous variables, which clingo leaves out where it counts."""
+    """Return whether a premise has anonymous variables, which clingo leaves out where it counts."""
     if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
         return False
     symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom

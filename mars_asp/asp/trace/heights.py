@@ -51,7 +51,7 @@ class _Tally:
         self._end = weight if self._end is None else pick(self._end, weight)
 
     def reaches(self, group: AggregateGroup) -> bool:
-        """Say whether a firing that needs a group may rest on what has been counted."""
+        """Return whether a firing that needs a group may rest on what has been counted."""
         bound, strict = group.bound, group.strict
         if self._function == "none":
             return True
@@ -186,7 +186,7 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[TermId, Firing], dict
 
 
 def is_reached(group: AggregateGroup, elements: Iterable[AggregateElement]) -> bool:
-    """Say whether some of its elements are enough for a group; no more of them are read."""
+    """Return whether some of its elements are enough for a group; no more of them are read."""
     tally = _Tally(group.counted)
     look = 1
     for number, element in enumerate(elements, 1):

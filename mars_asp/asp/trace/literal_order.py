@@ -66,7 +66,7 @@ def _inverted(term: ast.AST) -> set[str]:
 
 
 def _is_constant(term: ast.AST) -> bool:
-    """Say whether a term is made of constants by arithmetic."""
+    """Return whether a term is made of constants by arithmetic."""
     if term.ast_type == _TYPE.BinaryOperation:
         return _is_constant(term.left) and _is_constant(term.right)
     if term.ast_type == _TYPE.UnaryOperation:
@@ -75,7 +75,7 @@ def _is_constant(term: ast.AST) -> bool:
 
 
 def _is_factor(term: ast.AST) -> bool:
-    """Say whether what is multiplied by a term can be found from the product."""
+    """Return whether what is multiplied by a term can be found from the product."""
     return bool(term.ast_type == _TYPE.SymbolicTerm and term.symbol != clingo.Number(0))
 
 

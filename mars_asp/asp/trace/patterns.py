@@ -19,12 +19,12 @@ def hole(name: str = "_") -> clingo.Symbol:
 
 
 def is_hole(symbol: clingo.Symbol) -> bool:
-    """Say whether any value would do here."""
+    """Return whether any value would do here."""
     return symbol.type == _FUNCTION and symbol.name == _HOLE and len(symbol.arguments) == 1
 
 
 def has_holes(symbol: clingo.Symbol) -> bool:
-    """Say whether a term leaves anything open."""
+    """Return whether a term leaves anything open."""
     if symbol.type != _FUNCTION:
         return False
     return is_hole(symbol) or any(map(has_holes, symbol.arguments))
@@ -41,7 +41,7 @@ def fixed_parts(symbol: clingo.Symbol) -> list[clingo.Symbol]:
 
 
 def can_be_followed(symbol: clingo.Symbol) -> bool:
-    """Say whether the holes are plain: one such as `X+1` says more than a pattern can."""
+    """Return whether the holes are plain: one such as `X+1` says more than a pattern can."""
     if symbol.type != _FUNCTION:
         return True
     if is_hole(symbol):
@@ -63,7 +63,7 @@ def shown_pattern(symbol: clingo.Symbol) -> str:
 def fits(
     pattern: clingo.Symbol, symbol: clingo.Symbol, values: dict[str, clingo.Symbol] | None = None
 ) -> bool:
-    """Say whether a term is an instance of a pattern."""
+    """Return whether a term is an instance of a pattern."""
     values = {} if values is None else values
     if is_hole(pattern):
         name = pattern.arguments[0].string
@@ -93,7 +93,7 @@ def pattern_term(term: ast.AST, bound: set[str]) -> str:
 
 
 def pattern_is_open(term: ast.AST) -> bool:
-    """Say whether a term holds an anonymous variable."""
+    """Return whether a term holds an anonymous variable."""
     if term.ast_type == ast.ASTType.Variable:
         return bool(term.name == "_")
     return term.ast_type == ast.ASTType.Function and any(map(pattern_is_open, term.arguments))

@@ -145,7 +145,7 @@ def alternatives(part: ast.AST, calls: Sequence[ast.Call]) -> Iterator[list[ast.
 
 
 def made_alike(made: Sequence[dict[str, ast.expr]]) -> dict[str, ast.expr]:
-    """Return the arguments that all of several objects are made with."""
+    """Return the arguments of several objects, with None for those that differ."""
     first, *others = made
     return {
         name: value

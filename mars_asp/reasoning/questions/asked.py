@@ -120,7 +120,7 @@ class Vocabulary:
         return self._known_terms[1]
 
     def is_node(self, subject: str) -> bool:
-        """Say whether a subject is the name of a node, and of no module."""
+        """Return whether a subject is the name of a node, and of no module."""
         return (
             self._reasoner.project.configuration.node_kind(subject) is not None
             and subject not in self._nodes.values()
@@ -156,7 +156,7 @@ class Vocabulary:
         return self._string(name or "", names), f"{word}({name})"
 
     def _is_kind(self, name: str) -> bool:
-        """Say whether rules that derive any kind could mean one of this name."""
+        """Return whether rules that derive any kind could mean one of this name."""
         return self._any_kind and name in self._constants and not self._is_predicate(name)
 
     def _is_predicate(self, name: str) -> bool:

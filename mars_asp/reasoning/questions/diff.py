@@ -100,12 +100,12 @@ class Difference:
 
     @property
     def is_empty(self) -> bool:
-        """Say whether no consequence and no node changed."""
+        """Return whether no consequence and no node changed."""
         return not self.consequences and not self.nodes
 
     @property
     def has_new_errors(self) -> bool:
-        """Say whether an error appeared."""
+        """Return whether an error appeared."""
         return any(
             change.how == "appeared" and change.item.severity == "error"
             for change in self.consequences

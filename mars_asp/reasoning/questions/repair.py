@@ -482,7 +482,7 @@ def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> It
 
 
 def order_kept(before: EditedTexts, after: Configuration, edits: Iterable[clingo.Symbol]) -> bool:
-    """Say whether controllers that ranked strictly above others of a module still do.
+    """Return whether controllers that ranked strictly above others of a module still do.
 
     A controller that is renamed keeps its rank; where an edit takes a priority away, that of all
     controllers of its module may change.
