@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, point, refusal, whole_file
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.language.toml_text import long_number
 from mars_asp.output import counted
@@ -116,17 +116,15 @@ def check_replaceable(path: str) -> None:
     Raises:
         MarsError: a file is there that is neither empty nor a baseline.
     """
-    try:
-        with Path(path).open("rb") as file:
-            start = file.read(200) if Path(path).is_file() else b""
-    except OSError:
+    # A pipe would be waited for, and what cannot be read cannot be written either.
+    if not os.path.isfile(path) or not os.access(path, os.R_OK):  # noqa: PTH113 -- never raises
         return
+    with Path(path).open("rb") as file:
+        start = file.read(200)
     if start.strip() and _START.match(start) is None:
         message = "the file is not a baseline, so no baseline replaces it"
         help_text = "give the baseline another name, or delete the file first"
-        place = whole_file(path)
-        diagnostic = Diagnostic("baseline", "error", message, place, help=help_text, excerpt="")
-        raise MarsError([diagnostic])
+        raise refusal("baseline", message, path, help_text)
 
 
 def read_baseline(path: str) -> Baseline:

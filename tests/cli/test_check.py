@@ -16,7 +16,7 @@ from mars_asp.cli.deliver import replace_files
 from mars_asp.cli.schemas import check_schema
 from mars_asp.robot import load
 from tests.support.documents import ROOT
-from tests.support.processes import mars
+from tests.support.processes import HANGING, mars
 
 DOCUMENT = jsonschema_rs.validator_for(json.loads(check_schema()))
 #: Each finding has exactly one repair.
@@ -474,6 +474,15 @@ def test_a_baseline_replaces_no_other_file(
     for name in ("known.json", "known.json", "empty"):
         assert run_here([*words, name]) < 2
         assert (robots / name).read_text().startswith('{"format": "mars-baseline"')
+
+
+def test_a_baseline_to_a_pipe_waits_for_no_writer(robots: Path) -> None:
+    os.mkfifo("pipe")
+    reader = os.open("pipe", os.O_RDONLY | os.O_NONBLOCK)
+    words = ["check", "clean.mars", "--write-baseline", "pipe"]
+    subprocess.run([sys.executable, "-m", "mars_asp", *words], check=True, timeout=HANGING)
+    assert os.read(reader, 1000).startswith(b'{"format": "mars-baseline"')
+    os.close(reader)
 
 
 def test_an_error_of_settings_is_reported_once_for_all_robots(
