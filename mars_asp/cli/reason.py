@@ -13,7 +13,7 @@ from mars_asp.cli.progress import detail, stage
 from mars_asp.cli.report import report
 from mars_asp.cli.settings import settings_of
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 from mars_asp.exchange.folders import IsExcluded, nothing_excluded
 from mars_asp.exchange.foreign import ForeignFile, read_foreign
 from mars_asp.exchange.recognise import recognised
@@ -90,8 +90,7 @@ def check_inputs(*paths: str) -> None:
     """
     if "" in paths:
         help_text = "name a file or folder; `.` is this folder"
-        empty = Diagnostic("usage", "error", "a path is empty", whole_file("PATH"), help=help_text)
-        raise MarsError([empty])
+        raise refusal("usage", "a path is empty", "PATH", help_text)
     if paths.count(STANDARD_INPUT) > 1:
         message = "standard input was read for another file already"
         place = whole_file(STANDARD_INPUT)

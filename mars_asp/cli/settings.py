@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, refusal
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.reading import WallError, check_walls
 from mars_asp.spelling import nearest
@@ -109,9 +109,7 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
     """
     if arguments.isolated and vars(arguments).get("config") is not None:
         message = "--isolated takes no settings, and --config names some"
-        place = whole_file(arguments.config)
-        problem = Diagnostic("usage", "error", message, place, help="leave out one", excerpt="")
-        raise MarsError([problem])
+        raise refusal("usage", message, arguments.config, "leave out one")
     if arguments.isolated:
         return NO_SETTINGS
     if arguments.config is None:

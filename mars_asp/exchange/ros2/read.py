@@ -213,9 +213,8 @@ def _only_a_part(folder: Path, named: str, absent: Sequence[str]) -> Iterator[Di
     """Yield the note that files absent from a folder are in the workspace in which it lies."""
     around, is_deep = _root_of(folder) if absent and Path(named).is_dir() else (folder, False)
     beside = [each.parent.name for each in around.glob("*/package.xml")] if is_deep else []
-    if around != folder and any(
-        re.search(rf"\b{package}\b", each) for package in map(re.escape, beside) for each in absent
-    ):
+    words = {word for each in absent for word in re.findall(r"[\w-]+", each)}
+    if around != folder and not words.isdisjoint(beside):
         whole = os.path.relpath(around.parent if around.name == "src" else around)
         message = f"the folder is a part of the workspace `{whole}`; name that to read all of it"
         yield Diagnostic("launch", "note", message, whole_file(named), kind="launch")
