@@ -242,7 +242,10 @@ def test_output_is_utf_8_whatever_the_system_prefers() -> None:
 
 def test_a_device_without_room_is_named_plainly() -> None:
     done = mars("synthesise", LEVEL0, "-o", "/dev/full")
-    assert (done.returncode, done.stderr) == (2, "mars-asp: `/dev/full`: No space left on device\n")
+    assert (done.returncode, done.stderr) == (
+        2,
+        "mars-asp: error: `/dev/full`: No space left on device\n",
+    )
 
 
 def test_a_file_is_read_once_by_however_many_paths(tmp_path: Path) -> None:
@@ -287,7 +290,7 @@ def test_an_output_without_a_folder_is_named_as_it_was_given(tmp_path: Path) -> 
     target = tmp_path / "missing" / "out.mars"
     done = mars("synthesise", "examples/level0/config.mars", "-o", str(target))
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == f"mars-asp: `{target}`: No such file or directory\n"
+    assert done.stderr == f"mars-asp: error: `{target}`: No such file or directory\n"
 
 
 def test_a_controller_that_ranks_twice_counts_at_its_highest(tmp_path: Path) -> None:

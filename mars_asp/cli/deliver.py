@@ -486,4 +486,4 @@ def _digest(content: bytes) -> str:
 
 
 def _say_unwritten(what: str, error: OSError) -> None:
-    print(f"mars-asp: {what}: {error.strerror or error}", file=sys.stderr)
+    print(f"mars-asp: error: {what}: {error.strerror or error}", file=sys.stderr)

@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
             status = 2
             continue
         except OSError as error:
-            print(visible(f"mars-asp: `{name}`: {error.strerror or error}"), file=sys.stderr)
+            print(visible(f"mars-asp: error: `{name}`: {error.strerror or error}"), file=sys.stderr)
             status = 2
             continue
         if changed and (arguments.check or arguments.diff):

@@ -185,7 +185,8 @@ def _print_plan(
     missing = [file for file in imported if not Path(file).is_file()]
     for file in missing:
         print(
-            f"mars-asp: `{visible(file)}`, which this run imports, is not a file", file=sys.stderr
+            f"mars-asp: error: `{visible(file)}`, which this run imports, is not a file",
+            file=sys.stderr,
         )
     devices = {name: str(device["kind"]) for name, device in scenario.devices.items()}
     if arguments.format == "json":

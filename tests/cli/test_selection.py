@@ -374,7 +374,7 @@ def test_a_baseline_hides_what_it_lists_wherever_it_moves(
         "mars-asp: note: known.json: the baseline lists 2 findings"
     )
     done = mars("check", str(folder / "a.mars"), "--write-baseline", "gone/known.json")
-    message = "mars-asp: `gone/known.json`: No such file or directory\n"
+    message = "mars-asp: error: `gone/known.json`: No such file or directory\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", message)
     assert (folder / "known.json").read_text() == (
         '{"format": "mars-baseline", "version": 1, "findings": [\n'

@@ -129,7 +129,7 @@ def test_output_that_cannot_be_written_is_an_error(
         check=False,
     )
     assert done.returncode == 2
-    assert done.stderr.startswith("mars-asp: standard output: ")
+    assert done.stderr.startswith("mars-asp: error: standard output: ")
     assert len(done.stderr.splitlines()) == 1
 
 
@@ -348,7 +348,7 @@ def test_a_dry_run_says_whose_code_would_run_and_imports_none(tmp_path: Path) ->
     command = start(*words)
     output, result = command.communicate(timeout=HANGING)
     assert command.returncode == 2
-    assert result.decode() == f"mars-asp: `{file}`, which this run imports, is not a file\n"
+    assert result.decode() == f"mars-asp: error: `{file}`, which this run imports, is not a file\n"
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ _END = rf"{_NAME}(?:\.{_NAME})?"
 _STATED = re.compile(rf"({_END})\s+([a-z_]+)\s+({_END})(?:\s.*)?")
 _ATOM = re.compile(rf"({'|'.join(_KEYWORDS)})\(\s*({_END})\s*,\s*({_END})\s*\)")
 _WORD = re.compile(r"[^\W\d]\w*")
-_PLACE = re.compile(r"(.*):([1-9][0-9]{0,8})")
+_PLACE = re.compile(r"(.*):([0-9]{1,18})")
 
 
 class StatedRelationship(NamedTuple):
