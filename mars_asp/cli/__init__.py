@@ -31,7 +31,7 @@ def run_command(words: Sequence[str]) -> int:
     except OSError as error:
         _discard(sys.stdout)
         try:
-            print(f"mars-asp: standard output: {error.strerror or error}", file=sys.stderr)
+            print(f"mars-asp: error: standard output: {error.strerror or error}", file=sys.stderr)
         except OSError:  # it is standard error that is full
             _discard(sys.stderr)
         return USAGE

@@ -52,7 +52,7 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
         raise
     except OSError as error:
         name = "the output" if error.filename is None else f"`{visible(str(error.filename))}`"
-        print(f"mars-asp: {name}: {error.strerror or error}", file=sys.stderr)
+        print(f"mars-asp: error: {name}: {error.strerror or error}", file=sys.stderr)
         return 2
 
 
