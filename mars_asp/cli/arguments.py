@@ -118,7 +118,7 @@ def help_text() -> str:
     parts = [
         "usage: mars-asp COMMAND [WORD...] [OPTION...]\n",
         "A static analyser for robot architectures: it finds wiring faults, computes the\n"
-        "smallest fix, and shows the lines that cause each. It reads ROS 2 workspaces,\n"
+        "smallest fix, and shows the lines that cause each. It reads ROS workspaces,\n"
         "twist_mux files, dora dataflows, URDF and `.mars` files.\n",
     ]
     for heading, verbs in GROUPS.items():
