@@ -218,6 +218,9 @@ class AtomicFile:
             self._target = Path(path)
             self._file: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 -- see `drop`
             return
+        if self._target.exists() and not os.access(self._target, os.W_OK):
+            # A folder that may be written would let the file be replaced.
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
         handle, self._temporary = _temporary_beside(self._target, path)
         self._file = os.fdopen(handle, "w+b")
 

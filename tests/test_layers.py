@@ -113,7 +113,7 @@ FILES = {
     ),
     "cli": (
         "deliver encode layout arguments again lines account live watch pace progress outputs "
-        "report extract limits settings excluded trace_document schemas worker reason perform "
+        "report limits settings extract excluded trace_document schemas worker reason perform "
         "ignores baseline selection results folding github gitlab junit sarif_fixes sarif publish "
         "alternatives analyse can "
         "completion draw export facts fmt import_robot winners run_report run_json run_text run "

@@ -60,6 +60,9 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
     if _pipe is None:
         _write(file)
         return
+    if read is not None:
+        # The caller reports each file as written before the parent writes it.
+        check_writable(path)
     header = f"{os.fsencode(path).hex()} {file.read or ''}"
     _send(_FILE, header.encode() + b"\n" + raw)
 
@@ -471,12 +474,20 @@ def _check_unchanged(file: OutputFile) -> None:
         OSError: it is not, or is read-only.
     """
     with open(file.path, "rb") as there:  # noqa: PTH123 -- a path that may be no text
-        # What may do everything is asked not to write it, too.
-        if not os.fstat(there.fileno()).st_mode & 0o222:
-            raise PermissionError(errno.EACCES, "it is read-only, so it was left alone", file.path)
+        check_writable(file.path)
         if _digest(there.read()) != file.read:
             text = "it has changed since it was read, so it was left alone"
             raise ChangedError(0, text, file.path)
+
+
+def check_writable(path: str) -> None:
+    """Check that a file may be written, by its mode as well, which root could ignore.
+
+    Raises:
+        OSError: it is not there, or is read-only.
+    """
+    if not (os.stat(path).st_mode & 0o222 and os.access(path, os.W_OK)):  # noqa: PTH116 -- raw paths
+        raise PermissionError(errno.EACCES, "it is read-only, so it was left alone", path)
 
 
 def _digest(content: bytes) -> str:

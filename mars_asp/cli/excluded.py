@@ -1,6 +1,7 @@
 """Paths in a folder that are passed over: by git, by the settings and by options."""
 
 import argparse
+import os
 import re
 from collections.abc import Sequence
 from functools import lru_cache
@@ -30,7 +31,7 @@ class Excluded:
         self._given, self._root = root, root.resolve()
         self._read: dict[Path, tuple[_Patterns, ...]] = {}
         around = (self._root, *self._root.parents)
-        self._is_in_git = any((each / ".git").exists() for each in around)
+        self._is_in_git = any(map(_is_git_root, around))
         patterns = [(at.resolve(), _spec_of_lines(tuple(of))) for at, of in more]
         self._besides = tuple(each for each in patterns if not self._names_root(each))
 
@@ -50,7 +51,7 @@ class Excluded:
     def _of_git(self, folder: Path) -> tuple[_Patterns, ...]:
         """Return the patterns of git for the paths in a folder, the innermost last."""
         if folder not in self._read:
-            is_top = (folder / ".git").exists() or folder == folder.parent
+            is_top = _is_git_root(folder) or folder == folder.parent
             is_read = self._is_in_git or folder.is_relative_to(self._root)
             above = () if is_top or not is_read else self._of_git(folder.parent)
             files = (folder / ".git" / "info" / "exclude", folder / ".gitignore")
@@ -62,6 +63,10 @@ class Excluded:
         at, spec = patterns
         inner = self._root.relative_to(at).as_posix() if at in self._root.parents else ""
         return bool(inner) and spec.check_file(f"{inner}/").include is True
+
+
+def _is_git_root(folder: Path) -> bool:
+    return os.path.exists(folder / ".git")  # noqa: PTH110 -- false in a folder that is closed
 
 
 def _spec_of(file: Path) -> GitIgnoreSpec:
@@ -88,7 +93,16 @@ def excluded_in(
     """
     settings = settings_of(arguments, settings_folder or root)
     own = [(Path(settings.path).parent, settings.exclude)] if settings.exclude else []
-    return Excluded(root, [*own, (Path(), getattr(arguments, "exclude", ()))])
+    typed = [_anchored(each) for each in getattr(arguments, "exclude", ())]
+    return Excluded(root, [*own, (Path(), typed)])
+
+
+def _anchored(pattern: str) -> str:
+    """Return a pattern as in `.gitignore` for one that begins as a path, `./packs` or absolute."""
+    if pattern.startswith("./"):
+        return pattern[1:]
+    here = f"{Path.cwd()}/"
+    return pattern[len(here) - 1 :] if pattern.startswith(here) else pattern
 
 
 def add_exclusion(parser: argparse.ArgumentParser) -> None:

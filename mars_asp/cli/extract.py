@@ -10,6 +10,7 @@ from pathlib import Path
 from mars_asp.annotations.files import Extraction, extract, find_paths
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.report import report
+from mars_asp.cli.settings import check_settings
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.parse import unreadable
 from mars_asp.language.print import print_attribute
@@ -28,6 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the modules; 1 where an annotation is wrong, 2 where a file cannot be read at all."""
+    check_settings(arguments)
     paths: list[Path] = []
     for word in (*arguments.paths, *arguments.sources):
         matches = find_paths(word)

@@ -17,6 +17,7 @@ from mars_asp.cli.reason import (
     shown_input,
 )
 from mars_asp.cli.report import report_error
+from mars_asp.cli.settings import check_settings
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.recognise import recognised
@@ -62,6 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.stdin_filename and STANDARD_INPUT not in arguments.files:
         print("mars-asp fmt: --stdin-filename names the text of `-`: add `-`", file=sys.stderr)
         return 2
+    check_settings(arguments)
     status = 0
     listed: list[dict[str, object]] = []
     names: list[str] = []

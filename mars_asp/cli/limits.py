@@ -51,7 +51,11 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
     except BrokenPipeError:
         raise
     except OSError as error:
-        name = "the output" if error.filename is None else f"`{visible(str(error.filename))}`"
+        name = f"`{visible(str(error.filename))}`"
+        if error.filename is None:
+            # Only a lookup of the current folder finds no file without a name.
+            is_folder = isinstance(error, FileNotFoundError)
+            name = "the current folder" if is_folder else "the output"
         print(f"mars-asp: error: {name}: {error.strerror or error}", file=sys.stderr)
         return 2
 

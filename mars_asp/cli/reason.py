@@ -18,7 +18,7 @@ from mars_asp.exchange.folders import IsExcluded, nothing_excluded
 from mars_asp.exchange.foreign import ForeignFile, read_foreign
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, parse_text
-from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
+from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text, unreadable
 from mars_asp.model.declarations import PackKind
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Analysis, analyse
@@ -59,7 +59,7 @@ SHOWN_INPUT = "<stdin>"
 
 
 def read_input(shown: str) -> str:
-    """Return the text of standard input, which `shown` stands for in places.
+    """Return the text of standard input; `shown` is its name in messages.
 
     Raises:
         MarsError: it is too large, or no text.
@@ -187,11 +187,14 @@ def _parse(
 ) -> tuple[Parsed, str, str | None]:
     """Return a parsed file, its text, and its format if it is foreign.
 
-    `further` are files of others that say more of the same robot.
+    `further` are foreign files of the same robot.
 
     Raises:
         MarsError: what is wrong with the file.
     """
+    if getattr(arguments, "launch", ()) and not os.path.isdir(path):  # noqa: PTH112 -- never raises
+        message = "--launch chooses a robot of a folder, and this is a file"
+        raise refusal("usage", message, path, "name the folder of the workspace")
     files = [_read_file(arguments, path, text), *(_read_file(arguments, each) for each in further)]
     first = files[0]
     ours = [file for file in files if file.format == "mars"]
@@ -245,8 +248,10 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
 
 def is_other_file(path: str, text: str) -> bool:
     """Return whether a file is a source, a document or the like, by its suffix and its text."""
-    is_other = "\0" not in text and Path(path).suffix.lower() in _PARTS
-    return is_other and _CONFIGURATION.search(text) is None
+    suffix = Path(path).suffix.lower()
+    if "\0" in text or suffix not in _PARTS:
+        return False
+    return suffix == ".md" or _CONFIGURATION.search(text) is None
 
 
 def only_robot(arguments: argparse.Namespace, path: str) -> str:
@@ -277,19 +282,22 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
     """Return the robots in a folder; with `--launch` or `--from ros2` it is one of ROS.
 
     Raises:
-        MarsError: the settings of the folder are wrong.
+        MarsError: the folder cannot be read; its settings are wrong, or exclude each robot.
     """
     from mars_asp.cli.excluded import excluded_in
     from mars_asp.exchange.folders import FolderRobots, robots_in
 
+    if not os.access(path, os.R_OK | os.X_OK):
+        raise MarsError([unreadable(path, "permission denied")])
     if getattr(arguments, "launch", ()) or arguments.from_format == "ros2":
+        detail(arguments, f"robot {path}")
         return FolderRobots((Path(path),))
     excluded = excluded_in(arguments, Path(path))
     passed_over: list[Path] = []
 
     def is_excluded(each: Path, is_folder: bool) -> bool:
         hit = excluded(each, is_folder)
-        if hit and arguments.verbose:
+        if hit:
             passed_over.append(each)
         return hit
 
@@ -301,7 +309,13 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
         detail(arguments, f"excluded {each}")
     if len(passed_over) > _MOST_NAMED:
         detail(arguments, f"excluded {len(passed_over) - _MOST_NAMED} more paths")
-    detail(arguments, f"{counted(found.passed_over, 'other file')} in {path} passed over")
+    if found.passed_over:
+        others = counted(found.passed_over, "YAML, XML or Python file")
+        detail(arguments, f"{others} in {path} passed over")
+    if not found.paths and passed_over and robots_in(Path(path)).paths:
+        message = "each robot in the folder is excluded"
+        help_text = "see `.gitignore`, `--exclude` and `exclude` of mars.toml; `-v` lists the paths"
+        raise refusal("usage", message, path, help_text)
     return found
 
 
@@ -351,7 +365,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
                 continue
         else:
             _print_settings(arguments, Path(shown).parent)
-        detail(arguments, f"robot {path}")
+            detail(arguments, f"robot {path}")
         if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
             found.append(RobotFiles([path]))
         else:
@@ -395,7 +409,7 @@ def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
 def load(
     arguments: argparse.Namespace, path: str, text: str | None = None, further: Sequence[str] = ()
 ) -> Project:
-    """Read a project, whose file's content `text` replaces; `further` say more of it.
+    """Read a project, whose file's content `text` replaces; `further` are foreign files of the same robot.
 
     Raises:
         MarsError: what is wrong with its files.

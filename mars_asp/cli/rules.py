@@ -38,7 +38,7 @@ from mars_asp.diagnostic import INPUT_CODES, Diagnostic, InputCode, MarsError, w
 from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import fenced, replace_together, visible
 from mars_asp.reasoning.lint import LintResult, lint
-from mars_asp.reasoning.packs import installed_packs, with_companions
+from mars_asp.reasoning.packs import MANIFEST, installed_packs, with_companions
 from mars_asp.reasoning.rules import STAGES, is_rule_base
 from mars_asp.spelling import nearest
 
@@ -53,9 +53,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what",
         nargs="?",
-        metavar="ID|PREDICATE|KIND|PATH|TOPIC",
+        metavar="ID|PREDICATE|KIND|PATH|NAME",
         help="of `show`: a rule's id, a predicate, a kind of finding or node, or a file of rules;"
-        " of `lint`: files to check; of `doc` and `diff`: a pack; of `new`: the name of a pack,"
+        " of `lint`: files to check (default: the pack of this folder, else the built-in rules);"
+        " of `doc` and `diff`: a pack; of `new`: the name of a pack,"
         " which is written to a new folder here",
     )
     parser.add_argument(
@@ -91,6 +92,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     action, what = arguments.action, arguments.what
+    # The folder is the default, as it is of `check` and `test`.
+    if action == "lint" and not (what or arguments.rules) and Path(MANIFEST).is_file():
+        what = "."
     wrong = _misused(action, what, arguments)
     if wrong:
         print(f"mars-asp rules: {wrong}", file=sys.stderr)
@@ -160,7 +164,7 @@ def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
             print(f"corrected: {mended}")
     report(found.diagnostics, arguments, _suggestions(found, arguments))
     if not found.diagnostics:
-        print("no problems found")
+        print(f"no problems found{'' if packs else ' in the built-in rules'}")
     return 2 if found.errors else 0
 
 
@@ -276,7 +280,7 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
     if action == "show" and not what:
         return "`show` needs the ID of a rule, a predicate, a kind or a file; `list` names rules"
     if action in ("new", "diff") and not what:
-        wanted = "the name of a TOPIC" if action == "new" else "the folder of a PACK"
+        wanted = "the name of the new pack" if action == "new" else "the folder of a PACK"
         return f"`{action}` needs {wanted}"
     if action == "list" and what:
         return f"`list` takes no name; `rules show {visible(what)}` shows what has that name"

@@ -116,6 +116,17 @@ def add_selection(parser: argparse.ArgumentParser, writes: bool = True) -> None:
         parser.set_defaults(write_baseline=None)
 
 
+def _selected_notes(numbers: Mapping[str, int], path: str) -> Iterator[Diagnostic]:
+    """Yield a note for each kind that was selected and of which there are only notes."""
+    for kind, number in numbers.items():
+        message = (
+            f"{counted(number, 'finding')} of `{kind}` not reported, as `check` leaves out notes"
+        )
+        yield Diagnostic(
+            "kind", "note", message, whole_file(path), help=f"`mars-asp analyse {path}` lists them"
+        )
+
+
 def _kinds(text: str) -> list[str]:
     kinds = [kind.strip() for kind in text.split(",") if kind.strip()]
     if not kinds:
@@ -161,7 +172,7 @@ class Selection:
             MarsError: what is wrong with the settings of its folder, or with their baseline.
         """
         choice, ignores = self._said_of(project)
-        if not (notes or ignores or choice.baseline) and self._arguments.format != "sarif":
+        if not (notes or any(choice[::2]) or ignores) and self._arguments.format != "sarif":
             # Many robots have thousands of notes, and warnings are printed without participants.
             with_participants |= self._arguments.write_baseline is not None
             found = read_consequences(analysis, with_participants, False)
@@ -261,11 +272,15 @@ class Selection:
         }
         shown: list[Consequence] = []
         hidden: list[Hidden] = []
+        unlisted: Counter[str] = Counter()
         for each in found:
             # What is listed was found, whatever else hides it.
             is_known = choice.baseline is not None and choice.baseline.takes(each)
             names = _selectors(each)
-            if not choice.has(names) or (each.severity == "note" and not notes):
+            if not choice.has(names):
+                continue
+            if each.severity == "note" and not notes:
+                unlisted[each.kind] += choice.select is not None
                 continue
             path, line = each.spans[0][:2]
             reasons = [entries[path, line, name] for name in names if (path, line, name) in entries]
@@ -276,7 +291,10 @@ class Selection:
             else:
                 shown.append(each)
         is_judged = "unused-ignore" not in choice.ignore
-        remarks = tuple(self._remarks(ignores if is_judged else (), found, project.diagnostics))
+        remarks = (
+            *self._remarks(ignores if is_judged else (), found, project.diagnostics),
+            *_selected_notes(+unlisted, project.configuration.path),
+        )
         return Selected(tuple(shown), tuple(hidden), remarks, choice.baseline is not None)
 
     def end(self, is_whole: bool = True) -> Iterator[Diagnostic]:

@@ -119,6 +119,16 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
     return _read_settings(os.path.relpath(file), _settings_text(file), table)
 
 
+def check_settings(arguments: argparse.Namespace) -> None:
+    """Check the file of `--config`, for commands that need no settings.
+
+    Raises:
+        MarsError: it is not there, or wrong.
+    """
+    if arguments.config is not None:
+        settings_of(arguments, Path())
+
+
 def settings_for(folder: Path) -> Settings:
     """Return the settings for files in a folder.
 

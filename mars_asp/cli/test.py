@@ -14,7 +14,7 @@ from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.cli.progress import detail
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.report import report
-from mars_asp.cli.settings import settings_of
+from mars_asp.cli.settings import check_settings, settings_of
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 from mars_asp.language.parse import MOST_BYTES, decode, unreadable
@@ -86,6 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         MarsError: what is wrong with rules or cases, all of it.
     """
+    check_settings(arguments)
     if STANDARD_INPUT in arguments.paths:
         return _run_with_input(arguments)
     if arguments.watch:

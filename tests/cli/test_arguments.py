@@ -28,7 +28,7 @@ def test_the_help_names_each_verb_with_an_example_and_the_common_options_once(
     assert shown.count("--memory-limit MB") == shown.count("--rules DIR") == 1
     assert "half of" in shown
     first = " ".join(" ".join(shown.splitlines()[:24]).split())
-    assert "ROS 2 workspaces, twist_mux files, dora dataflows, URDF and `.mars` files" in first
+    assert "ROS workspaces, twist_mux files, dora dataflows, URDF and `.mars` files" in first
     assert first.partition("$ mars-asp ")[2].startswith("check my_ws/ ")
     assert not re.search(r"\bverbs?\b", shown)
     assert all(len(line) <= 80 for line in shown.splitlines())

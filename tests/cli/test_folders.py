@@ -243,7 +243,7 @@ def test_verbose_lists_settings_robots_and_steps(
         "settings mars.toml",
         "robot b.mars",
         "robot w",
-        "1 other file in . passed over",
+        "1 YAML, XML or Python file in . passed over",
         "reading b.mars",
         "analysing",
         "reading w",
@@ -264,6 +264,13 @@ def test_verbose_lists_settings_robots_and_steps(
         ("test nope", "nope: no such file"),
         ("diff nope b.mars", "nope: no such file"),
         ("check b.mars --config b.mars --format full", "this file is read as TOML"),
+        ("check b.mars --launch x.launch.py", "--launch chooses a robot of a folder"),
+        ("explain b.mars --launch x.launch.py", "--launch chooses a robot of a folder"),
+        ("fmt b.mars --config nope.toml", "nope.toml: no such file"),
+        ("extract b.mars --config nope.toml", "nope.toml: no such file"),
+        ("test b.mars --config nope.toml", "nope.toml: no such file"),
+        ("check . --exclude *.mars", "each robot in the folder is excluded"),
+        ("check a.md", "a.md` is not a robot by itself"),
         ("test empty", "no case in empty: cases are `.lp` and `.mars` files with an expectation"),
         ("extract empty", "no annotated module in empty"),
     ],
@@ -271,7 +278,7 @@ def test_verbose_lists_settings_robots_and_steps(
 def test_paths_without_anything_to_read_are_named(
     command: str, message: str, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    write(here, {"b.mars": MARS, "empty/x.txt": ""})
+    write(here, {"b.mars": MARS, "empty/x.txt": "", "a.md": f"# Robots\n{MARS}"})
     run_here(command.split())
     assert message in " ".join("".join(capsys.readouterr()).split())
 
@@ -284,3 +291,44 @@ def test_fmt_refuses_documents_and_sources(
         assert run_here(["fmt", str(tmp_path / name)]) == 2
         message = " ".join(capsys.readouterr().err.split())
         assert message.endswith(f"{name}` is not a `.mars` file")
+
+
+@pytest.mark.parametrize("pattern", ["a", "./a", "{here}/a", "./a/"])
+def test_a_pattern_may_be_a_path(
+    pattern: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"a/x.mars": MARS, "b/a.mars": MARS})
+    assert judged(capsys, "--exclude", pattern.format(here=here)) == ["b/a.mars"]
+
+
+@pytest.mark.parametrize(
+    "command", ["fmt a.mars", "fmt a.mars --format json", "test --snapshot a.mars"]
+)
+def test_a_read_only_file_is_not_reported_as_written(
+    command: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = MARS.replace("\n", "   \n")
+    write(here, {"a.mars": text})
+    (here / "a.mars").chmod(0o444)
+    assert run_here(command.split()) == 2
+    output = capsys.readouterr()
+    assert "a.mars" not in output.out
+    assert "`a.mars`: it is read-only, so it was left alone" in output.err
+    assert (here / "a.mars").read_text(encoding="utf-8") == text
+
+
+def test_a_name_that_is_too_long_is_a_finding(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", "a" * 300, "--format", "json"]) == 2
+    assert "file name too long" in str(json.loads(capsys.readouterr().out))
+
+
+def test_a_closed_folder_is_named(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {"closed/b.mars": MARS})
+    # The tests may run as root, who can read each folder.
+    monkeypatch.setattr("mars_asp.cli.reason.os.access", lambda path, mode: path != "closed")
+    assert run_here(["check", "closed"]) == 2
+    assert "error: closed: permission denied" in capsys.readouterr().out

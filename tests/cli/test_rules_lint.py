@@ -40,7 +40,19 @@ def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 def test_lint_has_nothing_against_our_own_rules(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["rules", "lint"]) == 0
-    assert capsys.readouterr().out == "no problems found\n"
+    assert capsys.readouterr().out == "no problems found in the built-in rules\n"
+
+
+def test_lint_without_a_path_takes_the_pack_of_the_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run_here(["rules", "new", "ours"]) == 0
+    monkeypatch.chdir(tmp_path / "ours")
+    with (tmp_path / "ours/consequences/ours.lp").open("a", encoding="utf-8") as rules:
+        rules.write("bad(X :- y.\n")
+    assert run_here(["rules", "lint"]) == 2
+    assert "syntax error" in capsys.readouterr().err
 
 
 def test_a_wrong_declaration_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -37,6 +37,13 @@ def analysed(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, set[
     return status, kinds, lines
 
 
+def test_selected_notes_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    path = ROOT / "examples/figure04-divergence/config.mars"
+    assert run_here(["check", str(path), "--select", "data_divergence"]) == 0
+    message = "1 finding of `data_divergence` not reported, as `check` leaves out notes"
+    assert message in capsys.readouterr().err
+
+
 def test_the_robot_of_these_tests(capsys: pytest.CaptureFixture[str]) -> None:
     status, kinds, result = analysed(capsys, "a.mars")
     assert (status, result) == (1, [])
