@@ -25,9 +25,11 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache signature fragments units solve rules lint messages cases trace program",
+    "asp": (
+        "contained cache signature fragments units solve rules lint messages cases trace program"
+    ),
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
-    "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
+    "asp/cases": ("expectations outcomes run probes coverage mutants killers"),
     "asp/rules": (
         "gate trees statements dependencies rule premises binding computed expansions checks "
         "symbols arithmetic outline declarations metadata externals read program_files namespaces "

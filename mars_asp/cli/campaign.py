@@ -22,7 +22,7 @@ from mars_asp.cli.schemas import add_schema, campaign_schema
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 
 if TYPE_CHECKING:
-    from mars_asp.cli.campaign_runner import RunOutcome
+    from mars_asp.cli.campaign_runner import Job, RunOutcome
     from mars_asp.execution.campaign.grid import Grid, Run
     from mars_asp.execution.campaign.journal import FinishedRun, Journal
     from mars_asp.execution.campaign.summary import Share
@@ -117,7 +117,7 @@ def run(arguments: argparse.Namespace) -> int:
         grow_file(arguments.output, journal.kept, journal.size)
         if not journal.kept:
             add_line(header)
-    outcomes = _outcomes(pickle.dumps(job), missing, arguments)
+    outcomes = _outcomes(job, missing, arguments)
     progress = Progress(grid, ended, len(missing))
     with closing(outcomes), live_line(arguments, Progress.line) as show:
         show(progress)
@@ -208,18 +208,18 @@ def _journal(header: bytes, arguments: argparse.Namespace) -> "Journal":
 
 
 def _outcomes(
-    job: bytes, runs: "Sequence[Run]", arguments: argparse.Namespace
+    job: "Job", runs: "Sequence[Run]", arguments: argparse.Namespace
 ) -> "Generator[tuple[Run, RunOutcome]]":
     if not runs:
         return
     if arguments.cluster:
         from mars_asp.cli.campaign_dask import on_cluster
 
-        yield from on_cluster(job, runs, arguments.cluster)
+        yield from on_cluster(pickle.dumps(job), runs, arguments.cluster)
         return
-    from mars_asp.cli.campaign_runner import outcomes_of
+    from mars_asp.cli.campaign_runner import Runs
 
-    with closing(outcomes_of(job, runs, arguments.workers)) as outcomes:
+    with closing(Runs(job).outcomes(runs, arguments.workers)) as outcomes:
         yield from outcomes
 
 

@@ -1,7 +1,7 @@
 """Runs of a campaign on the workers of a Dask scheduler that others have started.
 
 What travels are the pickled job and the runs; a worker needs mars-asp, the scheduler does not.
-Each thread of a worker has a runner of its own, which carries out one run after another.
+Each thread of a worker has a server of its own, which carries out one run after another.
 """
 
 import hashlib
@@ -15,7 +15,8 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from mars_asp import __version__
-from mars_asp.cli.campaign_runner import Runner, RunnerLostError, RunOutcome
+from mars_asp.asp.contained import Server
+from mars_asp.cli.campaign_runner import RunOutcome
 from mars_asp.diagnostic import MarsError, refusal
 from mars_asp.execution.campaign.grid import Run
 
@@ -120,7 +121,7 @@ def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
     if error is None:
         found: RunOutcome | None = future.result()
         return found
-    if isinstance(error, KilledWorker | RunnerLostError):
+    if isinstance(error, KilledWorker):
         return None
     if isinstance(error, ModuleNotFoundError) and (error.name or "").startswith("mars_asp"):
         raise _cluster_error(
@@ -143,12 +144,15 @@ def _task() -> Callable[[str, bytes, tuple[Any, ...]], RunOutcome | None]:
 
 # ---- In a worker of Dask -------------------------------------------------------------------------
 
-#: The runner of each thread, and the job that it has.
+#: The server of each thread, and its job.
 _here = threading.local()
 
 
 def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome | None:
-    """Carry out a run in the runner of this thread; return None if it is not wanted any more."""
+    """Carry out a run in the server of this thread.
+
+    Return None if it is not wanted any more, or the server was lost twice.
+    """
     from distributed import get_worker
 
     if version != __version__:
@@ -160,22 +164,17 @@ def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome
         task = worker.state.tasks.get(key)
         return task is not None and task.state in ("executing", "long-running")
 
-    outcome: RunOutcome | None
-    for again in (True, False):
+    for _ in range(2):
         if getattr(_here, "job", None) != job:
-            if hasattr(_here, "runner"):
-                _here.runner.end()
-            _here.job, _here.runner = job, Runner(job)
-        outcome = None
-        try:
-            outcome = _here.runner.run(Run(*run), wanted)
-        except RunnerLostError:
-            # It may have waited for too long, and ended.
-            if not again:
-                raise
+            if getattr(_here, "server", None) is not None:
+                _here.server.end()
+            _here.server = Server("mars_asp.cli.campaign_runner", "serve_runs", job)
+            _here.job = job
+        outcome: RunOutcome | None = _here.server.ask(Run(*run), wanted)
         if outcome is not None:
             return outcome
-        _here.job = None
+        # It may have waited for too long, and ended.
+        _here.job = _here.server = None
         if not wanted():
             break
     return None

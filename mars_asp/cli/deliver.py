@@ -1,7 +1,8 @@
-"""What a verb delivers: standard output and files, whole or not at all, by the command itself.
+"""The output of a command: standard output and files, whole or not at all.
 
-In a worker everything goes through a pipe. The command collects it and writes it when the end mark
-is there, so that a verb that was ended, or that somebody's code broke off, leaves nothing behind.
+In a worker everything is sent through a pipe, as messages: a name and values. The command collects
+them and writes everything when the worker has sent its exit status, so a worker that was ended, or
+that code of the user broke off, leaves nothing.
 """
 
 import errno
@@ -14,13 +15,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple
 
+from mars_asp.asp.contained import send
 from mars_asp.diagnostic import refusal
 from mars_asp.output import AtomicFile, GrowingFile, replace_together, visible, write_whole
 from mars_asp.reading import files_read
 
-_OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
-_GROW, _LINE, _PART, _WHOLE, _CLOSING = b"l", b"n", b"p", b"w", b"e"
-_LENGTH = 8
 #: So much of a file that grows is sent at a time.
 _PORTION = 1 << 16
 #: The pipe to the command, in a worker, and the process that may write to it.
@@ -56,15 +55,7 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
     if read is None:
         _claim(path)
     raw = content.encode(errors="backslashreplace") if isinstance(content, str) else content
-    file = OutputFile(path, raw, None if read is None else _digest(read))
-    if _pipe is None:
-        _write(file)
-        return
-    if read is not None:
-        # The caller reports each file as written before the parent writes it.
-        check_writable(path)
-    header = f"{os.fsencode(path).hex()} {file.read or ''}"
-    _send(_FILE, header.encode() + b"\n" + raw)
+    _write_files([OutputFile(path, raw, None if read is None else _digest(read))])
 
 
 def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
@@ -75,13 +66,7 @@ def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
     Raises:
         OSError: one cannot be written, or holds something else by now.
     """
-    group = [OutputFile(path, content, _digest(read)) for path, content, read in files]
-    if _pipe is None:
-        _write_together(group)
-        return
-    _send(_GROUP, str(len(group)).encode())
-    for path, content, read in files:
-        write_file(path, content, read)
+    _write_files([OutputFile(path, content, _digest(read)) for path, content, read in files])
 
 
 def grow_file(path: str, kept: int, size: int) -> None:
@@ -98,7 +83,7 @@ def grow_file(path: str, kept: int, size: int) -> None:
     if _pipe is None:
         _growing = GrowingFile(path, kept, size)
         return
-    _send(_GROW, f"{os.fsencode(path).hex()} {kept} {size}".encode())
+    _send("grow", path, kept, size)
 
 
 def add_line(line: bytes) -> None:
@@ -108,7 +93,7 @@ def add_line(line: bytes) -> None:
         OSError: it cannot be written.
     """
     if _pipe is not None:
-        _send(_LINE, line)
+        _send("line", line)
     elif _growing is not None:
         _growing.append(line)
 
@@ -116,7 +101,7 @@ def add_line(line: bytes) -> None:
 def write_closing(text: str) -> None:
     """Write text to standard error, after everything that goes to standard output."""
     if _pipe is not None:
-        _send(_CLOSING, text.encode(errors="backslashreplace"))
+        _send("closing", text)
         return
     sys.stdout.flush()
     sys.stderr.write(text)
@@ -205,11 +190,10 @@ def streamed(path: str) -> Iterator[Parts]:
     """
     _claim(path)
     if _pipe is not None:
-        named = os.fsencode(path).hex().encode()
-        file = Parts(lambda part: _send(_PART, named + b"\n" + part))
+        file = Parts(lambda part: _send("part", path, part))
         yield file
         file.flush()
-        _send(_WHOLE, named)
+        _send("whole", path)
         return
     begun = AtomicFile(path)
     try:
@@ -259,14 +243,14 @@ class _Output(io.RawIOBase):
 
     def write(self, data: object) -> int:
         raw = bytes(data)  # type: ignore[call-overload]
-        _send(_OUTPUT, raw)
+        _send("output", raw)
         return len(raw)
 
 
 def runs_code_of(paths: Iterable[str]) -> None:
     """Tell the parent whose code runs from now on, in case that it ends the worker."""
     if _pipe is not None:
-        _send(_CODE, b"\0".join(map(os.fsencode, paths)))
+        _send("code", tuple(paths))
 
 
 def end(status: int) -> None:
@@ -276,28 +260,24 @@ def end(status: int) -> None:
         ValueError: somebody closed standard output.
     """
     sys.stdout.flush()
-    _send(_END, str(status).encode())
+    _send("end", status)
 
 
-def _send(kind: bytes, payload: bytes) -> None:
+def _send(*message: object) -> None:
     assert _pipe is not None
-    if os.getpid() != _writer:
-        # What somebody's code forked has nothing to say here: only whole results are delivered.
-        return
-    with _sending:
-        for part in (kind + len(payload).to_bytes(_LENGTH, "big"), payload):
-            rest = memoryview(part)
-            while rest:
-                rest = rest[os.write(_pipe, rest) :]
+    # A process that code of the user forked delivers nothing.
+    if os.getpid() == _writer:
+        with _sending:
+            send(_pipe, message)
 
 
 # ---- In the command ------------------------------------------------------------------------------
 
 
 class WorkerOutput:
-    """What a worker said so far; `status` once it said that this is all.
+    """The messages of a worker; `status` is None until the last one.
 
-    `code` are the files of others whose code it runs.
+    `code` are the files of the user whose code the worker runs.
     """
 
     def __init__(self) -> None:
@@ -314,69 +294,42 @@ class WorkerOutput:
         self.status: int | None = None
         #: Whether a line could not be written, so that there is no point in going on.
         self.failed = False
-        self._rest = bytearray()
-        self._missing = 0
 
-    def hear(self, chunk: bytes) -> None:
-        """Take in what came through the pipe.
+    def take(self, message: object) -> None:
+        """Store the values of a message, or write a line or a part of a file.
 
         Raises:
-            ValueError: it is no message of ours, as when somebody's code wrote to the pipe.
+            ValueError: it is no message of a worker; code of the user wrote it to the pipe.
         """
-        rest = self._rest
-        rest += chunk
-        begin = 0
-        while len(rest) - begin > _LENGTH:
-            after = begin + 1 + _LENGTH
-            size = int.from_bytes(rest[begin + 1 : after], "big")
-            if len(rest) < after + size:
-                break
-            self._take(bytes(rest[begin : begin + 1]), bytes(rest[after : after + size]))
-            begin = after + size
-        del rest[:begin]
+        match message:
+            case "output", bytes(raw):
+                self.output.append(raw)
+            case "closing", str(text):
+                self.closing += text
+            case "files", list(group):
+                self.files.append(group)
+            case "part", str(path), bytes(content):
+                self._extend(path, content)
+            case "whole", str(path):
+                self._whole.add(path)
+            case "grow", str(path), int(kept), int(size):
+                self._grown = path
+                self._grow(lambda: grow_file(path, kept, size))
+            case "line", bytes(line):
+                self._grow(lambda: add_line(line))
+            case "code", tuple(paths):
+                self.code = paths
+            case "end", int(status):
+                self.status = status
+            case _:
+                raise ValueError(message)
 
-    def _take(self, kind: bytes, payload: bytes) -> None:
-        if kind == _OUTPUT:
-            self.output.append(payload)
-        elif kind == _CLOSING:
-            self.closing += payload.decode()
-        elif kind == _FILE:
-            header, _, content = payload.partition(b"\n")
-            path, _, read = header.partition(b" ")
-            file = OutputFile(_path(path), content, read.decode() or None)
-            if self._missing:
-                self._missing -= 1
-                self.files[-1].append(file)
-            else:
-                self.files.append([file])
-        elif kind == _PART:
-            header, _, content = payload.partition(b"\n")
-            self._extend(_path(header), content)
-        elif kind == _WHOLE:
-            self._whole.add(_path(payload))
-        elif kind == _GROUP:
-            self._missing = int(payload)
-            self.files.append([])
-        elif kind in (_GROW, _LINE):
-            self._grow(kind, payload)
-        elif kind == _CODE:
-            self.code = tuple(map(os.fsdecode, payload.split(b"\0"))) if payload else ()
-        elif kind == _END:
-            self.status = int(payload)
-        else:
-            raise ValueError(kind)
-
-    def _grow(self, kind: bytes, payload: bytes) -> None:
-        """Open the file that grows, or write a line to it, and nothing more once that failed."""
+    def _grow(self, write: Callable[[], None]) -> None:
+        """Open the file that grows, or write a line to it, unless that failed before."""
         if self.failed:
             return
         try:
-            if kind == _LINE:
-                add_line(payload)
-                return
-            path, kept, size = payload.decode().split()
-            self._grown = os.fsdecode(bytes.fromhex(path))
-            grow_file(self._grown, int(kept), int(size))
+            write()
         except OSError as error:
             _say_unwritten(f"`{visible(self._grown)}`", error)
             self.failed = True
@@ -413,14 +366,10 @@ class WorkerOutput:
                 _say_unwritten(f"`{visible(path)}`", error)
                 is_unwritten = True
         for group in self.files:
-            path = group[0].path if group else ""
             try:
-                if len(group) == 1:
-                    _write(group[0])
-                else:
-                    _write_together(group)
+                _write_files(group)
             except OSError as error:
-                named = error.filename if isinstance(error.filename, str) else path
+                named = error.filename if isinstance(error.filename, str) else group[0].path
                 _say_unwritten(f"`{visible(named)}`", error)
                 is_unwritten = True
         end_growing()
@@ -438,10 +387,6 @@ class WorkerOutput:
         return 2 if is_unwritten else self.status or 0
 
 
-def _path(header: bytes) -> str:
-    return os.fsdecode(bytes.fromhex(header.decode()))
-
-
 def _write_out(chunks: list[bytes]) -> None:
     """Write to the descriptor itself: Python's buffers lose what does not fit on a full disk."""
     for chunk in chunks:
@@ -450,21 +395,28 @@ def _write_out(chunks: list[bytes]) -> None:
             rest = rest[os.write(1, rest) :]
 
 
-def _write(file: OutputFile) -> None:
-    if file.read is not None:
-        _check_unchanged(file)
-    if _growing is not None and _growing.path == file.path:
-        _growing.check_own()
-        write_whole(file.path, file.content)
-        end_growing()
+def _write_files(files: list[OutputFile]) -> None:
+    """Write files, all or none, in a worker when the verb has ended."""
+    if _pipe is not None:
+        for file in files:
+            if file.read is not None:
+                # The caller reports the file as written before the command writes it.
+                check_writable(file.path)
+        _send("files", files)
         return
-    write_whole(file.path, file.content)
-
-
-def _write_together(files: Iterable[OutputFile]) -> None:
     for file in files:
-        _check_unchanged(file)
-    replace_together({file.path: file.content for file in files})
+        if file.read is not None:
+            _check_unchanged(file)
+    if len(files) != 1:
+        replace_together({file.path: file.content for file in files})
+        return
+    [file] = files
+    is_growing = _growing is not None and _growing.path == file.path
+    if _growing is not None and is_growing:
+        _growing.check_own()
+    write_whole(file.path, file.content)
+    if is_growing:
+        end_growing()
 
 
 def _check_unchanged(file: OutputFile) -> None:

@@ -107,19 +107,6 @@ def memory_limit(arguments: argparse.Namespace) -> float | None:
     return min(bounds) / 2 / _MEGABYTE if bounds else None
 
 
-def limit_memory(megabytes: float | None) -> None:
-    """Let this process take so many megabytes at most."""
-    if megabytes is None:
-        return
-    import resource
-
-    most = int(megabytes * _MEGABYTE)
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    if hard != resource.RLIM_INFINITY:
-        most = min(most, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (most, hard))
-
-
 def load_freely(*modules: str) -> None:
     """Import modules, for which this process may take more: NumPy ends one that has less.
 

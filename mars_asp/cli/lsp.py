@@ -5,9 +5,9 @@ It needs the extra `lsp`: `pip install 'mars-asp[lsp]'`.
 
 import argparse
 import gc
-import pickle
 import sys
 from contextlib import suppress
+from functools import partial
 from importlib.util import find_spec
 
 #: It goes on for as long as the editor does; each analysis has a process with limits of its own.
@@ -36,7 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
         text = "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
         print(f"mars-asp lsp: {text}", file=sys.stderr)
         return 2
-    from mars_asp.cli.limits import limit_memory, memory_limit
+    from mars_asp.asp.contained import Server, limit_memory
+    from mars_asp.cli.limits import memory_limit
     from mars_asp.lsp.server import serve
     from mars_asp.lsp.workers import Workers
 
@@ -44,10 +45,9 @@ def run(arguments: argparse.Namespace) -> int:
     gc.freeze()
     gc.set_threshold(500_000, 20, 20)
     gc.enable()
-    start = "from mars_asp.cli.lsp_answers import main; main()"
-    command = (sys.executable, "-P", "-c", f"import sys; sys.path[:] = {sys.path!r}; {start}")
     seconds = arguments.time_limit or _SECONDS
     with suppress(OSError, ValueError):
         limit_memory(memory_limit(arguments))
-    serve(Workers(command, pickle.dumps(arguments), seconds, _AT_A_TIME))
+    start = partial(Server, "mars_asp.cli.lsp_answers", "main", arguments)
+    serve(Workers(start, seconds, _AT_A_TIME))
     return 0

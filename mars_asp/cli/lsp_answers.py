@@ -7,7 +7,6 @@ import argparse
 import gc
 import linecache
 import os
-import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -17,12 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mars_asp.annotations.files import extract, find_paths
+from mars_asp.asp.contained import begin_group, limit_memory, serve
 from mars_asp.asp.trace.text import traces_text
-from mars_asp.cli import worker
 from mars_asp.cli.arguments import parser_of
 from mars_asp.cli.check import check
 from mars_asp.cli.extract import module_lines
-from mars_asp.cli.limits import limit_memory, memory_limit
+from mars_asp.cli.limits import memory_limit
 from mars_asp.cli.lines import line_at, remember
 from mars_asp.cli.lsp_files import EditorFiles
 from mars_asp.cli.lsp_rules import lint_answer
@@ -36,7 +35,6 @@ from mars_asp.lsp.mentions import outline
 from mars_asp.lsp.places import Place, Position, Range
 from mars_asp.lsp.questions import CheckedFile, Failed, Question, Sort, Survey
 from mars_asp.lsp.robot import Described, EditorRobot, OpenFile, behind
-from mars_asp.lsp.workers import read_pickle, write_pickle
 from mars_asp.model.declarations import Module
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.reading import unsaved
@@ -68,22 +66,18 @@ _EXPECTED = "%="
 
 
 def main() -> None:
-    """Answer what standard input asks, until it is closed."""
-    given, answers = os.dup(0), os.dup(1)
-    nothing = os.open(os.devnull, os.O_RDWR)
-    # What is printed here is no answer.
-    for stream in (0, 1):
-        os.dup2(nothing, stream)
-    for number in worker.ENDING:
-        signal.signal(number, signal.SIG_DFL)
-    worker.begin_group(given)
-    options: argparse.Namespace = read_pickle(given)
+    """Answer the questions of standard input until it is closed."""
+    serve(_begin)
+
+
+def _begin(given: int, options: argparse.Namespace) -> Callable[[Question], Any]:
+    """Load what every answer needs; return the function that answers."""
+    begin_group(given)
     with suppress(OSError, ValueError):
         limit_memory(memory_limit(options))
     load_rulebook((), STAGES)
     gc.freeze()
-    while (question := read_pickle(given)) is not None:
-        write_pickle(answers, answer(question, options))
+    return lambda question: answer(question, options)
 
 
 def answer(question: Question, options: argparse.Namespace) -> Any:

@@ -345,14 +345,19 @@ def test_nothing_goes_on_when_the_command_is_ended(
 
 @pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc")
 def test_several_workers_lose_and_repeat_nothing(campaign: Campaign, capsys: Captured) -> None:
-    """A worker and then the command are killed; the file is that of one worker."""
+    """The process of a run and then the command are killed; the file is that of one worker."""
     campaign.behave(0.02)
     with campaign.process("--seeds", "1-24", "--workers", "2") as command:
         await_true(lambda: len(campaign.lines()) > 2, command)
         (verb,) = children(command.pid)
-        workers = [*children(verb)]
-        assert len(workers) == 2
-        os.kill(workers[0], signal.SIGKILL)
+        runs: list[int] = []
+
+        def are_two_running() -> bool:
+            runs[:] = children(verb)
+            return len(runs) == 2
+
+        await_true(are_two_running, command)
+        os.kill(runs[0], signal.SIGKILL)
         await_true(lambda: len(campaign.lines()) > 6, command)
         command.kill()
     os.chdir(ROOT)
@@ -361,7 +366,7 @@ def test_several_workers_lose_and_repeat_nothing(campaign: Campaign, capsys: Cap
     before = campaign.lines()[1:]
     assert 6 <= len(before) < 24
     started = len(campaign.log.read_text())
-    # Beyond what ended, two runs were lost with the worker and two with the command.
+    # Beyond those that ended, one run was lost with its process, and two with the command.
     assert started <= len(before) + 4
     campaign.behave(0)
     run_here(campaign.words("--seeds", "1-24", "-o", "o.jsonl"))

@@ -16,9 +16,9 @@ from types import CodeType
 import pytest
 from _pytest.runner import runtestprotocol
 
-from mars_asp.asp.cases.children import ask, limit
 from mars_asp.asp.cases.killers import RUNS_AWAY
 from mars_asp.asp.cases.mutants import Mutant, MutantVerdict
+from mars_asp.asp.contained import Lost, ask, limit_time
 from tests.mutate.exchange import Exchange, exchanges
 from tests.mutate.python_mutants import compiled_mutants, noting_module
 from tests.support.documents import ROOT
@@ -157,7 +157,7 @@ class _Judge:
             return (_failing(_concerned(mutant, runs, self.seconds)),)
 
         for mutant, item in ask(self.mutants, answer, self.jobs):
-            killer = RUNS_AWAY if item is None else item[0]
+            killer = RUNS_AWAY if isinstance(item, Lost) else item[0]
             self.verdicts.append(MutantVerdict(mutant, killer))
             # pytest has standard output; who waits for hours wants to see what comes of it.
             print(f"{mutant}\n  {killer or 'survives'}", file=sys.stderr, flush=True)
@@ -187,7 +187,7 @@ def _name(item: pytest.Item) -> str:
 def _failing(runs: Iterable[Run]) -> str | None:
     """Return the first test that fails, if one does; one that takes far too long ends the child."""
     for run in runs:
-        limit(5 + 4 * run.seconds)
+        limit_time(5 + 4 * run.seconds)
         if not _passes(run.item):
             return run.item.nodeid
     return None
@@ -210,7 +210,7 @@ def _runs(items: Sequence[pytest.Item], places: Mapping[str, Exchange], jobs: in
 
     def answer(item: pytest.Item) -> tuple[bool, float, frozenset[tuple[str, int]]]:
         lines = {path: _put_noting(place, noting[path]) for path, place in places.items()}
-        limit(_LONGEST)
+        limit_time(_LONGEST)
         begun = _processor()
         passed = _passes(item)
         ran = frozenset((path, line) for path, found in lines.items() for line in found)
@@ -218,11 +218,13 @@ def _runs(items: Sequence[pytest.Item], places: Mapping[str, Exchange], jobs: in
 
     runs: list[Run] = []
     for item, found in ask(items, answer, jobs):
-        passed, seconds, lines = found or (False, _LONGEST, frozenset())
+        passed, seconds, lines = (
+            (False, _LONGEST, frozenset[tuple[str, int]]()) if isinstance(found, Lost) else found
+        )
         if lines and passed:
             runs.append(Run(item, seconds, lines))
         elif not passed:
-            why = "fails" if found else "takes too long"
+            why = "takes too long" if isinstance(found, Lost) else "fails"
             print(f"{item.nodeid} {why}, and judges nothing", file=sys.stderr)
     return sorted(runs, key=lambda run: (run.seconds, run.item.nodeid))
 

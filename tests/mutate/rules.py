@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
-from mars_asp.asp.cases.children import limit
 from mars_asp.asp.cases.killers import Bench, judge
 from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, MutatedFile, rule_file
+from mars_asp.asp.contained import limit_time
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.reasoning.cases import cases_of
 from mars_asp.reasoning.cases.run import DETERMINISTIC, tried
@@ -52,7 +52,7 @@ def _built_in() -> Rulebook:
 def _killing_check(stage: str, rulebook: Rulebook) -> str | None:
     for check in CHECKS:
         if stage in check.stages:
-            limit(check.seconds)
+            limit_time(check.seconds)
             try:
                 check.run(rulebook)
             except Exception:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import clingo
 
-from mars_asp.asp.cases.children import ask
+from mars_asp.asp.contained import Lost, ask
 from mars_asp.asp.fragments import joined
 from mars_asp.asp.messages import heard, predicate_of, saying
 from mars_asp.asp.rules.read import read_case
@@ -145,7 +145,7 @@ def outcomes(paths: Sequence[Path], rulebook: Rulebook) -> Iterator[Outcome]:
 
     # clingo keeps each term until its process ends, and forks of a large process are slow.
     [(_, found)] = ask(["\n".join(program)], compared, 1)
-    assert found is not None
+    assert not isinstance(found, Lost)
     for path, case, answer in zip(paths, cases, found, strict=True):
         yield Outcome(path, case.expected, (answer,))
 

@@ -13,7 +13,7 @@ from typing import TypeVar
 import clingo
 from clingo import ast
 
-from mars_asp.asp.cases.children import ask
+from mars_asp.asp.contained import Lost, ask
 from mars_asp.asp.signature import Signature
 
 _Read = TypeVar("_Read")
@@ -79,7 +79,7 @@ def printed(program: Iterable[str], wanted: Collection[Signature]) -> str:
     until its process ends, and forks of a large process are slow.
     """
     [(_, text)] = ask([program], lambda given: _read_best(given, wanted, str), 1)
-    assert text is not None
+    assert not isinstance(text, Lost)
     return text
 
 

@@ -16,10 +16,10 @@ import clingo
 import networkx as nx
 from clingo import ast
 
-from mars_asp.asp.cases.children import ask, limit
 from mars_asp.asp.cases.coverage import Case
 from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, MutatedFile, MutatedStatement, written
 from mars_asp.asp.cases.probes import children, is_safe
+from mars_asp.asp.contained import Lost, ask, limit_time
 from mars_asp.asp.rules.expansions import Expansions, expanded
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -73,7 +73,7 @@ def judge(
         for mutant in mutants:
             yield mutant, tuple(sorted(useful[mutant], key=partial(rank, mutant)))
 
-    def answer(question: tuple[Mutant, tuple[Case, ...]]) -> tuple[str, bool] | None:
+    def answer(question: tuple[Mutant, tuple[Case, ...]]) -> tuple[str, bool]:
         mutant, tried = question
         if not _is_told(mutant, holes):
             return "its message", False
@@ -86,7 +86,7 @@ def judge(
         return ("", False) if found is None else (found, False)
 
     for (mutant, _), found in ask(questions(), answer, jobs):
-        killer, by_case = (RUNS_AWAY, False) if found is None else found
+        killer, by_case = (RUNS_AWAY, False) if isinstance(found, Lost) else found
         kills[mutant.before, killer] += by_case
         yield MutantVerdict(mutant, killer or None)
 
@@ -102,7 +102,7 @@ def _is_near(mutant: Mutant, case: Case) -> bool:
 
 def _killing_case(cases: Iterable[Case], rulebook: Rulebook) -> str | None:
     for case in cases:
-        limit(_SECONDS)
+        limit_time(_SECONDS)
         try:
             passed = case.passes(rulebook)
         except MarsError:
@@ -168,7 +168,7 @@ def _useful(
             useful[mutant] = [case for case in bench.cases if file.stage in case.stages]
 
     def answer(case: Case) -> set[int]:
-        limit(60)
+        limit_time(60)
         stages = [stage for stage in case.stages if stage in bench.deterministic]
         mine = [entry for stage in stages for entry in probed.get(stage, ())]
         rules = [bench.rulebook.text(stage) for stage in stages]
@@ -179,7 +179,7 @@ def _useful(
 
     everything = {number for entries in probed.values() for number, _ in entries}
     for case, found in ask(bench.cases, answer, jobs) if everything else ():
-        for number in everything if found is None else found:
+        for number in everything if isinstance(found, Lost) else found:
             useful[mutants[number]].append(case)
     return useful
 
