@@ -31,7 +31,7 @@ FILES = {
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/cases": ("expectations outcomes run probes coverage mutants killers"),
     "asp/rules": (
-        "gate trees statements dependencies rule premises binding computed expansions checks "
+        "gate trees statements dependencies rule premises computed expansions checks "
         "symbols arithmetic outline declarations metadata externals read program_files namespaces "
         "rulebook consistency"
     ),
@@ -228,7 +228,7 @@ def test_tests_of_the_engine_use_no_robot() -> None:
 #: Who walks clingo's trees: the reader of rules, and those who write further rules from them.
 TREES = [
     *("asp/cases/killers.py", "asp/cases/mutants.py", "asp/cases/probes.py"),
-    *("asp/rules/binding.py", "asp/rules/computed.py"),
+    "asp/rules/computed.py",
     *("asp/rules/statements.py", "asp/rules/trees.py"),
     "asp/trace/counting_rules.py",
     *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),

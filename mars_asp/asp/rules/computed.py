@@ -4,29 +4,41 @@ Clingo's integers wrap at 32 bits without a word. What a rule computes is told w
 literals hold that do not themselves depend on it.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import clingo
 from clingo import ast
 
 from mars_asp.asp.cache import memoized
-from mars_asp.asp.rules import binding, statements
-from mars_asp.asp.rules.binding import AGGREGATES, Conjunct, conjunct, outer, unbound, written
+from mars_asp.asp.rules import statements, trees
 from mars_asp.asp.rules.statements import (
     ArithmeticReader,
     Operand,
     Operation,
     Place,
+    masked,
     rule_operands,
     variants,
 )
-from mars_asp.asp.rules.trees import SyntaxNode, names_in
+from mars_asp.asp.rules.trees import (
+    WITH_ELEMENTS,
+    Kind,
+    SyntaxNode,
+    elements_of,
+    guards_of,
+    names_in,
+)
 
-_TYPE = ast.ASTType
 #: What never leaves 32 bits where its operands do not.
 _FITS = frozenset({"&", "?", "^", "~", "/", "\\", ""})
 _SUMS = (ast.AggregateFunction.Sum, ast.AggregateFunction.SumPlus)
+#: A string or a word, such as the name of a variable.
+_WORD = re.compile(r""""(?:[^"\\]|\\.)*"|(?<![\w'])[\w']+""")
+_UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
+_NONE: frozenset[str] = frozenset()
 
 
 class Computed(NamedTuple):
@@ -51,17 +63,33 @@ class Summed(NamedTuple):
     body: str
 
 
+class _Literal(NamedTuple):
+    """A literal of a body or condition as clingo writes it, and its variables."""
+
+    text: str
+    names: frozenset[str]
+
+    def renamed(self, names: Mapping[str, str]) -> "_Literal":
+        """Return the literal with other names for some variables."""
+        if self.names.isdisjoint(names):
+            return self
+        return _Literal(
+            _WORD.sub(lambda found: names.get(found[0], found[0]), self.text),
+            frozenset(names.get(each, each) for each in self.names),
+        )
+
+
 class _Site(NamedTuple):
-    """A tree, the literals that hold beside it, and the one that it is part of, if it can bind."""
+    """A node, the literals that hold beside it, and the literal that it is of, if that can bind."""
 
     node: SyntaxNode
-    beside: tuple[Conjunct, ...]
-    own: tuple[Conjunct, ...] = ()
+    beside: tuple[_Literal, ...]
+    own: tuple[_Literal, ...] = ()
 
 
 def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...]]:
     """Return the operations of each of some rules that could leave 32 bits."""
-    files = map(Path, (__file__, binding.__file__, statements.__file__, ast.__file__))
+    files = map(Path, (__file__, statements.__file__, trees.__file__, ast.__file__))
     # Most rules compute nothing.
     asked = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
     return memoized("computations", files, asked, _computations)
@@ -97,115 +125,94 @@ def _computations(text: str) -> tuple[Computed | Summed, ...]:
                     result = leaves(operation)
                     body = _body(result, site)
                     if body is not None:
-                        found[Computed(operation, result, written(body))] = None
+                        found[Computed(operation, result, _written(body))] = None
         found.update((summed, None) for summed in _sums(rule, beside, reader))
     return tuple(found)
 
 
-def _sites(rule: SyntaxNode, beside: tuple[Conjunct, ...]) -> Iterator[_Site]:
-    """Yield the parts of a rule that hold apart from others, each where these do."""
-    yield from _head_sites(rule.head, beside)
-    for number, literal in enumerate(rule.body):
+def _sites(rule: SyntaxNode, beside: tuple[_Literal, ...]) -> Iterator[_Site]:
+    """Yield the parts of a rule that hold independently of others, each with those literals."""
+    yield from _sites_in(rule.head, beside, ())
+    for number, node in enumerate(rule.body):
         rest = (*beside[:number], *beside[number + 1 :])
-        atom = literal.atom if literal.ast_type == _TYPE.Literal else literal
-        if atom.ast_type in AGGREGATES:
-            yield from _aggregate_sites(atom, rest)
-        elif literal.ast_type == _TYPE.ConditionalLiteral:
-            yield from _element_sites((literal.literal,), literal.condition, rest)
-        else:
-            yield _Site(literal, rest, (conjunct(literal),))
+        yield from _sites_in(node, rest, (_literal(node),))
 
 
-def _beside(rule: SyntaxNode) -> tuple[Conjunct, ...]:
-    """Return the body of a rule with other names for what its elements have for themselves.
+def _sites_in(
+    node: SyntaxNode, rest: tuple[_Literal, ...], own: tuple[_Literal, ...]
+) -> Iterator[_Site]:
+    """Yield the guards and the elements of a head or literal, or all of it if it has none."""
+    atom = node.atom if node.ast_type is Kind.Literal else node
+    if atom.ast_type not in WITH_ELEMENTS:
+        yield _Site(node, rest, own)
+    for guard in guards_of(atom):
+        yield _Site(guard, rest)
+    for entries, condition in elements_of(atom):
+        literals = tuple(map(_literal, condition))
+        for entry in entries:
+            yield _Site(entry, (*rest, *literals))
+        for number, inner in enumerate(condition):
+            others = (*literals[:number], *literals[number + 1 :])
+            yield _Site(inner, (*rest, *others), (literals[number],))
 
-    So they can stand beside an element that has taken its place among them.
+
+def _beside(rule: SyntaxNode) -> tuple[_Literal, ...]:
+    """Return the body of a rule, the local variables of its elements renamed.
+
+    So the literals can be written beside an element of the rule.
     """
     known = names_in(rule)
-    body = tuple(map(conjunct, rule.body))
-    shared = frozenset[str]().union(*map(outer, (rule.head, *rule.body)))
+    body = tuple(map(_literal, rule.body))
+    shared = _NONE.union(*map(_global_names, (rule.head, *rule.body)))
     if known == shared:
         return body
     suffix = "_"
     while any(f"{name}{suffix}" in known for name in known):
         suffix += "_"
-    apart = {name: f"{name}{suffix}" for name in known - shared}
-    return tuple(literal.renamed(apart) for literal in body)
+    local = {name: f"{name}{suffix}" for name in known - shared}
+    return tuple(literal.renamed(local) for literal in body)
 
 
-def _head_sites(head: SyntaxNode, body: tuple[Conjunct, ...]) -> Iterator[_Site]:
-    match head.ast_type:
-        case _TYPE.Aggregate | _TYPE.HeadAggregate:
-            yield from _aggregate_sites(head, body)
-        case _TYPE.Disjunction:
-            for element in head.elements:
-                yield from _element_sites((element.literal,), element.condition, body)
-        case _:
-            yield _Site(head, body)
-
-
-def _aggregate_sites(aggregate: SyntaxNode, rest: tuple[Conjunct, ...]) -> Iterator[_Site]:
-    for guard in (aggregate.left_guard, aggregate.right_guard):
-        if guard is not None:
-            yield _Site(guard, rest)
-    for element in aggregate.elements:
-        match aggregate.ast_type:
-            case _TYPE.Aggregate:
-                yield from _element_sites((element.literal,), element.condition, rest)
-            case _TYPE.BodyAggregate:
-                yield from _element_sites(element.terms, element.condition, rest)
-            case _:
-                entries = (*element.terms, element.condition.literal)
-                yield from _element_sites(entries, element.condition.condition, rest)
-
-
-def _element_sites(
-    told: Iterable[SyntaxNode], condition: Iterable[SyntaxNode], rest: tuple[Conjunct, ...]
-) -> Iterator[_Site]:
-    nodes = tuple(condition)
-    literals = tuple(map(conjunct, nodes))
-    for node in told:
-        yield _Site(node, (*rest, *literals))
-    for number, node in enumerate(nodes):
-        others = (*literals[:number], *literals[number + 1 :])
-        yield _Site(node, (*rest, *others), (literals[number],))
+def _global_names(node: SyntaxNode) -> frozenset[str]:
+    """Return the variables of a head or literal outside of its elements."""
+    atom = node.atom if node.ast_type is Kind.Literal else node
+    if atom.ast_type in WITH_ELEMENTS:
+        return _NONE.union(*(names_in(guard) for guard in guards_of(atom)))
+    return names_in(node)
 
 
 def _sums(
-    rule: SyntaxNode, beside: tuple[Conjunct, ...], reader: ArithmeticReader
+    rule: SyntaxNode, beside: tuple[_Literal, ...], reader: ArithmeticReader
 ) -> Iterator[Summed]:
     aggregates = [(rule.head, beside)]
     for number, literal in enumerate(rule.body):
-        if literal.ast_type == _TYPE.Literal:
+        if literal.ast_type is Kind.Literal:
             aggregates.append((literal.atom, (*beside[:number], *beside[number + 1 :])))
     for aggregate, rest in aggregates:
-        if aggregate.ast_type not in AGGREGATES or aggregate.ast_type == _TYPE.Aggregate:
-            continue
-        if aggregate.function not in _SUMS:
+        if getattr(aggregate, "function", None) not in _SUMS:
             continue
         names, outside = sorted(names_in(aggregate)), frozenset(rest)
-        # An element without a term weighs nothing.
-        for element in filter(lambda each: each.terms, aggregate.elements):
-            condition = element.condition
-            if aggregate.ast_type == _TYPE.HeadAggregate:
-                condition = condition.condition
+        for element, (_, condition) in zip(aggregate.elements, elements_of(aggregate), strict=True):
+            # An element without a term weighs nothing.
+            if not element.terms:
+                continue
             terms = tuple(map(str, element.terms))
-            kept = _body(terms, _Site(aggregate, (*rest, *map(conjunct, condition))))
+            kept = _body(terms, _Site(aggregate, (*rest, *map(_literal, condition))))
             if kept is not None:
-                varying = unbound(names, [each for each in kept if each in outside])
+                varying = _unbound(names, [each for each in kept if each in outside])
                 shared = tuple(name for name in names if name not in varying)
                 negative = aggregate.function == ast.AggregateFunction.Sum
-                yield Summed(reader.place(aggregate), negative, terms, shared, written(kept))
+                yield Summed(reader.place(aggregate), negative, terms, shared, _written(kept))
 
 
-def _body(values: Sequence[str], site: _Site) -> tuple[Conjunct, ...] | None:
+def _body(values: Sequence[str], site: _Site) -> tuple[_Literal, ...] | None:
     """Return literals beside a tree that bind all values, or None if none do.
 
     Left out are those with a variable that nothing else binds than what is computed.
     """
     kept = site.beside
     for own in ((), site.own):
-        while missing := unbound(values, (*kept, *own)):
+        while missing := _unbound(values, (*kept, *own)):
             bound = tuple(literal for literal in kept if not literal.names & missing)
             if len(bound) == len(kept):
                 break
@@ -213,4 +220,27 @@ def _body(values: Sequence[str], site: _Site) -> tuple[Conjunct, ...] | None:
         else:
             return (*kept, *own)
     whole = (*site.beside, *site.own)
-    return None if unbound(values, whole) else whole
+    return None if _unbound(values, whole) else whole
+
+
+def _literal(node: SyntaxNode) -> _Literal:
+    return _Literal(str(node), names_in(node))
+
+
+def _written(literals: Iterable[_Literal]) -> str:
+    """Return a body of literals."""
+    return "; ".join(literal.text for literal in literals) or "#true"
+
+
+def _unbound(values: Sequence[str], literals: Iterable[_Literal]) -> frozenset[str]:
+    """Return the variables of values and literals that are unsafe if the literals are a body."""
+    entries: list[str] = []
+    control = clingo.Control(["--warn=none"], lambda _, note: entries.append(note))
+    try:
+        rule = f"_computed({','.join(values)}) :- {_written(literals)}."
+        control.add("base", [], masked(rule))
+        control.ground([("nothing", [])])
+    except RuntimeError:
+        # An anonymous variable can be bound by nothing else.
+        return frozenset({"_"}.union(*map(_UNSAFE.findall, entries)))
+    return frozenset()

@@ -11,8 +11,13 @@ from typing import Any, NamedTuple, TypeAlias
 
 from clingo import Symbol, ast
 
-#: What nodes are.
+#: The kinds of nodes.
 Kind = ast.ASTType
+#: The kinds of nodes that have elements with variables of their own.
+WITH_ELEMENTS = (
+    *(Kind.Aggregate, Kind.BodyAggregate, Kind.HeadAggregate),
+    *(Kind.Disjunction, Kind.ConditionalLiteral),
+)
 _LISTS = (ast.ASTSequence, ast.StrSequence)
 
 
@@ -110,6 +115,32 @@ def below(node: SyntaxNode) -> Sequence[SyntaxNode]:
             found.append(each)
             rest += each.children[::-1]
     return node._below
+
+
+def guards_of(node: SyntaxNode) -> list[SyntaxNode]:
+    """Return the guards of an aggregate, the left one first; none for other nodes."""
+    found = (getattr(node, "left_guard", None), getattr(node, "right_guard", None))
+    return [guard for guard in found if guard is not None]
+
+
+def elements_of(node: SyntaxNode) -> list[tuple[Sequence[SyntaxNode], Sequence[SyntaxNode]]]:
+    """Return the terms and literals of each element of a node, with the condition of the element.
+
+    Aggregates and disjunctions have elements, and a conditional literal is one; other nodes have
+    none.
+    """
+    match node.ast_type:
+        case Kind.Aggregate | Kind.Disjunction:
+            return [((each.literal,), each.condition) for each in node.elements]
+        case Kind.BodyAggregate:
+            return [(each.terms, each.condition) for each in node.elements]
+        case Kind.HeadAggregate:
+            inner = ((each.terms, each.condition) for each in node.elements)
+            return [((*terms, each.literal), each.condition) for terms, each in inner]
+        case Kind.ConditionalLiteral:
+            return [((node.literal,), node.condition)]
+        case _:
+            return []
 
 
 def public_reader() -> TreeReader:

@@ -234,3 +234,9 @@ def test_sums_that_may_not_fit_are_told_with_what_they_may_be(
     control.add("base", [], "\n".join((facts, "#defined w/1. #defined v/1. #defined w/2.", *rules)))
     control.ground()
     assert [each.message.split()[4].rstrip(",") for each in wrapped(control, entries)] == wrong
+
+
+def test_local_variables_beside_an_element_are_renamed() -> None:
+    text = 'm(M) :- M = #count { S : p(S,"S") }; 3 < #sum { S*S*N,S : q(S), r(N) }.'
+    bodies = [each.body for each in computations([text])[text]]
+    assert bodies == ['M = #count { S_: p(S_,"S") }; q(S); r(N)'] * 2
