@@ -90,8 +90,8 @@ FILES = {
     "exchange/ros2": (
         "actions commands names interface catalogue cmake setup_files workspace parameters "
         "cpp_code cpp_durations cpp_handles cpp_scopes cpp_texts source_cpp python_files "
-        "python_scopes python_written python_texts source_python programs glue bridges "
-        "python_values conditions python_known python_nodes python_tests python_evaluate "
+        "python_scopes python_written python_values python_expressions python_texts "
+        "source_python programs glue bridges conditions python_nodes python_tests python_evaluate "
         "launch_python launch_markup launch_catalogue descriptions launch controllers muxes "
         "read"
     ),

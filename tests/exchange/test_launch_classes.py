@@ -117,3 +117,30 @@ def test_a_loop_over_an_unknown_list_has_one_round() -> None:
         "    return LaunchDescription([eye(f'n{i}') for i, _ in enumerate(other())])\n"
     )
     assert [name.text for name in found.configuration.modules] == ["/n0"]
+
+
+VALUES = {
+    "numbers are added": ("for i in range(1, 2 + 1)", "f'n{i}'", ["n1", "n2"]),
+    "rounds start at a number": (
+        "for i, _ in enumerate(['x', 'y'], start=2)",
+        "f'n{i}'",
+        ["n2", "n3"],
+    ),
+    "texts have holes by percent": ("for i in range(2)", "'n%d_%s' % (i, 'a')", ["n0_a", "n1_a"]),
+    "texts are joined": ("for i in ['a', 'b']", "'_'.join(['n', i])", ["n_a", "n_b"]),
+    "ends are stripped": ("for i in ['/a']", "i.strip('/')", ["a"]),
+    "an unknown list is as long as another": (
+        "for i, _ in zip(['a', 'b'], other())",
+        "f'n{i}'",
+        ["na", "nb"],
+    ),
+    "a format is left to a run": ("for i in range(1)", "f'n{i:02d}'", ["v4l2_camera"]),
+}
+
+
+@pytest.mark.parametrize(("loop", "name", "nodes"), VALUES.values(), ids=VALUES)
+def test_values_are_those_of_a_run_or_unknown(loop: str, name: str, nodes: list[str]) -> None:
+    found = launched(
+        f"def generate_launch_description():\n    return LaunchDescription([eye({name}) {loop}])\n"
+    )
+    assert [name.text for name in found.configuration.modules] == [f"/{node}" for node in nodes]

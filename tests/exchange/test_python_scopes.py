@@ -57,6 +57,26 @@ def test_a_publisher_may_be_for_the_end_of_a_program(uses: str, is_last: bool) -
 
 #: The body of a class of nodes, its topics, and whether it may have more.
 CASES = {
+    "numbers are added": (
+        method("for i in range(1, 1 + 2):", f"    topic = f'a{{i}}'; {PUBLISH}"),
+        ["a1", "a2"],
+        False,
+    ),
+    "texts are joined and stripped": (
+        method("for topic in ['/'.join(['a', 'b']), '/c'.strip('/')]:", f"    {PUBLISH}"),
+        ["a/b", "c"],
+        False,
+    ),
+    "an inner loop goes over the item of an outer one": (
+        method("for row in [['a', 'b'], ['c']]:", "    for topic in row:", f"        {PUBLISH}"),
+        ["a", "b", "c"],
+        False,
+    ),
+    "the numbers of an unknown list are not known": (
+        method("for i, _ in enumerate(other()):", f"    topic = f'a{{i}}'; {PUBLISH}"),
+        [],
+        True,
+    ),
     "each method has names of its own": (
         method("topic = 'a'", PUBLISH, name="f(self)")
         + method("topic = 'b'", PUBLISH, name="g(self)"),

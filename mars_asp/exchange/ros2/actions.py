@@ -24,6 +24,13 @@ class PackageShare:
 
 
 @dataclass(frozen=True, slots=True)
+class OwnParameter:
+    """The value of a parameter of the node whose source is read."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Unknown:
     """A part that is known only when the file runs."""
 
@@ -33,7 +40,7 @@ class LaunchDirectory:
     """The folder of the launch file."""
 
 
-Part: TypeAlias = str | LaunchArgument | PackageShare | Unknown | LaunchDirectory
+Part: TypeAlias = str | LaunchArgument | OwnParameter | PackageShare | Unknown | LaunchDirectory
 #: A text in parts, as substitutions are; an empty one is the empty text.
 Text: TypeAlias = tuple[Part, ...]
 UNKNOWN: Text = (Unknown(),)

@@ -352,14 +352,9 @@ class _LaunchReader(Evaluator):
 
     def alone(self, node: ast.Call, names: Names) -> PythonCall:
         """Return a call whose arguments all have names, as far as they are known."""
-        arguments = tuple(self.elements(node.args, names, 0))
-        values = ((each.arg, self.value(each.value, names)) for each in node.keywords)
-        named = {
-            key: value
-            for key, value in values
-            if key is not None and not isinstance(value, NoneValue)
-        }
-        return PythonCall(self.name_of(node), arguments, named, self.span(node))
+        arguments, named = self.given(node, names, 0)
+        kept = {key: each for key, each in named.items() if not isinstance(each, NoneValue)}
+        return PythonCall(self.name_of(node), arguments, kept, self.span(node))
 
     def name_of(self, node: ast.Call) -> str:
         """Return the name of the called function, regardless of its import name."""

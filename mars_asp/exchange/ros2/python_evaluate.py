@@ -1,12 +1,11 @@
-"""What the expressions and statements of a launch file in Python stand for; none of it is run.
+"""Values of the expressions and statements of a launch file in Python, which is not run.
 
 Names are followed to the values that are assigned to them, through loops over lists that are
 written out and through calls of the file's own functions. Of a condition one reading takes one
-branch, the first where nothing forces another; who reads sees to it that each is taken once.
+branch, the first unless another is forced; the caller sees to it that each is taken once.
 """
 
 import ast
-from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 
@@ -15,12 +14,9 @@ from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
     Declare,
     LaunchDirectory,
-    PackageShare,
     Reads,
-    Text,
-    text_of,
 )
-from mars_asp.exchange.ros2.python_known import known
+from mars_asp.exchange.ros2.python_expressions import ITEMS_A_STEP, ExpressionEvaluator, bind
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
     read_by,
@@ -35,35 +31,34 @@ from mars_asp.exchange.ros2.python_values import (
     MappedValue,
     Names,
     NoneValue,
+    NotKnown,
     Plain,
     PythonCall,
     Value,
+    combined,
     each_of,
-    filled,
     folder_of,
     items_of,
-    path_of,
-    picked,
-    summed,
-    text_from,
+    known,
+    known_method,
 )
 
-#: How deep functions may call each other and expressions nest, and how many are evaluated.
+#: How deep functions may call each other, how many are called and expressions evaluated.
 _DEEPEST_CALL = 16
 _MOST_CALLS = 5000
-_DEEPEST = 150
 MOST_STEPS = 200_000
-#: To copy so many items counts as one step.
-_ITEMS_A_STEP = 20
 
 
-class Evaluator:
+class Evaluator(ExpressionEvaluator[Names]):
     """Evaluates what a launch file builds."""
 
+    most_steps = MOST_STEPS
+    deepest = 150
+
     def __init__(self, path: str, text: str) -> None:
+        super().__init__()
         self.path = path
         self.lines = text.split("\n")
-        self.steps = 0
         self.depth = 0
         self.calls = 0
         self.launched: set[tuple[int, int]] = set()
@@ -75,11 +70,12 @@ class Evaluator:
         self.forced: Mapping[ast.AST, int] = {}
         self.decisions: dict[ast.AST, tuple[int, int]] = {}
         self.tested: dict[ast.AST, Tested] = {}
-        # Each reading, and each call of a function, needs them again.
-        self.constant = cache(self._constant)
-        self.span = cache(self._node_span)
-        self.is_literal = cache(_is_literal)
-        self.literal_calls: dict[ast.Call, tuple[Value, Sequence[Declare | Reads], int]] = {}
+        # Each reading, and each call of a function, needs it again.
+        self._span = cache(self._node_span)
+
+    def span(self, node: ast.expr | ast.stmt) -> Span:
+        """Return the location of a node."""
+        return self._span(node)
 
     def _node_span(self, node: ast.expr | ast.stmt) -> Span:
         """Return the location of a node of the tree, which counts columns in bytes."""
@@ -104,12 +100,7 @@ class Evaluator:
 
     def branch(self, node: ast.AST, condition: ast.expr, names: Names) -> int:
         """Return the branch of a condition: 0 if it holds, 1 if not, the reading's own if open."""
-        found = tested(
-            condition,
-            ChainMap(names, self.globals),
-            lambda each: self.value(each, names),
-            self.span(condition),
-        )
+        found = tested(condition, lambda each: self.value(each, names), self.span(condition))
         holds = decision(found)
         if holds is not None:
             return int(not holds)
@@ -154,7 +145,7 @@ class Evaluator:
                 if isinstance(before, Listed) and isinstance(added, Listed):
                     before.items += added.items[: MOST_ITEMS - len(before.items)]
                 else:
-                    self.assign(target, summed(before, added), names)
+                    self.assign(target, combined(node.op, before, added, self.span(node)), names)
             case ast.Expr(value=value):
                 self.value(value, names)
             case ast.Return(value=value):
@@ -200,13 +191,6 @@ class Evaluator:
     def assign(self, target: ast.expr, value: Value, names: Names) -> None:
         """Give a value to a name, or its parts to several."""
         match target:
-            case ast.Name(id=name):
-                names[name] = value
-            case ast.Tuple(elts=targets) | ast.List(elts=targets):
-                items = items_of(value)
-                for index, each in enumerate(targets):
-                    part = items[index] if index < len(items) else None
-                    self.assign(each, part, names)
             case ast.Attribute(value=inner, attr=attribute):
                 owner = self.value(inner, names)
                 if isinstance(owner, LaunchObject):
@@ -217,52 +201,22 @@ class Evaluator:
                     at = self.value(key, names)
                     names[name] = MappedValue((*before.pairs, (at, value)))
             case _:
-                pass
+                bind(target, value, names)
 
     # ---- Expressions
 
-    def value(  # noqa: C901 -- one case for each sort of expression
-        self, node: ast.expr, names: Names, depth: int = 0
-    ) -> Value:
-        """Return the value of an expression, or None if only a run would know it."""
-        self.steps += 1
-        if self.steps > MOST_STEPS or depth > _DEEPEST:
-            return None
+    def other_value(self, node: ast.expr, names: Names, depth: int) -> Value:
+        """Return the value of an expression that assigns, chooses, loops or is a function."""
         match node:
-            # The most frequent come first.
-            case ast.Constant():
-                return self.constant(node)
-            case ast.Call():
-                return self.call(node, names, depth)
-            case ast.Name(id="__file__"):
-                return Plain((LaunchDirectory(), "/."), self.span(node))
-            case ast.Name(id=name):
-                if name in names or name in self.globals:
-                    return names.get(name, self.globals.get(name))
-                if self.strict and name in self.assigned:
-                    raise Refused
-                return None
             case ast.NamedExpr(target=target, value=value):
                 named = self.value(value, names, depth + 1)
                 self.assign(target, named, names)
                 return named
-            case ast.List(elts=items) | ast.Tuple(elts=items) | ast.Set(elts=items):
-                return Listed(list(self.elements(items, names, depth)), self.span(node))
-            case ast.Dict(keys=keys, values=values):
-                return self.mapped(keys, values, names, depth)
-            case ast.JoinedStr(values=values):
-                parts = [self.formatted(value, names, depth) for value in values]
-                return Plain(text_of(*parts), self.span(node))
-            case ast.BinOp(left=left, op=ast.Add() | ast.Div() as sign, right=right):
-                return self.binary(node, left, sign, right, names)
             case ast.BoolOp(values=values):
                 found: Value = None
                 for each in values:
                     found = found or self.value(each, names, depth + 1)
                 return found
-            case ast.IfExp(test=test, body=body, orelse=orelse):
-                chosen = (body, orelse)[self.branch(node, test, names)]
-                return self.value(chosen, names, depth + 1)
             case (
                 ast.ListComp(elt=element, generators=generators)
                 | ast.GeneratorExp(elt=element, generators=generators)
@@ -284,36 +238,41 @@ class Evaluator:
                 return MappedValue(tuple(pairs))
             case ast.Lambda():
                 return Local(node, names)
-            case ast.Subscript(value=value, slice=key) if is_configurations(value):
-                found = self.value(key, names, depth + 1)
-                return known(PythonCall("LaunchConfiguration", (found,), {}, self.span(node)))
-            case ast.Subscript(value=value, slice=key):
-                return picked(
-                    self.value(value, names, depth + 1), self.value(key, names, depth + 1)
-                )
-            case ast.Attribute(value=value, attr=attribute):
-                owner = self.value(value, names, depth + 1)
-                if attribute == "parent" and isinstance(owner, Plain):
-                    return Plain(folder_of(owner.text), owner.span)
-                if isinstance(owner, LaunchObject | LaunchClass):
-                    return self.attribute(owner, attribute)
-                return None
-            case ast.Starred(value=value):
-                return self.value(value, names, depth + 1)
             case _:
                 return None
 
-    def _constant(self, node: ast.Constant) -> Value:
-        """Return the value of a literal, or None if it is of no use."""
-        match node.value:
-            case bool() | int() | float():
-                return Plain((str(node.value),), self.span(node))
-            case str():
-                return Plain(text_of(node.value), self.span(node))
-            case None:
-                return NoneValue()
-            case _:
+    def item(self, node: ast.Subscript, names: Names, depth: int) -> Value:
+        """Return an item of a list or dictionary, or a launch argument."""
+        if is_configurations(node.value):
+            found = self.value(node.slice, names, depth + 1)
+            return known(PythonCall("LaunchConfiguration", (found,), {}, self.span(node)))
+        return super().item(node, names, depth)
+
+    def variable(self, node: ast.Name | ast.Attribute, names: Names, depth: int) -> Value:
+        """Return the value of a name or an attribute.
+
+        Raises:
+            Refused: these branches leave the name without a value.
+        """
+        match node:
+            case ast.Name(id="__file__"):
+                return Plain((LaunchDirectory(), "/."), self.span(node))
+            case ast.Name(id=name):
+                if name in names or name in self.globals:
+                    return names.get(name, self.globals.get(name))
+                if self.strict and name in self.assigned:
+                    raise Refused
                 return None
+        owner = self.value(node.value, names, depth + 1)
+        if node.attr == "parent" and isinstance(owner, Plain):
+            return Plain(folder_of(owner.text), owner.span)
+        if isinstance(owner, LaunchObject | LaunchClass):
+            return self.attribute(owner, node.attr)
+        return None
+
+    def alternative(self, node: ast.IfExp, names: Names) -> int:
+        """Return the branch of a condition that this reading takes."""
+        return self.branch(node, node.test, names)
 
     def scopes(
         self, generators: Sequence[ast.comprehension], names: Names, depth: int
@@ -332,108 +291,16 @@ class Evaluator:
             if not any(self.branch(condition, condition, inner) for condition in first.ifs):
                 yield from self.scopes(others, inner, depth)
 
-    def elements(self, items: Sequence[ast.expr], names: Names, depth: int) -> Iterator[Value]:
-        """Yield the elements of a list, those of starred ones among them, up to a bound."""
-        left = MOST_ITEMS
-        for item in items:
-            found = self.value(item, names, depth + 1)
-            if isinstance(item, ast.Starred):
-                starred = items_of(found)[: max(left, 0)]
-                left -= len(starred)
-                # A list that doubles is copied each time.
-                self.steps += len(starred) // _ITEMS_A_STEP
-                yield from starred
-            elif found is None:
-                yield Plain(UNKNOWN, self.span(item))
-            else:
-                yield found
-
-    def mapped(
-        self,
-        keys: Sequence[ast.expr | None],
-        values: Sequence[ast.expr],
-        names: Names,
-        depth: int,
-    ) -> MappedValue:
-        """Return a dictionary with those that are unpacked in it."""
-        pairs: list[tuple[Value, Value]] = []
-        for key, value in zip(keys, values, strict=True):
-            found = self.value(value, names, depth + 1)
-            if key is None:
-                inner = found.pairs if isinstance(found, MappedValue) else ()
-                pairs += inner[: max(MOST_ITEMS - len(pairs), 0)]
-                self.steps += len(inner) // _ITEMS_A_STEP
-            else:
-                pairs.append((self.value(key, names, depth + 1), found))
-        return MappedValue(tuple(pairs))
-
-    def formatted(self, node: ast.expr, names: Names, depth: int) -> Text:
-        """Return a part of a formatted string."""
-        inner = node.value if isinstance(node, ast.FormattedValue) else node
-        return text_from(self.value(inner, names, depth + 1))
-
-    def binary(
-        self, node: ast.BinOp, left: ast.expr, sign: ast.operator, right: ast.expr, names: Names
-    ) -> Value:
-        """Return a sum, or a path that is joined by `/`; long chains lean to the left."""
-        chain = [(sign, right)]
-        while isinstance(left, ast.BinOp) and isinstance(left.op, ast.Add | ast.Div):
-            chain.append((left.op, left.right))
-            left = left.left
-        found = self.value(left, names, 1)
-        self.steps += len(items_of(found)) // _ITEMS_A_STEP
-        for operator, operand in reversed(chain):
-            added = self.value(operand, names, 1)
-            if isinstance(operator, ast.Div):
-                found = Plain(text_of(text_from(found), "/", text_from(added)), self.span(node))
-            else:
-                found = summed(found, added)
-        return found
-
     def call(self, node: ast.Call, names: Names, depth: int) -> Value:
-        """Return the value of a call; that of a library with literals is one in all readings."""
-        if not self.is_literal(node) or self.is_own(node, names):
-            return self.called_value(node, names, depth)
-        if node in self.literal_calls:
-            value, declarations, steps = self.literal_calls[node]
-            self.steps += steps
-            self.declarations += declarations
-            return value
-        before, declared = self.steps, len(self.declarations)
-        value = self.called_value(node, names, depth)
-        inner = (
-            (*value.arguments, *value.named.values()) if isinstance(value, PythonCall) else (value,)
-        )
-        # Lists may grow in one of the readings.
-        is_fixed = all(each is None or isinstance(each, Plain) for each in inner)
-        if is_fixed and self.steps <= MOST_STEPS:
-            made = value, self.declarations[declared:], self.steps - before
-            self.literal_calls[node] = made
-        return value
-
-    def is_own(self, node: ast.Call, names: Names) -> bool:
-        """Whether a call names a function or class of the file."""
-        name = node.func.id if isinstance(node.func, ast.Name) else ""
-        return isinstance(names.get(name, self.globals.get(name)), Local | LaunchClass)
-
-    def called_value(self, node: ast.Call, names: Names, depth: int) -> Value:
         """Return the value of a call by those of its arguments."""
-        arguments = tuple(self.elements(node.args, names, depth + 1))
-        named: dict[str, Value] = {}
-        for keyword in node.keywords:
-            found = self.value(keyword.value, names, depth + 1)
-            if keyword.arg is not None:
-                named[keyword.arg] = found
-            elif isinstance(found, MappedValue):
-                for key, value in found.pairs:
-                    named["".join(p for p in text_from(key) if isinstance(p, str))] = value
+        arguments, named = self.given(node, names, depth)
         span = self.span(node)
         if isinstance(node.func, ast.Attribute):
             if node.func.attr == "get" and is_configurations(node.func.value):
                 default = {"default": arguments[1]} if len(arguments) > 1 else {}
                 return known(PythonCall("LaunchConfiguration", arguments[:1], default, span))
             done = self.method(node.func, arguments, named, names, depth)
-            if not isinstance(done, _NotDone):
+            if not isinstance(done, NotKnown):
                 return done
             name = node.func.attr
         elif isinstance(node.func, ast.Name):
@@ -465,7 +332,7 @@ class Evaluator:
         named: Mapping[str, Value],
         names: Names,
         depth: int,
-    ) -> "Value | _NotDone":
+    ) -> Value | NotKnown:
         """Carry out a method of a list, dictionary or text."""
         owner = self.value(func.value, names, depth + 1)
         first = arguments[0] if arguments else None
@@ -484,33 +351,7 @@ class Evaluator:
             )
             bound: tuple[Value, ...] = (owner,) if is_bound else ()
             return self.call_local(Local(found, self.globals), (*bound, *arguments), named)
-        match owner, func.attr:
-            case Listed(), "append":
-                owner.items += [first][: MOST_ITEMS - len(owner.items)]
-                return None
-            case Listed(), "extend":
-                owner.items += items_of(first)[: MOST_ITEMS - len(owner.items)]
-                return None
-            case Listed(), "insert":
-                owner.items += arguments[1:2][: MOST_ITEMS - len(owner.items)]
-                return None
-            case MappedValue(pairs), "items":
-                return Listed([Listed([key, value]) for key, value in pairs])
-            case MappedValue(pairs), "keys" | "values":
-                return Listed([pair[func.attr == "values"] for pair in pairs])
-            case MappedValue(pairs), "get":
-                return picked(owner, first)
-            case Plain(text, span), "format":
-                return Plain(filled(text, arguments, named), span)
-            case Plain((PackageShare(),), span), "find":
-                # FindPackageShare looks for the package that this method names.
-                return Plain((PackageShare(text_from(first)),), span)
-            case Plain(), "perform" | "as_posix" | "resolve" | "strip" | "absolute":
-                return owner
-            case Plain(text, span), "joinpath":
-                return Plain(path_of(text, *map(text_from, arguments)), span)
-            case _:
-                return _NOT_DONE
+        return known_method(owner, func.attr, arguments, named)
 
     def instance(
         self, of: LaunchClass, arguments: Sequence[Value], named: Mapping[str, Value]
@@ -544,7 +385,7 @@ class Evaluator:
         while waiting:
             node = waiting.pop(0)
             seen.add(node.name)
-            self.steps += len(node.body) // _ITEMS_A_STEP
+            self.steps += len(node.body) // ITEMS_A_STEP
             for statement in node.body:
                 match statement:
                     case ast.FunctionDef(name=defined) if defined == name:
@@ -599,14 +440,6 @@ class Evaluator:
         return None
 
 
-def _is_literal(node: ast.Call) -> bool:
-    """Whether a call of a name has literals alone."""
-    if not isinstance(node.func, ast.Name) or any(each.arg is None for each in node.keywords):
-        return False
-    values = (*node.args, *(each.value for each in node.keywords))
-    return all(isinstance(each, ast.Constant) for each in values)
-
-
 def _decorators(function: ast.FunctionDef) -> set[str]:
     """Return the names of the decorators of a function."""
     return {each.id for each in function.decorator_list if isinstance(each, ast.Name)}
@@ -636,10 +469,3 @@ class LoopLeft(Leaving):
 
 class Refused(Leaving):
     """The file raises an exception, or uses a name that these branches leave without a value."""
-
-
-class _NotDone:
-    """Stands for a method that is not carried out here."""
-
-
-_NOT_DONE = _NotDone()

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from mars_asp.exchange.ros2.python_files import dotted_name
 
 #: A loop or a part of a comprehension: its target, and what it goes over.
-Loop = tuple[ast.expr, ast.expr]
+SourceLoop = tuple[ast.expr, ast.expr]
 _ASSIGNING = frozenset({
     ast.Assign, ast.AnnAssign, ast.AugAssign, ast.NamedExpr, ast.For, ast.AsyncFor,
     ast.comprehension, ast.withitem, ast.ExceptHandler, ast.FunctionDef, ast.AsyncFunctionDef,
@@ -33,7 +33,7 @@ _MOST_ASSIGNED = 32
 #: In place of the number of a branch.
 _LOOP, _SOMETIMES = -1, -2
 #: A value that only a run knows, and that of the target of a loop in each round.
-UNKNOWN: ast.expr = ast.Constant(...)
+UNKNOWN_VALUE: ast.expr = ast.Constant(...)
 OF_LOOP: ast.expr = ast.Constant(b"loop")
 
 
@@ -46,7 +46,7 @@ class CodePlace(NamedTuple):
 
     scopes: tuple[ast.AST, ...] = ()
     blocks: tuple[tuple[int, int], ...] = ()
-    loops: tuple[Loop, ...] = ()
+    loops: tuple[SourceLoop, ...] = ()
     tests: tuple[tuple[ast.expr, bool], ...] = ()
     at: tuple[int, int] = (0, 0)
 
@@ -116,7 +116,7 @@ class Scopes:
         """Keep a value of a variable, which holds where the statement ends."""
         if function is not None:
             place = CodePlace((*place.scopes, function), at=place.at)
-        elif value not in (UNKNOWN, OF_LOOP):
+        elif value not in (UNKNOWN_VALUE, OF_LOOP):
             end = value.end_lineno or 0, value.end_col_offset or 0
             place = place._replace(at=end)
         scope = place.scopes[-1] if place.scopes else None
@@ -138,7 +138,7 @@ class Scopes:
                 before = every[: bisect_right(every, place.at, key=_end_of)] if is_own else every
                 reaching = _reaching(before or every, place.blocks if is_own else ())
                 if is_own and _may_come_round(every, reaching, place):
-                    reaching.append(Assignment(UNKNOWN, place))
+                    reaching.append(Assignment(UNKNOWN_VALUE, place))
                 return reaching
         return ()
 
@@ -184,14 +184,14 @@ def _assigned_by(node: ast.AST) -> Iterator[tuple[str, ast.expr, ast.AST | None]
         case ast.comprehension(target=target):
             yield from _pairs(target, OF_LOOP)
         case ast.withitem(optional_vars=ast.expr() as target):
-            yield from _pairs(target, UNKNOWN)
+            yield from _pairs(target, UNKNOWN_VALUE)
         case ast.ExceptHandler(name=str() as name):
-            yield name, UNKNOWN, None
+            yield name, UNKNOWN_VALUE, None
         case ast.FunctionDef(args=args) | ast.AsyncFunctionDef(args=args) | ast.Lambda(args=args):
             for each in (*args.posonlyargs, *args.args, *args.kwonlyargs):
-                yield each.arg, UNKNOWN, node
+                yield each.arg, UNKNOWN_VALUE, node
             for rest in filter(None, (args.vararg, args.kwarg)):
-                yield rest.arg, UNKNOWN, node
+                yield rest.arg, UNKNOWN_VALUE, node
 
 
 def _loaded(target: ast.expr) -> ast.expr:
@@ -199,7 +199,7 @@ def _loaded(target: ast.expr) -> ast.expr:
         return ast.Name(target.id, ast.Load())
     if isinstance(target, ast.Attribute):
         return ast.Attribute(target.value, target.attr, ast.Load())
-    return UNKNOWN
+    return UNKNOWN_VALUE
 
 
 def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr, ast.AST | None]]:
@@ -207,11 +207,11 @@ def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr, a
         case ast.Tuple(elts=targets) | ast.List(elts=targets), _:
             same = isinstance(value, ast.Tuple | ast.List) and len(value.elts) == len(targets)
             values = value.elts if isinstance(value, ast.Tuple | ast.List) and same else ()
-            unknown = value if value is OF_LOOP else UNKNOWN
+            unknown = value if value is OF_LOOP else UNKNOWN_VALUE
             for each, part in zip_longest(targets, values, fillvalue=unknown):
                 yield from _pairs(each, part)
         case ast.Starred(value=inner), _:
-            yield from _pairs(inner, UNKNOWN)
+            yield from _pairs(inner, UNKNOWN_VALUE)
         case _:
             name = dotted_name(target)
             if name:
@@ -281,7 +281,7 @@ def _reaching(
             if _covers([later.place.blocks for later in found], blocks):
                 return found
     if len(assigned) > _MOST_ASSIGNED:
-        found.append(Assignment(UNKNOWN, assigned[0].place))
+        found.append(Assignment(UNKNOWN_VALUE, assigned[0].place))
     return found
 
 

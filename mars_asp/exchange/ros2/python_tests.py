@@ -1,14 +1,14 @@
 """Conditions of statements in launch files in Python, as tests of launch arguments."""
 
 import ast
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import LaunchArgument, Test, Text, plain
 from mars_asp.exchange.ros2.conditions import tests_of
-from mars_asp.exchange.ros2.python_values import NoneValue, Plain, PythonCall, Value, text_from
+from mars_asp.exchange.ros2.python_values import NoneValue, Plain, PythonCall, Value
 
 #: Texts that mean true or false, lower case.
 _TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
@@ -16,7 +16,6 @@ _TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
 _AMBIGUOUS = frozenset({"True", "False", "0", "0.0"})
 #: Methods after which an argument is compared by the same value.
 _SAME = frozenset({"perform", "lower", "strip"})
-_CONDITIONS = frozenset({"IfCondition", "UnlessCondition"})
 _MOST_PARTS = 20
 
 #: The value of an expression, and of a name.
@@ -30,42 +29,43 @@ class Tested(NamedTuple):
     is_complete: bool = False
 
 
-def tested(node: ast.expr, names: Mapping[str, Value], value: Evaluate, span: Span) -> Tested:
+def tested(node: ast.expr, value: Evaluate, span: Span) -> Tested:
     """Return the tests of launch arguments that the condition of a statement is."""
     match node:
         case ast.BoolOp(op=ast.And(), values=parts):
-            each = [tested(part, names, value, span) for part in parts[:_MOST_PARTS]]
+            each = [tested(part, value, span) for part in parts[:_MOST_PARTS]]
             is_complete = len(parts) == len(each) and all(part.is_complete for part in each)
             return Tested(tuple(test for part in each for test in part.tests), is_complete)
         case ast.UnaryOp(op=ast.Not(), operand=inner):
-            tests, is_complete = tested(inner, names, value, span)
+            tests, is_complete = tested(inner, value, span)
             if not is_complete or len(tests) != 1:
                 return Tested()
             return Tested((replace(tests[0], wanted=not tests[0].wanted),), True)
-        case ast.Compare(
-            left=ast.Name(id=name),
-            ops=[ast.Is() | ast.IsNot() | ast.Eq() | ast.NotEq() as sign],
-            comparators=[ast.Constant(value=None)],
+        case ast.Compare(left=left, ops=[operator], comparators=[ast.Constant() as right]) if (
+            isinstance(operator, ast.Is | ast.IsNot | ast.Eq | ast.NotEq)
+            and (right.value is None or _is_none(left, value))
         ):
-            is_absent = isinstance(names.get(name), NoneValue)
-            if not is_absent and not isinstance(names.get(name), Plain):
-                return Tested()
-            return _literal(is_absent == isinstance(sign, ast.Is | ast.Eq), span)
-        case ast.Name(id=name) if isinstance(names.get(name), NoneValue):
+            is_same = isinstance(operator, ast.Is | ast.Eq)
+            if _is_none(left, value):
+                return _literal((right.value is None) == is_same, span)
+            is_known = isinstance(left, ast.Name) and isinstance(value(left), Plain)
+            return _literal(not is_same, span) if is_known else Tested()
+        case ast.Name() if _is_none(node, value):
             return _literal(False, span)
-        case ast.Compare(left=ast.Name(id=name), ops=[operator], comparators=[ast.Constant()]) if (
-            isinstance(names.get(name), NoneValue) and isinstance(operator, ast.Eq | ast.NotEq)
-        ):
-            return _literal(isinstance(operator, ast.NotEq), span)
         case ast.Compare(left=left, ops=[operator], comparators=[right]):
-            return _comparison(_tested_text(left, names, value), operator, right, span)
-        case ast.Call(func=ast.Attribute(value=ast.Call() as made, attr="evaluate")):
-            condition = value(made) if _called(made) in _CONDITIONS else None
+            return _comparison(_tested_text(left, value), operator, right, span)
+        case ast.Call(
+            func=ast.Attribute(
+                value=ast.Call(func=ast.Name(id="IfCondition" | "UnlessCondition")) as made,
+                attr="evaluate",
+            )
+        ):
+            condition = value(made)
             tests = tests_of(condition, span) if isinstance(condition, PythonCall) else ()
             tests = tuple(replace(test, span=span) for test in tests)
             return Tested(tests, len(tests) == 1)
         case _:
-            text = _tested_text(node, names, value)
+            text = _tested_text(node, value)
             if text is None or plain(text) in _AMBIGUOUS:
                 return Tested()
             # A text is true if it is not empty.
@@ -102,47 +102,31 @@ def _comparison(text: Text | None, operator: ast.cmpop, right: ast.expr, span: S
     return Tested((Test(text, written, wanted, span),), True)
 
 
-def _tested_text(node: ast.expr, names: Mapping[str, Value], value: Evaluate) -> Text | None:
-    """Return the text of a literal or an argument, or None if an expression is neither."""
+def _is_none(node: ast.expr, value: Evaluate) -> bool:
+    return isinstance(node, ast.Name) and isinstance(value(node), NoneValue)
+
+
+def _tested_text(node: ast.expr, value: Evaluate) -> Text | None:
+    """Return the text of a variable or an argument, or None if an expression is neither."""
     for _ in range(_MOST_PARTS):
         match node:
             case ast.Call(func=ast.Attribute(attr="perform_substitution"), args=[inner, *_]):
                 node = inner
             case ast.Call(func=ast.Attribute(value=inner, attr=attr)) if attr in _SAME:
                 node = inner
-            case ast.Call(func=ast.Attribute(value=owner, attr="get"), args=[key, *_]):
-                return _named_argument(key) if is_configurations(owner) else None
             case _:
                 break
-    found: Value = None
-    match node:
-        case ast.Name(id=name):
-            found = names.get(name)
-        case ast.Subscript(value=owner, slice=key) if is_configurations(owner):
-            return _named_argument(key)
-        case ast.Attribute(value=ast.Name() | ast.Attribute()):
-            found = value(node)
-        case ast.Call() if _called(node) == "LaunchConfiguration":
-            found = value(node)
+    found = None if isinstance(node, ast.Constant) else value(node)
     if not isinstance(found, Plain):
         return None
-    text = text_from(found)
-    is_known = plain(text) is not None or (len(text) == 1 and isinstance(text[0], LaunchArgument))
-    return text if is_known else None
+    text = found.text
+    is_argument = len(text) == 1 and isinstance(text[0], LaunchArgument)
+    return text if is_argument or plain(text) is not None else None
 
 
 def is_configurations(node: ast.expr) -> bool:
     """Whether an expression is the arguments of a launch file, as its context keeps them."""
     return isinstance(node, ast.Attribute) and node.attr == "launch_configurations"
-
-
-def _named_argument(key: ast.expr) -> Text | None:
-    is_text = isinstance(key, ast.Constant) and isinstance(key.value, str)
-    return (LaunchArgument(str(key.value)),) if isinstance(key, ast.Constant) and is_text else None
-
-
-def _called(node: ast.Call) -> str:
-    return node.func.id if isinstance(node.func, ast.Name) else ""
 
 
 def decision(tests: Tested) -> bool | None:

@@ -1,44 +1,72 @@
-"""What expressions in sources in Python are, where that is written out: texts and numbers."""
+"""Values of expressions in sources of nodes in Python: texts, numbers and names of types."""
 
 import ast
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import TypeVar
+from itertools import islice
+from typing import NamedTuple
 
+from mars_asp.diagnostic import Span, point
+from mars_asp.exchange.ros2.actions import UNKNOWN, OwnParameter, plain
+from mars_asp.exchange.ros2.python_expressions import ExpressionEvaluator, bind
 from mars_asp.exchange.ros2.python_files import (
     PythonFiles,
     SourceFile,
     called_name,
     dotted_name,
-    keeper_of,
 )
-from mars_asp.exchange.ros2.python_scopes import OF_LOOP, UNKNOWN, CodePlace, scopes_of
-from mars_asp.exchange.ros2.python_written import constants_of, declared, rounds
+from mars_asp.exchange.ros2.python_scopes import (
+    OF_LOOP,
+    UNKNOWN_VALUE,
+    CodePlace,
+    SourceLoop,
+    scopes_of,
+)
+from mars_asp.exchange.ros2.python_values import (
+    Listed,
+    MappedValue,
+    Names,
+    NotKnown,
+    Plain,
+    PythonCall,
+    PythonName,
+    Value,
+    each_of,
+    known,
+    known_method,
+)
+from mars_asp.exchange.ros2.python_written import constants_of, declared
 
-T = TypeVar("T")
-
-#: Functions that hand on the value of a parameter.
-_PASSED_ON = frozenset({"get_parameter_value", "as_string", "str", "bool"})
-#: The sign around the name of a parameter within a text.
-_MARK = "\0"
-#: How many expressions are looked into for a name.
-_MOST_STEPS = 1000
-_DEEPEST = 60
-_MOST_TEXT = 1000
-#: So many values of one expression count.
-_MOST_CHOICES = 64
+#: Functions that return the value of a parameter, and attributes of its object that are the value.
+_GETS = frozenset({"get_parameter", "declare_parameter", "get_param", "get_parameter_or"})
+_PASSED_ON = frozenset({"get_parameter_value", "as_string", "bool"})
+_VALUES = frozenset({"value", "string_value", "bool_value"})
+#: Functions that return a quantity of a number.
+_QUANTITIES = frozenset({"Duration", "float", "from_sec"})
+#: So many values of one expression count, and so many rounds of the loops around one.
+_MOST_CHOICES = _MOST_ROUNDS = 64
 _EMPTY = frozenset({ast.dump(ast.Constant(None)), ast.dump(ast.Constant(""))})
 #: Over so many files a constant is followed.
 _FARTHEST = 8
-#: Where texts have holes: those of `%`, and those of `format` that are plain.
-_PERCENT, _BRACES = re.compile(r"%()[sd]"), re.compile(r"\{(\d{0,2})\}")
-_HOLE = re.compile(r"[%{}]")
 
 
-class PythonTexts:
-    """The expressions of a class or function, with the names that hold within it."""
+#: A part of a program without statements.
+NO_CODE = ast.Module([], [])
+
+
+class SourceScope(NamedTuple):
+    """The location of an expression, and the values of the targets of the loops around it."""
+
+    place: CodePlace = CodePlace()
+    bound: Mapping[str, Value] = {}
+
+
+class PythonTexts(ExpressionEvaluator[SourceScope]):
+    """Evaluates the expressions of a class or function by the variables within it."""
+
+    most_steps = 1000
+    deepest = 60
 
     def __init__(
         self,
@@ -52,16 +80,14 @@ class PythonTexts:
 
         `far` is over how many files a constant was followed to here.
         """
+        super().__init__()
         self.files = files
         self.far = far
         self.file = file
         self.node = node
-        self.steps = 0
-        #: Whether parameters within a text are marked, instead of replaced by their defaults.
-        self.is_marking = False
         [self.scopes] = files.once(scopes_of, node)
-        #: Where an expression is, and the names that a loop has there.
-        self.place, self.bound = CodePlace(), dict[str, ast.expr]()
+        self.scope = SourceScope()
+        self._span = point(file.path, 1, 1)
         #: Which of several values is taken, by their places; None where there must be one.
         self.taken: dict[tuple[int, ...], int] | None = None
         self._met: dict[tuple[int, ...], int] = {}
@@ -77,18 +103,34 @@ class PythonTexts:
         self.places = {id(call): place for call, place in self.scopes.calls}
         for each, place in self.scopes.calls:
             for written, default in declared(each, called_name(each)):
-                self.place = place
+                self.scope = SourceScope(place)
                 name = self.text(written)
                 if name is not None:
                     self.parameters[name] = default
         self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))
 
+    def go_to(self, call: ast.Call) -> None:
+        """Evaluate what follows at the location of a call."""
+        self.scope, self.steps = SourceScope(self.places[id(call)]), 0
+
     def rounds_of(self, call: ast.Call) -> Iterator[None]:
         """Go through the rounds of the loops around a call; names are then those of each."""
-        self.place, self.bound, self.steps = self.places[id(call)], {}, 0
-        for bound in rounds(self.place.loops, self.gone_over):
-            self.bound, self.steps = bound, 0
+        self.go_to(call)
+        rounds = self._rounds(self.scope.place.loops, self.scope)
+        for self.scope in islice(rounds, _MOST_ROUNDS):
+            self.steps = 0
             yield
+
+    def _rounds(self, loops: Sequence[SourceLoop], scope: SourceScope) -> Iterator[SourceScope]:
+        """Yield the scope of each round of loops."""
+        if not loops:
+            yield scope
+            return
+        (target, over), *inner = loops
+        for item in each_of(self.value(over, scope))[:_MOST_ROUNDS]:
+            bound: Names = dict(scope.bound)
+            bind(target, item, bound)
+            yield from self._rounds(inner, scope._replace(bound=bound))
 
     def choices(self) -> Iterator[None]:
         """Go through the ways to take one of several values, the first of each to begin with.
@@ -119,53 +161,40 @@ class PythonTexts:
         self._met[key] = len(values)
         return self.taken.get(key, 0)
 
-    def follow(
-        self, node: ast.expr, look: "Callable[[ast.expr, int], T | None]", depth: int
-    ) -> "T | None":
-        """Return the result of looking into the value of a name, where it is assigned."""
-        held = self.held(node)
-        if held is None:
-            return None
-        value, place = held
-        before = self.place, self.bound
-        if place is not None and place.functions != self.place.functions:
-            self.bound = {}
-        self.place = place or self.place
-        found = look(value, depth + 1)
-        self.place, self.bound = before
-        return found
-
-    def held(self, node: ast.expr) -> tuple[ast.expr, CodePlace | None] | None:
-        """Return the value of a name at this place, and the place of that value."""
-        name = keeper_of(node) or ""
+    def held(self, node: ast.expr, scope: SourceScope) -> tuple[ast.expr, SourceScope] | None:
+        """Return the expression that a variable has as its value, and the scope of that."""
+        name = dotted_name(node)
         if name.startswith("cls."):
             name = f"self.{name[4:]}"
-        several = self.scopes.values(name, self.place)
+        several = self.scopes.values(name, scope.place)
         # A variable may be empty at first.
         filled = [each for each in several if ast.dump(each.value) not in _EMPTY]
         distinct = list({_identity(each.value): each for each in filled or several}.values())
         if not distinct:
             constant = self._constants.get(name)
-            return None if constant is None else (constant, None)
+            return None if constant is None else (constant, scope)
         at = self._one_of([each.value for each in distinct])
         if at is None:
-            return UNKNOWN, None
+            return UNKNOWN_VALUE, scope
         value, place, function = distinct[at]
-        if value is OF_LOOP and name in self.bound:
-            return self.bound[name], None
+        if value is OF_LOOP:
+            return value, scope
         if function is not None:
-            return self._passed(function, name)
-        start = getattr(value, "lineno", place.at[0]), getattr(value, "col_offset", place.at[1])
-        return value, place._replace(at=start)
+            value, place = self._passed(function, name, scope.place)
+        else:
+            start = getattr(value, "lineno", place.at[0]), getattr(value, "col_offset", place.at[1])
+            place = place._replace(at=start)
+        is_here = place.functions == scope.place.functions
+        return value, SourceScope(place, scope.bound if is_here else {})
 
-    def _passed(self, function: ast.AST, name: str) -> tuple[ast.expr, CodePlace | None]:
+    def _passed(self, function: ast.AST, name: str, place: CodePlace) -> tuple[ast.expr, CodePlace]:
         """Return the value that a call in this part gives for a parameter of a function."""
         if not isinstance(function, ast.FunctionDef) or function.name == "__init__":
-            return self._given.get(name, UNKNOWN), None
+            return self._given.get(name, UNKNOWN_VALUE), place
         calls = self._calls_by_name.get(function.name, [])
         at = self._one_of(calls) if calls else None
         if at is None:
-            return UNKNOWN, None
+            return UNKNOWN_VALUE, place
         call, given = calls[at], dict[str, ast.expr]()
         arguments = function.args
         names = [each.arg for each in (*arguments.posonlyargs, *arguments.args)]
@@ -174,7 +203,7 @@ class PythonTexts:
         is_method = isinstance(call.func, ast.Attribute) and names[:1] in (["self"], ["cls"])
         given |= zip(names[is_method:], call.args, strict=False)
         given |= {each.arg: each.value for each in call.keywords if each.arg}
-        return given.get(name, UNKNOWN), self.places[id(call)]
+        return given.get(name, UNKNOWN_VALUE), self.places[id(call)]
 
     @cached_property
     def _calls_by_name(self) -> dict[str, list[ast.Call]]:
@@ -185,55 +214,91 @@ class PythonTexts:
                 found.setdefault(called_name(call), []).append(call)
         return found
 
-    def parameter(self, node: ast.expr, depth: int = 0) -> str | None:
-        """Return the parameter whose value an expression is."""
-        self.steps += 1
-        if depth > _DEEPEST or self.steps > _MOST_STEPS:
-            return None
-        match node:
-            case ast.Attribute(value=inner, attr="value" | "string_value" | "bool_value"):
-                return self.parameter(inner, depth + 1)
-            case ast.Call() if called_name(node) in _PASSED_ON:
-                if isinstance(node.func, ast.Attribute):
-                    return self.parameter(node.func.value, depth + 1)
-                return self.parameter(node.args[0], depth + 1) if node.args else None
-            case ast.Call() if called_name(node) in (
-                "get_parameter",
-                "declare_parameter",
-                "get_param",
-                "get_parameter_or",
-            ):
-                name = self.text(node.args[0]) if node.args else None
-                if name is not None and len(node.args) > 1:
-                    self.parameters.setdefault(name, node.args[1])
-                return None if name is None else name.lstrip("~")
-            case ast.Name() | ast.Attribute():
-                return self.follow(node, self.parameter, depth)
-            case ast.IfExp(body=body, orelse=orelse):
-                at = self._one_of((body, orelse))
-                return None if at is None else self.parameter((body, orelse)[at], depth + 1)
-            case _:
+    def span(self, node: ast.expr | ast.stmt) -> Span:
+        """Return the location of the file: only the locations of topics matter."""
+        return self._span
+
+    def alternative(self, node: ast.IfExp, scope: SourceScope) -> int | None:
+        """Return which value of a condition is taken, or None if there should be one."""
+        return self._one_of((node.body, node.orelse))
+
+    def variable(self, node: ast.Name | ast.Attribute, scope: SourceScope, depth: int) -> Value:
+        """Return the value of a variable, of a constant of the workspace, or the imported name."""
+        owner = None
+        if isinstance(node, ast.Attribute) and node.attr in _VALUES:
+            owner = self.value(node.value, scope, depth + 1)
+            if parameter_of(owner) is not None:
+                return owner
+        held = self.held(node, scope)
+        if held is not None:
+            value, inner = held
+            if value is OF_LOOP:
+                return scope.bound.get(dotted_name(node))
+            return self.value(value, inner, depth + 1)
+        constant = self.constant_of(node) if self.far < _FARTHEST else None
+        if constant is not None:
+            file, value = constant
+            other = PythonTexts(self.files, file, NO_CODE, self.far + 1)
+            other.steps = self.steps
+            result = other.value(value, SourceScope(), depth + 1)
+            self.steps = other.steps
+            return result
+        first, dot, rest = dotted_name(node).partition(".")
+        return PythonName(f"{self.file.imports.get(first, first)}{dot}{rest}") if first else None
+
+    def call(self, node: ast.Call, scope: SourceScope, depth: int) -> Value:
+        """Return the value of a call: a parameter, a quantity, or that of a known function."""
+        name = called_name(node)
+        if name in _GETS:
+            first = self.value(node.args[0], scope, depth + 1) if node.args else None
+            parameter = self.text_of(first, depth + 1)
+            if parameter is None:
                 return None
+            if len(node.args) > 1:
+                self.parameters.setdefault(parameter, node.args[1])
+            return Plain((OwnParameter(parameter.lstrip("~")),), self._span)
+        arguments, named = self.given(node, scope, depth)
+        owner = next(iter(arguments), None)
+        if isinstance(node.func, ast.Attribute):
+            owner = self.value(node.func.value, scope, depth + 1)
+        if name in _PASSED_ON:
+            return None if parameter_of(owner) is None else owner
+        quantity = named.get("seconds") if len(named) == 1 else None
+        if name in _QUANTITIES and arguments:
+            quantity = arguments[0]
+        if isinstance(quantity, Plain) and quantity.number is not None:
+            return Plain(UNKNOWN, self._span, quantity.number)
+        if name == "enumerate" and not isinstance(owner, Listed | MappedValue):
+            # Not even the number of the first round is that of all.
+            return None
+        done = known_method(owner, name, arguments, named)
+        if isinstance(done, NotKnown):
+            done = known(PythonCall(name, arguments, named, self._span))
+        return done
+
+    def literal(self, node: ast.Constant) -> Value:
+        """Return the value of a literal; a truth is no part of a name."""
+        return None if isinstance(node.value, bool) else super().literal(node)
 
     def switches(self, call: ast.Call) -> frozenset[tuple[str, bool]]:
         """Return the parameters that decide whether a call is reached, each with its value."""
         found: set[tuple[str, bool]] = set()
-        self.place, self.bound = self.places[id(call)], {}
-        for test, holds in self.place.tests:
+        self.go_to(call)
+        for test, holds in self.scope.place.tests:
             is_all = isinstance(test, ast.BoolOp) and isinstance(test.op, ast.And)
             parts = test.values if isinstance(test, ast.BoolOp) and is_all and holds else [test]
             for part in parts:
                 negated = isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.Not)
                 inner = part.operand if isinstance(part, ast.UnaryOp) and negated else part
                 self.steps = 0
-                parameter = self.parameter(inner)
+                parameter = parameter_of(self.value(inner, self.scope))
                 if parameter is not None:
                     found.add((parameter, holds != negated))
         return frozenset(found)
 
-    def constant(self, node: ast.expr) -> tuple[SourceFile, ast.expr] | None:
-        """Return what a constant of another class or file is, and the file of the workspace."""
-        names = (keeper_of(node) or "").removesuffix(".value").split(".")
+    def constant_of(self, node: ast.expr) -> tuple[SourceFile, ast.expr] | None:
+        """Return a constant of another class or file of the workspace, with that file."""
+        names = dotted_name(node).removesuffix(".value").split(".")
         full = [*self.file.imports.get(names[0], names[0]).split("."), *names[1:]]
         for file, inner in (
             (self.file, names),
@@ -247,146 +312,60 @@ class PythonTexts:
                     return file, held
         return None
 
-    def imported(self, node: ast.expr) -> str | None:
-        """Return the text of a constant of another class or file."""
-        found = self.constant(node) if self.far < _FARTHEST else None
-        if found is None:
+    def text(self, node: ast.expr) -> str | None:
+        """Return the text that an expression is, with the defaults of the parameters within."""
+        return self.text_of(self.value(node, self.scope))
+
+    def text_of(self, value: Value, depth: int = 0) -> str | None:
+        """Return a value that is a text, with the defaults of the parameters within."""
+        if not isinstance(value, Plain) or value.number is not None:
             return None
-        file, held = found
-        return PythonTexts(self.files, file, ast.Module([], []), self.far + 1).text(held)
+        parts = [
+            self.default_of(part.name, depth) if isinstance(part, OwnParameter) else part
+            for part in value.text
+        ]
+        known = [part for part in parts if isinstance(part, str)]
+        return "".join(known) if len(known) == len(parts) else None
 
-    def gone_over(self, node: ast.expr) -> ast.expr | None:
-        """Return the values of a loop over a name."""
-        held = self.held(node)
-        if held is not None:
-            return held[0]
-        found = self.constant(node)
-        return None if found is None else found[1]
-
-    def text(self, node: ast.expr, depth: int = 0) -> str | None:
-        """Return the text that an expression is, if it is written somewhere."""
-        self.steps += 1
-        if depth > _DEEPEST or self.steps > _MOST_STEPS:
-            return None
-        match node:
-            case ast.Constant(value=str() as value):
-                return value
-            case ast.BinOp(left=left, op=ast.Add(), right=right):
-                first, second = self.text(left, depth + 1), self.text(right, depth + 1)
-                return None if first is None or second is None else first + second
-            case ast.BinOp(left=left, op=ast.Mod(), right=right):
-                given = right.elts if isinstance(right, ast.Tuple) else [right]
-                return self.filled(_PERCENT, left, given, depth)
-            case ast.JoinedStr(values=values):
-                parts = [
-                    self.part(v.value if isinstance(v, ast.FormattedValue) else v, depth + 1)
-                    for v in values
-                    if not isinstance(v, ast.FormattedValue) or v.format_spec is None
-                ]
-                known = None not in parts and len(parts) == len(values)
-                return "".join(filter(None, parts)) if known else None
-            case ast.Call(func=ast.Name(id="str"), args=[inner]) if not self.parameter(node):
-                return self.part(inner, depth + 1)
-            case ast.Call(func=ast.Attribute(value=form, attr="format"), args=given, keywords=[]):
-                return self.filled(_BRACES, form, given, depth)
-            case ast.Call(
-                func=ast.Attribute(value=ast.Constant(value=str() as between), attr="join"),
-                args=[ast.List(elts=given) | ast.Tuple(elts=given)],
-            ):
-                parts = [self.part(each, depth + 1) for each in given]
-                return None if None in parts else between.join(filter(None, parts))
-            case ast.Name() | ast.Attribute():
-                parameter = self.parameter(node)
-                if parameter is not None:
-                    return self.default_of(parameter, depth)
-                is_known = self.held(node) is not None
-                return self.follow(node, self.text, depth) if is_known else self.imported(node)
-            case ast.IfExp(body=body, orelse=orelse):
-                at = self._one_of((body, orelse))
-                return None if at is None else self.text((body, orelse)[at], depth + 1)
-            case ast.Call():
-                parameter = self.parameter(node)
-                return None if parameter is None else self.default_of(parameter, depth)
-            case _:
-                return None
-
-    def default_of(self, parameter: str, depth: int = 0) -> str | None:
-        """Return the default of a parameter, or its mark."""
-        if self.is_marking:
-            return f"{_MARK}{parameter}{_MARK}"
-        default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
-        return None if default is None else self.part(default, depth + 1)
-
-    def name_parts(self, node: ast.expr) -> tuple[tuple[str | None, str | None], ...]:
-        """Return the parts of a text with parameters in it, each default with its parameter."""
-        self.steps, self.is_marking = 0, True
-        marked = self.text(node)
-        self.steps, self.is_marking = 0, False
-        pieces = (marked or "").split(_MARK)
-        if len(pieces) < 2:
+    def name_parts(self, value: Value) -> tuple[tuple[str | None, str | None], ...]:
+        """Return the parts of a text, each default with its parameter; none if it has no such."""
+        text = value.text if isinstance(value, Plain) else ()
+        is_known = all(isinstance(part, str | OwnParameter) for part in text)
+        if not is_known or all(isinstance(part, str) for part in text):
             return ()
         return tuple(
-            (self.default_of(piece), piece) if at % 2 else (piece, None)
-            for at, piece in enumerate(pieces)
+            (part, None) if isinstance(part, str) else (self.default_of(part.name), part.name)
+            for part in text
+            if isinstance(part, str | OwnParameter)
         )
 
-    def part(self, node: ast.expr, depth: int) -> str | None:
-        """Return what an expression, a text or a whole number, is within a text."""
-        self.steps += 1
-        match node:
-            case ast.Name() | ast.Attribute() if depth < _DEEPEST and self.held(node) is not None:
-                return self.follow(node, self.part, depth)
-            case ast.Constant(value=bool()):
-                return None
-            case ast.Constant(value=int() as value) if abs(value) < _MOST_TEXT:
-                return str(value)
-            case _:
-                return self.text(node, depth)
+    def default_of(self, parameter: str, depth: int = 0) -> str | None:
+        """Return the default of a parameter, or None if it is no text or whole number."""
+        default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
+        value = None if default is None else self.value(default, self.scope, depth + 1)
+        if isinstance(value, Plain) and value.number is not None:
+            text = plain(value.text) or ""
+            return text if text.isdigit() else None
+        return self.text_of(value, depth + 1)
 
-    def filled(
-        self, holes: re.Pattern[str], form: ast.expr, given: Sequence[ast.expr], depth: int
-    ) -> str | None:
-        """Return a text with its holes filled, each by its number or else in order."""
-        text = self.text(form, depth + 1)
-        parts = [self.part(each, depth + 1) for each in given]
-        if text is None or None in parts:
-            return None
-        order = iter(range(len(parts)))
-        pieces = holes.split(text)
-        for at in range(1, len(pieces), 2):
-            number = int(pieces[at]) if pieces[at] else next(order, len(parts))
-            if number >= len(parts):
-                return None
-            pieces[at] = parts[number] or ""
-        filled = "".join(pieces)
-        return filled if len(filled) < _MOST_TEXT and not _HOLE.search(filled) else None
+    def number(self, node: ast.expr) -> Fraction | None:
+        """Return the number that an expression is, or None if it is none."""
+        value = self.value(node, self.scope)
+        return value.number if isinstance(value, Plain) else None
 
-    def number(self, node: ast.expr, depth: int = 0) -> Fraction | None:
-        """Return the number that an expression is, if it is written somewhere."""
-        self.steps += 1
-        if depth > _DEEPEST or self.steps > _MOST_STEPS:
+    def type(self, node: ast.expr) -> str | None:
+        """Return the message type that an expression names."""
+        value = self.value(node, self.scope)
+        return value.full.replace(".", "/") if isinstance(value, PythonName) else None
+
+
+def parameter_of(value: Value) -> str | None:
+    """Return the parameter that a value is, or None if it is something else."""
+    match value:
+        case Plain((OwnParameter(name),)):
+            return name
+        case _:
             return None
-        match node:
-            case ast.Constant(value=bool()):
-                return None
-            case ast.Constant(value=int() | float() as value):
-                text = repr(value)
-                return Fraction(text) if text not in ("inf", "nan") else None
-            case ast.BinOp(left=left, op=ast.Div() | ast.Mult() as sign, right=right):
-                first, second = self.number(left, depth + 1), self.number(right, depth + 1)
-                if first is None or second is None:
-                    return None
-                if isinstance(sign, ast.Mult):
-                    return first * second
-                return first / second if second else None
-            case ast.Name() | ast.Attribute():
-                return self.follow(node, self.number, depth)
-            case ast.Call() if called_name(node) in ("Duration", "float", "from_sec") and node.args:
-                return self.number(node.args[0], depth + 1)
-            case ast.Call(keywords=[ast.keyword(arg="seconds", value=value)]):
-                return self.number(value, depth + 1)
-            case _:
-                return None
 
 
 def _identity(value: ast.expr) -> str | int:

@@ -1,15 +1,20 @@
-"""What launch files in Python build: texts with open parts, lists, dictionaries and calls."""
+"""Values that Python builds, texts with open parts among them, and the table of known calls."""
 
 import ast
+import operator
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from string import Formatter
 from typing import TypeAlias
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
+    LaunchArgument,
+    LaunchDirectory,
+    PackageShare,
     Text,
     plain,
     text_of,
@@ -19,6 +24,29 @@ from mars_asp.exchange.ros2.actions import (
 MOST_ITEMS = 10_000
 MOST_PARTS = 1000
 _WHOLE = re.compile(r"-?[0-9]{1,9}")
+_PERCENT = re.compile(r"%[sd]")
+_ARITHMETIC = {ast.Add: operator.add, ast.Mult: operator.mul, ast.Div: operator.truediv}
+#: A longer numerator or denominator is of no quantity.
+MOST_BITS = 256
+#: Functions that return one of their arguments as a path.
+_PATHS = frozenset(
+    {"abspath", "realpath", "normpath", "expanduser", "Path", "str", "PathSubstitution"}
+    | {"FileContent"}
+)
+_SHARES = frozenset(
+    {
+        "get_package_share_directory",
+        "get_package_share_path",
+        "FindPackageShare",
+        "FindPackage",
+        "FindPackagePrefix",
+    }
+)
+
+
+#: Methods that return the same text without some of its ends, and those that keep it.
+_STRIPS = frozenset({"strip", "lstrip", "rstrip"})
+_KEEPS = frozenset({"perform", "as_posix", "resolve", "absolute"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +116,18 @@ class LaunchObject:
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """A text that is there already: strings, substitutions, paths; with its place."""
+    """A known text: a string, a substitution, a path or a number, with its location."""
 
     text: Text
     span: Span
+    number: Fraction | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PythonName:
+    """A name that is imported from outside the workspace, such as that of a message type."""
+
+    full: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +149,7 @@ class PythonFile:
 
 Value: TypeAlias = (
     Plain
+    | PythonName
     | PythonFile
     | Rewritten
     | PythonCall
@@ -151,36 +188,61 @@ def items_of(value: Value) -> "list[Value]":
     return value.items if isinstance(value, Listed) else []
 
 
-def each_of(value: Value) -> "list[Value]":
-    """Return the rounds of a loop over a value, one without a known item where it is not known."""
+def each_of(value: Value) -> list[Value]:
+    """Return the rounds of a loop over a value, one with an unknown item if these are unknown."""
+    items = _known_items(value)
+    return [None] if items is None else items
+
+
+def _known_items(value: Value) -> list[Value] | None:
     if isinstance(value, MappedValue):
         return [key for key, _ in value.pairs]
-    return list(value.items) if isinstance(value, Listed) else [None]
+    return list(value.items) if isinstance(value, Listed) else None
 
 
-def filled(text: Text, arguments: "Sequence[Value]", named: "Mapping[str, Value]") -> Text:
-    """Return a text with values in place of its braces, as `str.format` puts them there."""
+def inserted(value: Value) -> Text:
+    """Return the text of a value within another text; that of a list is not known."""
+    return UNKNOWN if isinstance(value, Listed) else text_from(value)
+
+
+def filled(
+    text: Text, arguments: Sequence[Value], named: Mapping[str, Value], by_percent: bool = False
+) -> Text:
+    """Return a text with values in its holes, as `str.format` or `%` put them there."""
     template = plain(text)
     if template is None:
         return UNKNOWN
+    pieces: list[tuple[str, str | None, str | None]]
+    if by_percent:
+        *before, last = _PERCENT.split(template)
+        if len(before) != len(arguments) or any("%" in each for each in (*before, last)):
+            return UNKNOWN
+        pieces = [*((each, "", "") for each in before), (last, None, None)]
+    else:
+        try:
+            pieces = [each[:3] for each in Formatter().parse(template)]
+        except ValueError:
+            return UNKNOWN
     found: list[Text] = []
     given = {**{str(at): value for at, value in enumerate(arguments)}, **named}
-    try:
-        pieces = list(Formatter().parse(template))
-    except ValueError:
-        return UNKNOWN
     position = 0
-    for literal, name, form, _ in pieces[:MOST_PARTS]:
+    for literal, name, form in pieces[:MOST_PARTS]:
         found.append((literal,))
         if name is not None:
-            found.append(UNKNOWN if form else text_from(given.get(name or str(position))))
+            found.append(UNKNOWN if form else inserted(given.get(name or str(position))))
             position += not name
     return text_of(*found)
 
 
-def summed(first: Value, second: Value) -> Value:
-    """Return the sum of two values: a longer list, or a longer text."""
+def combined(sign: ast.operator, first: Value, second: Value, span: Span) -> Value:
+    """Return the result of an operation: a number, a path, or a longer list or text."""
     match first, second:
+        case Plain(number=Fraction() as left), Plain(number=Fraction() as right):
+            return _calculated(sign, (left, right), (plain(first.text), plain(second.text)), span)
+        case _ if isinstance(sign, ast.Div):
+            return Plain(path_of(text_from(first), text_from(second)), span)
+        case _ if not isinstance(sign, ast.Add):
+            return None
         case Listed(items), Listed(more):
             return Listed([*items, *more][:MOST_ITEMS], first.span)
         case Plain(text, span), _:
@@ -195,22 +257,45 @@ def summed(first: Value, second: Value) -> Value:
             return None
 
 
+def _calculated(
+    sign: ast.operator, numbers: tuple[Fraction, Fraction], texts: Sequence[str | None], span: Span
+) -> Value:
+    """Return the exact result of an operation on numbers, or None if there is none."""
+    if isinstance(sign, ast.Div) and not numbers[1]:
+        return None
+    number = _ARITHMETIC[type(sign)](*numbers)
+    if max(number.numerator.bit_length(), number.denominator.bit_length()) > MOST_BITS:
+        return None
+    if None in texts:
+        return Plain(UNKNOWN, span, number)
+    is_whole = not isinstance(sign, ast.Div) and all(_WHOLE.fullmatch(each or "") for each in texts)
+    return Plain((str(number) if is_whole else repr(float(number)),), span, number)
+
+
 def counted(call: PythonCall) -> Value:
-    """Return the values of `range`, `enumerate` or `zip`, as far as they are written out."""
+    """Return the values of `range`, `enumerate` or `zip`, or None if they are not written out."""
     if call.name == "range":
         texts = [plain(text_from(each)) for each in call.arguments]
         bounds = [int(text) for text in texts if text is not None and _WHOLE.fullmatch(text)]
         if not bounds or len(bounds) != len(texts) or bounds[2:] == [0]:
             return None
-        return Listed([Plain((str(n),), call.span) for n in range(*bounds[:3])[:MOST_PARTS]])
-    lists = [each_of(each) for each in call.arguments]
+        return Listed([_whole(n, call.span) for n in range(*bounds[:3])[:MOST_PARTS]])
+    columns = [_known_items(each) for each in call.arguments]
     if call.name == "enumerate":
-        lists = (
-            [[Plain((str(n),), call.span) for n in range(len(lists[0]))], *lists[:1]]
-            if lists
-            else []
-        )
-    return Listed([Listed(list(each)) for each in zip(*lists, strict=False)])
+        items = each_of(call.get("iterable", 0))
+        start = call.get("start", 1)
+        first = "0" if start is None else plain(text_from(start)) or ""
+        if not _WHOLE.fullmatch(first):
+            return None
+        columns = [[_whole(int(first) + n, call.span) for n in range(len(items))], items]
+    # A list that only a run knows is as long as the others.
+    size = min((len(each) for each in columns if each is not None), default=1)
+    rows = zip(*([None] * size if each is None else each for each in columns), strict=False)
+    return Listed([Listed(list(row)) for row in rows])
+
+
+def _whole(number: int, span: Span) -> Plain:
+    return Plain((str(number),), span, Fraction(number))
 
 
 def picked(owner: Value, key: Value) -> Value:
@@ -219,7 +304,7 @@ def picked(owner: Value, key: Value) -> Value:
         return owner
     at = plain(text_from(key)) if key is not None else None
     match owner:
-        case Listed(items) if at is not None and at.lstrip("-").isdigit():
+        case Listed(items) if at is not None and _WHOLE.fullmatch(at):
             index = int(at)
             return items[index] if -len(items) <= index < len(items) else None
         case MappedValue(pairs):
@@ -240,9 +325,119 @@ def folder_of(text: Text) -> Text:
 
 def path_of(*parts: Text) -> Text:
     """Return a path of parts."""
-    joined: list[Text] = []
-    for part in parts:
-        if joined:
-            joined.append(("/",))
-        joined.append(part)
-    return text_of(*joined)
+    return joined(("/",), parts)
+
+
+def joined(between: Text, parts: Iterable[Text]) -> Text:
+    """Return texts as one, with another between them."""
+    return text_of(*[each for part in parts for each in (between, part)][1:])
+
+
+class NotKnown:
+    """The result of a method that is not carried out here."""
+
+
+NOT_KNOWN = NotKnown()
+
+
+def known(call: PythonCall) -> Value:  # noqa: C901 -- one case for each function
+    """Return the text that a call makes, or the call itself if it makes none."""
+    first = call.arguments[0] if call.arguments else None
+    match call.name:
+        case "LaunchDescription":
+            entities = call.get("initial_entities", 0)
+            copy = Listed(list(items_of(entities)), call.span)
+            return PythonCall(call.name, (copy,), {}, call.span)
+        case "LaunchConfiguration" | "LaunchConfigAsBool":
+            name = plain(text_from(call.get("variable_name", 0)))
+            default = call.named.get("default")
+            if name is None:
+                return Plain(UNKNOWN, call.span)
+            text = None if default is None else text_from(default)
+            return Plain((LaunchArgument(name, text),), call.span)
+        case "TextSubstitution":
+            return Plain(text_from(call.get("text", 0)), call.span)
+        case "ThisLaunchFileDir":
+            return Plain((LaunchDirectory(),), call.span)
+        case "EnvironmentVariable" | "getenv":
+            called = plain(text_from(call.get("name", 0)))
+            value = call.get("default_value", 1)
+            otherwise = None if value is None else text_from(value)
+            return Plain((LaunchArgument(f"env {called}", otherwise),), call.span)
+        case "PathJoinSubstitution" | "PathJoin":
+            parts = items_of(first) if isinstance(first, Listed) else call.arguments
+            return Plain(path_of(*map(text_from, parts)), call.span)
+        case "join":
+            return Plain(path_of(*map(text_from, call.arguments)), call.span)
+        case "dirname":
+            return Plain(folder_of(text_from(first)), call.span)
+        case "open" | "safe_load" | "full_load" | "load":
+            # Of a file of parameters it is enough to know which.
+            return PythonFile(
+                first.text if isinstance(first, PythonFile) else text_from(first), call.span
+            )
+        case "ParameterFile":
+            file = call.get("param_file", 0)
+            return file if isinstance(file, Rewritten) else Plain(text_from(file), call.span)
+        case "RewrittenYaml":
+            rewrites = call.get("param_rewrites", 1)
+            given = rewrites if isinstance(rewrites, MappedValue) else MappedValue(())
+            return Rewritten(text_from(call.get("source_file", 0)), given, call.span)
+        case "ReplaceString":
+            return Plain(text_from(call.get("source_file", 0)), call.span)
+        case "ParameterValue":
+            return call.get("value", 0)
+        case "list" | "tuple" | "sorted" | "reversed":
+            return first
+        case "range" | "enumerate" | "zip":
+            return counted(call)
+        case "dict":
+            pairs = tuple((Plain((key,), call.span), value) for key, value in call.named.items())
+            return MappedValue((*(first.pairs if isinstance(first, MappedValue) else ()), *pairs))
+        case name if name in _SHARES:
+            return Plain((PackageShare(text_from(call.get("package", 0))),), call.span)
+        case name if name in _PATHS:
+            return Plain(path_of(*map(text_from, call.arguments)), call.span)
+        case _:
+            return call
+
+
+def known_method(
+    owner: Value, name: str, arguments: Sequence[Value], named: Mapping[str, Value]
+) -> Value | NotKnown:
+    """Carry out a method of a list, dictionary or text."""
+    first = arguments[0] if arguments else None
+    match owner, name:
+        case Listed(), "append":
+            owner.items += [first][: MOST_ITEMS - len(owner.items)]
+            return None
+        case Listed(), "extend":
+            owner.items += items_of(first)[: MOST_ITEMS - len(owner.items)]
+            return None
+        case Listed(), "insert":
+            owner.items += arguments[1:2][: MOST_ITEMS - len(owner.items)]
+            return None
+        case MappedValue(pairs), "items":
+            return Listed([Listed([key, value]) for key, value in pairs])
+        case MappedValue(pairs), "keys" | "values":
+            return Listed([pair[name == "values"] for pair in pairs])
+        case MappedValue(), "get":
+            return picked(owner, first)
+        case Plain(text, span), "format":
+            return Plain(filled(text, arguments, named), span)
+        case Plain(text, span), "join":
+            parts = map(inserted, items_of(first)) if isinstance(first, Listed) else (UNKNOWN,)
+            return Plain(joined(text, parts), span)
+        case Plain((PackageShare(),), span), "find":
+            # FindPackageShare looks for the package that this method names.
+            return Plain((PackageShare(text_from(first)),), span)
+        case Plain(text, span), _ if name in _STRIPS and plain(text) is not None:
+            ends = [plain(text_from(each)) for each in arguments[:1]]
+            stripped = getattr(plain(text), name)(*ends)
+            return Plain(UNKNOWN if None in ends else (stripped,), span)
+        case Plain(), _ if name in _KEEPS or (name == "strip" and not arguments):
+            return owner
+        case Plain(text, span), "joinpath":
+            return Plain(path_of(text, *map(text_from, arguments)), span)
+        case _:
+            return NOT_KNOWN

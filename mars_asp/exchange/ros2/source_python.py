@@ -32,7 +32,7 @@ from mars_asp.exchange.ros2.python_files import (
     dotted_name,
     keeper_of,
 )
-from mars_asp.exchange.ros2.python_texts import PythonTexts
+from mars_asp.exchange.ros2.python_texts import NO_CODE, PythonTexts, parameter_of
 from mars_asp.exchange.ros2.python_written import (
     alternatives,
     defaults_of,
@@ -175,7 +175,7 @@ class _Program:
         for of, part in islice(self.reached.values(), _MOST_FOLLOWED):
             if node.name not in self.files.words(part):
                 continue
-            unit = PythonTexts(self.files, of, ast.Module([], []))
+            unit = PythonTexts(self.files, of, NO_CODE)
             calls = [
                 call
                 for call in self.files.once(calls_of, part)
@@ -260,7 +260,7 @@ class _Unit(PythonTexts):
         self.namespace = ""
         self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
 
-    def span(self, node: ast.expr) -> Span:
+    def location(self, node: ast.expr) -> Span:
         """Return where a topic is named."""
         line = node.lineno
         text = self.file.lines[line - 1] if line <= len(self.file.lines) else ""
@@ -272,7 +272,7 @@ class _Unit(PythonTexts):
 
     def shown(self, node: ast.expr) -> str:
         """Return an expression as it is written, of a long one its beginning."""
-        span = self.span(node)
+        span = self.location(node)
         line = self.file.lines[span.line - 1] if span.line <= len(self.file.lines) else ""
         return line[span.column - 1 : span.end_column - 1][:_MOST_SHOWN]
 
@@ -320,9 +320,9 @@ class _Unit(PythonTexts):
         named_so: set[object] = set()
         for _ in self.rounds_of(call):
             for _ in self.choices():
-                parameter = self.parameter(name)
-                text = self.text(name)
-                parts = () if parameter else self.name_parts(name)
+                value = self.value(name, self.scope)
+                parameter, text = parameter_of(value), self.text_of(value)
+                parts = () if parameter else self.name_parts(value)
                 key = parameter or parts or text
                 if key in named_so:
                     continue
@@ -330,7 +330,7 @@ class _Unit(PythonTexts):
                 if key is None:
                     self.note(AT_RUN_TIME, name, self.shown(name))
                     continue
-                topic = InterfaceTopic(text or "", self.type(kind), self.span(name), parameter)
+                topic = InterfaceTopic(text or "", self.type(kind), self.location(name), parameter)
                 last = published and self.is_last(keeper)
                 topic = replace(topic, switches=tuple(sorted(switches)), parts=parts, last=last)
                 yield _Found(topic, keeper, published)
@@ -367,10 +367,10 @@ class _Unit(PythonTexts):
             name = call.args[name_at]
         for _ in self.rounds_of(call):
             for _ in self.choices():
-                text = None if name is None else self.text(name)
-                if name is not None and text is not None:
+                value = None if name is None else self.value(name, self.scope)
+                text, parameter = self.text_of(value), parameter_of(value)
+                if text is not None:
                     ends = OF_ACTION if called_name(call).startswith("Simple") else ("",)
-                    parameter = self.parameter(name)
                     self.names += (
                         InterfaceTopic(text + end, None, None, parameter) for end in ends
                     )
@@ -379,18 +379,7 @@ class _Unit(PythonTexts):
 
     def note(self, sort: str, node: ast.expr, name: str) -> None:
         """Note something that is not read."""
-        self.unread.append(Unread(sort, name, self.span(node)))
-
-    def type(self, node: ast.expr, depth: int = 0) -> str | None:
-        """Return the message type that an expression names."""
-        if depth < _FARTHEST and self.held(node) is not None:
-            return self.follow(node, self.type, depth)
-        dotted = dotted_name(node)
-        first, _, rest = dotted.partition(".")
-        if not dotted:
-            return None
-        full = self.file.imports.get(first, first) + (f".{rest}" if rest else "")
-        return full.replace(".", "/")
+        self.unread.append(Unread(sort, name, self.location(node)))
 
     def rates(self) -> Mapping[str, Fraction | None]:
         """Return how often each publisher publishes: `None` where two timers differ."""
@@ -403,7 +392,7 @@ class _Unit(PythonTexts):
     def timers(self) -> Iterator[tuple[Fraction, list[ast.AST]]]:
         """Yield the rate of each timer, and what it calls."""
         for call, _ in self.calls[:_MOST_CALLS]:
-            self.place, self.bound, self.steps = self.places[id(call)], {}, 0
+            self.go_to(call)
             name = called_name(call)
             named = {k.arg: k.value for k in call.keywords if k.arg}
             if name in ("create_timer", "Timer", "create_wall_timer"):
@@ -466,7 +455,7 @@ class _Unit(PythonTexts):
     def node_names(self) -> Iterator[Unread]:
         """Yield the names that the program gives its node, or several nodes."""
         for call, _ in self.calls[:_MOST_CALLS]:
-            self.place, self.bound, self.steps = self.places[id(call)], {}, 0
+            self.go_to(call)
             name = called_name(call)
             is_super = isinstance(call.func, ast.Attribute) and (
                 isinstance(call.func.value, ast.Call) and called_name(call.func.value) == "super"
@@ -484,7 +473,7 @@ class _Unit(PythonTexts):
                     if space is None:
                         self.note(AT_RUN_TIME, named["namespace"], "namespace")
                 if given is not None and text != "":
-                    yield Unread(FURTHER_NODES, text or _ANY_NAME, self.span(given))
+                    yield Unread(FURTHER_NODES, text or _ANY_NAME, self.location(given))
 
 
 def _used_at_the_end(tree: ast.AST) -> frozenset[str]:
