@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,7 +40,9 @@ def measured(
         cases = [tried(each.path, rulebook) for each in found if each.pack == pack]
         of = "the given rules" if pack is None else visible(str(pack))
         if arguments.coverage:
-            outcome, entry, is_bad = _coverage(of, _rules(pack, rulebook), rulebook, cases)
+            rules = rulebook.of_packs if rulebook.packs else rulebook.rules
+            own = tuple(rule for rule in rules if _is_of(rule.span.path, pack))
+            outcome, entry, is_bad = _coverage(of, own, rulebook, cases)
             lines += outcome
             coverage.append({"pack": None if pack is None else str(pack), **entry})
             status = max(status, is_bad)
@@ -56,12 +59,6 @@ def measured(
 
 def _is_of(path: str, pack: Path | None) -> bool:
     return pack is None or Path(path).is_relative_to(pack)
-
-
-def _rules(pack: Path | None, rulebook: Rulebook) -> tuple[Rule, ...]:
-    """Return the rules of a pack; without packs our own."""
-    rules = rulebook.of_packs if rulebook.packs else rulebook.rules
-    return tuple(rule for rule in rules if _is_of(rule.span.path, pack))
 
 
 def _mutated_files(pack: Path | None, rulebook: Rulebook) -> Iterator[MutatedFile]:
@@ -109,7 +106,8 @@ def _mutants(
     jobs: int | None,
 ) -> tuple[list[str], dict[str, object], int]:
     mutants = [mutant for file in files for mutant in rule_mutants(file)]
-    alive = sorted(_survivors(files, mutants, rulebook, cases, jobs), key=_order)
+    survivors = _survivors(files, mutants, rulebook, cases, jobs)
+    alive = sorted(survivors, key=attrgetter("path", "line", "change"))
     killed = len(mutants) - len(alive)
     lines = [f"mutants of {of}: {killed} of {len(mutants)} are noticed by a case"]
     for mutant in alive:
@@ -140,10 +138,6 @@ def _survivors(
     bench = Bench(rulebook, cases, DETERMINISTIC, EXPANSIONS)
     verdicts = judge(files, mutants, bench, jobs or os.cpu_count() or 1)
     return (verdict.mutant for verdict in verdicts if verdict.killer is None)
-
-
-def _order(mutant: Mutant) -> tuple[str, int, str]:
-    return mutant.path, mutant.line, mutant.change
 
 
 def _visible_rule(text: str) -> str:

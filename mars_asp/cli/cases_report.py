@@ -41,7 +41,8 @@ def print_outcomes(
         return
     for outcome, check in checks:
         if not check.passed:
-            print(f"FAILED {visible(_check_name(outcome, check))}")
+            title = "" if check.title is None else f": {check.title}"
+            print(f"FAILED {visible(f'{outcome.path}{title}')}")
             for line in _failure_lines(check):
                 print(line)
     updated = sum(outcome.updated is not None for outcome in outcomes) if arguments.update else 0
@@ -49,10 +50,6 @@ def print_outcomes(
     print(f"{passed} passed, {failed} failed{f', {files} updated' if updated else ''}")
     for line in lines:
         print(line)
-
-
-def _check_name(outcome: Outcome, check: Check) -> str:
-    return str(outcome.path) if check.title is None else f"{outcome.path}: {check.title}"
 
 
 def _failure_lines(check: Check) -> Iterator[str]:

@@ -47,7 +47,13 @@ def difference_json(found: Difference) -> dict[str, object]:
     """Return a difference with the keys that `docs/how-to/what-if.md` names."""
     return {
         "consequences": [_change_json(c, consequence_json(c.item)) for c in found.consequences],
-        "nodes": [_change_json(c, _node_json(c, found)) for c in found.nodes],
+        "nodes": [
+            _change_json(
+                c,
+                {"name": c.item.name, "kind": c.item.kind, "resolves": [*_resolves(c, found)]},
+            )
+            for c in found.nodes
+        ],
         "cost": {"old": _cost_json(found.old), "new": _cost_json(found.new)},
         "added": [_line_json(span) for span in found.added],
         "removed": [_line_json(span) for span in found.removed],
@@ -62,11 +68,6 @@ def _change_json(change: Change[Any], item: dict[str, object]) -> dict[str, obje
         "removed": [_line_json(span) for span in change.removed],
         "unchanged": [_line_json(span) for span in change.unchanged],
     }
-
-
-def _node_json(change: Change[IntroducedNode], found: Difference) -> dict[str, object]:
-    node = change.item
-    return {"name": node.name, "kind": node.kind, "resolves": list(_resolves(change, found))}
 
 
 def _cost_json(synthesis: Synthesis | None) -> dict[str, int] | None:

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -95,7 +95,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
-    kind = arguments.kind or _kind_of(arguments.output)
+    ending = "svg" if arguments.output == "-" else Path(arguments.output).suffix[1:].lower()
+    kind = arguments.kind or ending
     if kind not in FORMATS:
         text = (
             f"mars-asp draw: `{visible(arguments.output)}` does not show what to write; "
@@ -114,7 +115,10 @@ def run(arguments: argparse.Namespace) -> int:
     configuration = project.configuration
     picture = _part(project, kind in _PAINTED, arguments)
     if picture.remark:
-        report([_left_out_note(picture, whole_file(configuration.path))], arguments)
+        help_text = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
+        span = whole_file(configuration.path)
+        note = Diagnostic("draw", "note", picture.remark, span, help=help_text, excerpt="")
+        report([note], arguments)
     content = _drawn(picture, kind, arguments.layout, whole_file(configuration.path))
     if arguments.output != "-":
         write_file(arguments.output, content)
@@ -181,8 +185,11 @@ def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple
         if name in names:
             return name, None
     # What nothing describes has the ports that lines name.
-    named = (each for each in project.configuration.relationships if isinstance(each, Data))
-    ends = {at for each in named for at in _named_ports(each)}.union(port_names(project).values())
+    ends = {*port_names(project).values()}
+    for line in project.configuration.relationships:
+        if isinstance(line, Data):
+            both = ((line.source, line.source_port), (line.client, line.client_port))
+            ends |= {(of, name) for of, name in both if name is not None}
     ports = {end(*each): each for each in sorted(ends)}
     if (module, port) in ports.values() and visible(module) in names:
         return visible(module), port
@@ -201,18 +208,6 @@ def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple
     raise MarsError((Diagnostic("draw", "error", what, span, help=help_text, excerpt=""),))
 
 
-def _named_ports(line: Data) -> Iterator[tuple[str, str]]:
-    """Yield the ports that a line names, with their modules."""
-    for module, port in ((line.source, line.source_port), (line.client, line.client_port)):
-        if port is not None:
-            yield module, port
-
-
-def _left_out_note(picture: "Picture", span: "Span") -> Diagnostic:
-    help_text = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
-    return Diagnostic("draw", "note", picture.remark, span, help=help_text, excerpt="")
-
-
 def _depth(text: str) -> int:
     if text.isdigit() and int(text) < 10**6:
         return int(text)
@@ -228,10 +223,6 @@ def relationship_kinds(text: str) -> "frozenset[LineKind]":
         advice = f"did you mean `{near}`?" if near else f"expected {', '.join(_KINDS)}"
         raise argparse.ArgumentTypeError(f"found `{unknown[0] if unknown else text}`: {advice}")
     return frozenset(_KINDS[word] for word in words)
-
-
-def _kind_of(output: str) -> str:
-    return "svg" if output == "-" else Path(output).suffix.removeprefix(".").lower()
 
 
 def _drawn(picture: "Picture", kind: str, layout: str, span: "Span") -> str | bytes:

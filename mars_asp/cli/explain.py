@@ -3,7 +3,7 @@
 import argparse
 import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -135,7 +135,10 @@ def run(arguments: argparse.Namespace) -> int:
     if rule is not None:
         print(rule)
         return 0
-    _tell_subject(arguments)
+    *files, last = arguments.files
+    if files and arguments.subject is None and not _is_file(last, files):
+        # A last word that is not a file is the subject.
+        arguments.files, arguments.subject = files, last
     contradiction = _contradiction(arguments)
     if contradiction is not None:
         print(f"mars-asp explain: {contradiction}", file=sys.stderr)
@@ -371,13 +374,6 @@ def _split_location(arguments: argparse.Namespace) -> None:
         arguments.subject = f"{Path(match[1]).name}:{match[2]}"
 
 
-def _tell_subject(arguments: argparse.Namespace) -> None:
-    """Take the last word for the subject where it is no file: words before it are files."""
-    *files, last = arguments.files
-    if files and arguments.subject is None and not _is_file(last, files):
-        arguments.files, arguments.subject = files, last
-
-
 def _is_file(word: str, files: Sequence[str]) -> bool:
     """Whether a word names a file, and no module; beside our own files a folder is none."""
     if word == STANDARD_INPUT or Path(word).is_file():
@@ -488,18 +484,13 @@ def why_not_paragraphs(
         where = f", in what `mars-asp import {format}` prints" if format else ""
         yield below(f"To get one{where}: {answer.to_get}")
     if answer.extra is not None:
-        yield below(_price(answer.extra))
+        price = compared(by_name(answer.extra))
+        yield below(f"A specification with it{'' if price.startswith('costs') else ':'} {price}.")
     if answer.obstacles:
         query = command("explain", arguments, "--repair")
         yield [f"{BELOW}To see what would fix that:", f"{BELOW}{BELOW}{query}"]
     if answer.see is not None:
         yield [f"{BELOW}Why: {command('explain', arguments, answer.see)}"]
-
-
-def _price(extra: Mapping[int, int]) -> str:
-    """Return what a specification with what is asked for costs beyond the minimal one."""
-    price = compared(by_name(extra))
-    return f"A specification with it{'' if price.startswith('costs') else ':'} {price}."
 
 
 def _alternatives_count(text: str) -> int:

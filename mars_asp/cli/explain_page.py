@@ -82,7 +82,8 @@ def explanation_page(
     grave = [each for each in messages if each.severity != "note"]
     drawn = with_own_muxes(specification or project.configuration)
     picture = marked(depict(drawn, project.modules), findings)
-    asked = {each.module: number for number, each in enumerate(_first_of_each(absent))}
+    modules = dict.fromkeys(each.module for each in absent)
+    asked = {module: number for number, module in enumerate(modules)}
     data = {**_traces(topics, sources), **_answers(project, absent, numbers, sources)}
     title = sources.name(project.configuration.path)
     body = Template(_part("html")).substitute(
@@ -252,17 +253,16 @@ class _Topics(NamedTuple):
             shown = "\n".join(escape(visible(line)) for line in list(lines)[1:])
             yield f"<noscript><pre>{shown}</pre></noscript>"
         for says, names in (("Resolves", topic.resolves), ("Resolved by", resolved_by)):
-            linked = ", ".join(_linked(name, self.numbers) for name in names)
-            if linked:
-                yield f"<p>{says} {linked}.</p>"
+            links = []
+            for name in names:
+                shown = escape(visible(name))
+                number_of = self.numbers.get(name)
+                links.append(shown if number_of is None else f'<a href="#t{number_of}">{shown}</a>')
+            if links:
+                yield f"<p>{says} {', '.join(links)}.</p>"
         if topic.rule:
             yield f'<p class="rule">Rule {escape(visible(topic.rule))}</p>'
         yield "</details>"
-
-
-def _linked(name: str, numbers: Mapping[str, int]) -> str:
-    shown = escape(visible(name))
-    return f'<a href="#t{numbers[name]}">{shown}</a>' if name in numbers else shown
 
 
 # ---- Traces --------------------------------------------------------------------------------------
@@ -309,11 +309,6 @@ def _is_untraced(topic: Topic) -> bool:
 
 
 # ---- What is absent ------------------------------------------------------------------------------
-
-
-def _first_of_each(absent: Iterable[Absence]) -> Iterable[Absence]:
-    """Return one for each module, in their order."""
-    return {each.module: each for each in absent}.values()
 
 
 def _question(absent: Sequence[Absence], asked: Mapping[str, int]) -> str:

@@ -32,7 +32,11 @@ def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
             else:
                 properties["endLine"] = span.end_line
         properties["title"] = found.kind or found.code
-        text = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
+        escaped = {key: _escaped(str(value)) for key, value in properties.items()}
+        text = ",".join(
+            f"{key}={visible(value.replace(':', '%3A').replace(',', '%2C'))}"
+            for key, value in escaped.items()
+        )
         yield f"::{_COMMANDS[found.severity]} {text}::{_escaped(_annotation_text(result))}"
 
 
@@ -46,7 +50,3 @@ def _annotation_text(result: Result) -> str:
 
 def _escaped(text: str) -> str:
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
-
-
-def _property(text: str) -> str:
-    return visible(_escaped(text).replace(":", "%3A").replace(",", "%2C"))

@@ -23,7 +23,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "pytest.Co
     """Take a file of cases of a pack."""
     if file_path.suffix not in _SUFFIXES:
         return None
-    pack = _pack_of(file_path)
+    # Little is loaded to find that a file is in no pack.
+    folders = (each.parent for each in file_path.parents if each.name in _FOLDERS)
+    pack = next((each for each in folders if (each / _MANIFEST).is_file()), None)
     if pack is None:
         if file_path.suffix != ".mars" or _SNAPSHOT not in file_path.read_bytes():
             return None
@@ -36,12 +38,6 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "pytest.Co
     found: CaseFile = CaseFile.from_parent(parent, path=file_path)
     found.pack = pack
     return found
-
-
-def _pack_of(path: Path) -> Path | None:
-    """Return the folder of the pack of a file; little is loaded to know that there is none."""
-    inner = [each for each in path.parents if each.name in _FOLDERS]
-    return next((each.parent for each in inner if (each.parent / _MANIFEST).is_file()), None)
 
 
 class CaseFile(pytest.File):

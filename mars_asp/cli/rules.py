@@ -3,7 +3,7 @@
 import argparse
 import re
 import sys
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -324,17 +324,13 @@ def _find_named(
     if name in INPUT_CODES:
         return INPUT_CODES[name]
     names = (*rulebook.by_id, *files, *(each.name for each in declared), *known, *INPUT_CODES)
-    near = _near(name, names)
+    # An id may leave out the stage, or be misspelt.
+    ends = (each for each in names if each.endswith(f"/{name}"))
+    near = next(ends, None) or nearest(name, names)
     hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
     where = whole_file("rules")
     message = f"there is no rule, predicate or kind `{name}`"
     raise MarsError((Diagnostic("rule", "error", message, where, help=hint),))
-
-
-def _near(name: str, known: Collection[str]) -> str | None:
-    """Return the id that is meant by one that leaves out the stage, or is misspelt."""
-    after = (each for each in known if each.endswith(f"/{name}"))
-    return next(after, None) or nearest(name, known)
 
 
 def _stage_list(rulebook: Rulebook, stage: str) -> str:

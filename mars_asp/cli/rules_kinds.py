@@ -1,5 +1,6 @@
 """Kinds of findings and of nodes, as `rules show` shows them."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -34,7 +35,9 @@ def kinds(rulebook: Rulebook) -> dict[str, Kind]:
         rules = tuple(
             rule
             for rule in rulebook.rules
-            if rule.because and rule.stage not in _SENTENCES and _names_kind(rule, kind)
+            if rule.because
+            and rule.stage not in _SENTENCES
+            and kind in re.split(r"[\s(),]+", rule.text)
         )
         node = Kind(kind, "node", rules, brought.get(kind), name)
         found |= {kind: node, name: node}
@@ -42,10 +45,6 @@ def kinds(rulebook: Rulebook) -> dict[str, Kind]:
         rules = tuple(rule for rule in rulebook.rules if kind in (kinds_of(rule) or ()))
         found[kind] = Kind(kind, "consequence", rules)
     return found
-
-
-def _names_kind(rule: Rule, kind: str) -> bool:
-    return kind in rule.text.replace("(", " ").replace(",", " ").replace(")", " ").split()
 
 
 def kind_document(kind: Kind) -> Iterator[str]:

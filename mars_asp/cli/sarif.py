@@ -18,7 +18,6 @@ from mars_asp.cli.results import Result, plain_text, seen_from_root, unique_rule
 from mars_asp.cli.sarif_fixes import sarif_fixes
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
-from mars_asp.reasoning.analysis import Consequence
 
 _Json: TypeAlias = dict[str, Any]
 _SCHEMA = (
@@ -124,18 +123,24 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
     }
     if found.labels and result.has_file:
         # A related location is shown where the message has a link to it, as on GitHub (3.11.6).
-        related = tuple(enumerate(found.labels, 1))
-        links = ", ".join(
-            f"[{_linked(span, label)}]({number})" for number, (span, label) in related
+        words = (
+            visible(label) or f"{PurePath(span.path).name}, line {span.line}"
+            for span, label in found.labels
         )
+        escaped = (re.sub(r"[\\\[\]]", r"\\\g<0>", each) for each in words)
+        links = ", ".join(f"[{each}]({number})" for number, each in enumerate(escaped, 1))
         entry["message"]["text"] += f" See {links}."
         entry["relatedLocations"] = [
-            _location(span, label) | {"id": number} for number, (span, label) in related
+            _location(span, label) | {"id": number}
+            for number, (span, label) in enumerate(found.labels, 1)
         ]
     if result.suggestion is not None and result.has_file:
         entry |= sarif_fixes(result.suggestion, _artifact)
     if consequence is not None:
-        entry["partialFingerprints"] = {"marsFinding/v1": _fingerprint(consequence)}
+        parts = (consequence.kind, consequence.subject, *consequence.participants)
+        digest = hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
+        # It is the same when lines move.
+        entry["partialFingerprints"] = {"marsFinding/v1": digest[:32]}
         entry["properties"] = {
             "kind": consequence.kind,
             "subject": visible(consequence.subject),
@@ -165,12 +170,6 @@ def _marked(text: str) -> str:
     return re.sub(r"[\[\]]", r"\\\g<0>", text)
 
 
-def _linked(span: Span, label: str) -> str:
-    """Return the words of a link to a place."""
-    words = visible(label) or f"{PurePath(span.path).name}, line {span.line}"
-    return re.sub(r"[\\\[\]]", r"\\\g<0>", words)
-
-
 def _location(span: Span, label: str = "") -> _Json:
     # GitHub shows a result at a line, so that of a whole file is at its first one.
     region: _Json = {"startLine": max(1, span.line), "startColumn": max(1, span.column)}
@@ -188,9 +187,3 @@ def _artifact(path: str) -> _Json:
     if is_below:
         return {"uri": quote(os.fsencode(shown)), "uriBaseId": _ROOT}
     return {"uri": PurePath(shown).as_uri()}
-
-
-def _fingerprint(consequence: Consequence) -> str:
-    """Return the fingerprint of a finding, which is the same when its lines move."""
-    parts = (consequence.kind, consequence.subject, *consequence.participants)
-    return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()[:32]

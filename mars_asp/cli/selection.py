@@ -154,7 +154,9 @@ class Selection:
 
             check_replaceable(arguments.write_baseline)
         if arguments.baseline is not None and arguments.write_baseline is None:
-            check_inputs(*_input_paths(arguments), arguments.baseline)
+            files: Sequence[str] | None = getattr(arguments, "files", None)
+            inputs = [arguments.file] if files is None else files
+            check_inputs(*inputs, arguments.baseline)
             self._baseline(arguments.baseline)
 
     def of(
@@ -443,14 +445,8 @@ def _names_in(rulebook: Rulebook) -> frozenset[str]:
     return consequence_kinds(rulebook).union(ids)
 
 
-def _input_paths(arguments: argparse.Namespace) -> Sequence[str]:
-    """Return the paths of the inputs of a command."""
-    files: Sequence[str] | None = getattr(arguments, "files", None)
-    return [arguments.file] if files is None else files
-
-
 def _in_option(option: str) -> Callable[[int], Span]:
-    """Return what stands for the places of kinds that an option names."""
+    """Return a function that locates each kind that an option names."""
     return lambda number: whole_file(f"--{option}")
 
 

@@ -28,7 +28,6 @@ from mars_asp.model.declarations import (
     Control,
     Conversion,
     Data,
-    Module,
     Mount,
 )
 from mars_asp.model.described import module_classes
@@ -195,10 +194,12 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
     listed: list[dict[str, object]] = []
     for name in (name.text for name in configuration.modules):
         kind = configuration.node_kind(name) if configuration.kind == "specification" else None
+        if not kind and name in described:
+            kind = next(module_classes(described[name]), None)
         listed.append(
             {
                 "name": name,
-                "kind": kind or _first_class(described.get(name)),
+                "kind": kind,
                 "origin": "declared",
                 **_conversion_json(entries.get(name)),
                 **({"stands_for": stands_for[name]} if name in stands_for else {}),
@@ -227,11 +228,6 @@ def _conversion_json(conversion: Conversion | None) -> dict[str, object]:
         "from": conversion.source,
         "to": conversion.target,
     }
-
-
-def _first_class(module: Module | None) -> str | None:
-    """Return the first class of a declared module, or None if it is not described."""
-    return None if module is None else next(module_classes(module), None)
 
 
 def _data_json(data: Data) -> dict[str, object]:

@@ -161,8 +161,10 @@ def run_once(arguments: argparse.Namespace) -> int:
     print_outcomes(outcomes, arguments, result, lines)
     if unread or problems:
         return 2
-    failed = not all_pass or not outcomes
-    return max(int(failed and not _is_mended(outcomes, arguments)), status)
+    failed = [outcome for outcome in outcomes if not outcome.passed]
+    if outcomes and arguments.update and all(each.updated is not None for each in failed):
+        return status
+    return max(int(bool(failed) or not outcomes), status)
 
 
 def _snapshot(found: Sequence[FoundCase], rules: list[Path], arguments: argparse.Namespace) -> int:
@@ -223,9 +225,3 @@ def _update(outcomes: Iterable[Outcome]) -> None:
             changed.append((str(outcome.path), outcome.updated.encode(), before))
     if changed:
         replace_files(changed)
-
-
-def _is_mended(outcomes: Iterable[Outcome], arguments: argparse.Namespace) -> bool:
-    """Whether an update changed what each case that failed expects."""
-    failed = [outcome for outcome in outcomes if not outcome.passed]
-    return bool(arguments.update and failed and all(o.updated is not None for o in failed))

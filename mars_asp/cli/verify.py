@@ -23,7 +23,7 @@ from mars_asp.cli.reason import (
     rulebook_for,
 )
 from mars_asp.cli.report import report, report_unrealisable
-from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Module
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
@@ -108,7 +108,10 @@ def run(arguments: argparse.Namespace) -> int:
         read = read_specification(arguments, arguments.specification)
         specification, modules = read.configuration, read.modules
         project = read_project(arguments, arguments.file)
-        _report_own(read.diagnostics, project.diagnostics, arguments)
+        # Blocks of SPEC are mostly those of CONFIG, which also describes its other modules.
+        known = {(each.code, each.message) for each in project.diagnostics}
+        own = (each for each in read.diagnostics if each.code != "annotations-missing")
+        report((each for each in own if (each.code, each.message) not in known), arguments)
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
         print("mars-asp verify: SPEC comes first, then its CONFIG", file=sys.stderr)
         return 2
@@ -247,18 +250,6 @@ def _lines_at(located: Iterable[Span]) -> Iterator[str]:
         yield f"      {place:<{longest}}  {visible(line_at(span))}"
     if len(spans) > len(shown):
         yield f"      and {counted(len(spans) - len(shown), 'more line')}"
-
-
-def _report_own(
-    warnings: Iterable[Diagnostic], told: Iterable[Diagnostic], arguments: argparse.Namespace
-) -> None:
-    """Report what is noteworthy of SPEC alone: its blocks are mostly those of CONFIG.
-
-    Modules that SPEC leaves to CONFIG to describe are not.
-    """
-    entries = {(each.code, each.message) for each in told}
-    own = (each for each in warnings if each.code != "annotations-missing")
-    report((each for each in own if (each.code, each.message) not in entries), arguments)
 
 
 def _compare(

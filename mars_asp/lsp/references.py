@@ -45,7 +45,9 @@ def same_module(
     path = scene.here.text.path
     of_key: dict[_Key, list[tuple[Place, Occurrence]]] = {}
     keys_of: dict[tuple[Place, Occurrence], set[_Key]] = {}
-    for robot in scene.robots or (_alone(scene),):
+    # A file that was not analysed yet is a robot of its own.
+    here = OpenFile(path, "", scene.here.mentions)
+    for robot in scene.robots or (EditorRobot(path, (here,), {}),):
         files = tuple(scene.files(robot))
         annotated = {
             each.name
@@ -84,12 +86,6 @@ def _keys(
         yield robot.path, behind(file.prefix, name)
         if mention.described is None and name in annotated and name not in blocks:
             yield _SOURCES, name
-
-
-def _alone(scene: DocumentContext) -> EditorRobot:
-    """Return the robot of a file that was not analysed yet."""
-    here = scene.here
-    return EditorRobot(here.text.path, (OpenFile(here.text.path, "", here.mentions),), {})
 
 
 def _port_places(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]:

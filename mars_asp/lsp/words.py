@@ -81,16 +81,6 @@ STATEMENTS: Mapping[str, KeywordDoc] = {
 _MOTION = "[MIN MAX [RATE]]"
 
 
-def _turns(axis: str) -> KeywordDoc:
-    meaning = f"The module turns about its {axis} axis; bounds in degrees, RATE per second."
-    return KeywordDoc(f"@Rotn_{axis} {_MOTION}", meaning)
-
-
-def _drives(axis: str) -> KeywordDoc:
-    meaning = f"The module moves along its {axis} axis; bounds in millimetres, RATE per second."
-    return KeywordDoc(f"@Trans_{axis} {_MOTION}", meaning)
-
-
 #: The words of annotations, without their `@`.
 ANNOTATIONS: Mapping[str, KeywordDoc] = {
     "module_start": KeywordDoc(
@@ -117,8 +107,17 @@ ANNOTATIONS: Mapping[str, KeywordDoc] = {
         "@Converts [COST]",
         "A converter: makes its return type of its one parameter, at a cost (default 1).",
     ),
-    **{f"Rotn_{axis}": _turns(axis) for axis in "XYZ"},
-    **{f"Trans_{axis}": _drives(axis) for axis in "XYZ"},
+    **{
+        f"{function}_{axis}": KeywordDoc(
+            f"@{function}_{axis} {_MOTION}",
+            f"The module {moves} its {axis} axis; bounds in {unit}, RATE per second.",
+        )
+        for function, moves, unit in (
+            ("Rotn", "turns about", "degrees"),
+            ("Trans", "moves along", "millimetres"),
+        )
+        for axis in "XYZ"
+    },
     "Grasp": KeywordDoc(
         f"@Grasp {_MOTION}",
         "A two-fingered gripper; bounds are its opening width in millimetres.",
