@@ -3,8 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from mars_asp.cli.layout import wrapped
-from mars_asp.cli.lines import line_at
-from mars_asp.diagnostic import Span
+from mars_asp.cli.lines import line_at, located_line_json
 from mars_asp.output import visible
 from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Topic
@@ -35,15 +34,9 @@ def told_lines(of: str, account: Account, rule: str | None, width: int) -> Itera
 
 
 def account_json(account: Account) -> dict[str, object]:
-    """Return an account for programs: the answer, the lines with what is said of them, notes."""
-    lines = [{**line_json(each.span), "label": each.label} for each in account.cites]
+    """Return an account with the keys of the contract: its answer, labelled lines and notes."""
+    lines = [{**located_line_json(each.span), "label": each.label} for each in account.cites]
     return {"answer": account.answer, "lines": lines, "notes": list(account.notes)}
-
-
-def line_json(span: Span) -> dict[str, object]:
-    """Return a line of a file for programs: where it is, and what it says."""
-    place: dict[str, object] = {"path": span.path, "line": span.line, "column": span.column}
-    return {**place, "text": line_at(span)}
 
 
 def _cited(cites: Sequence[Cited], width: int) -> Iterator[str]:

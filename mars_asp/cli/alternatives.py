@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from mars_asp.cli.again import command_on_one
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, compared, wrapped
+from mars_asp.cli.lines import location_json
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report_unrealisable
 from mars_asp.cli.selection import Selection
@@ -267,8 +268,5 @@ def _need_json(need: CertificateEntry) -> dict[str, object]:
         "taken": list(need.names),
         "clause": first.clause if first is not None and known else None,
         "why": first.why if first is not None else None,
-        "locations": [
-            {"path": span.path, "line": span.line, "column": span.column}
-            for span in (first.lines if first is not None else ())
-        ],
+        "locations": [location_json(s) for s in (first.lines if first is not None else ())],
     }

@@ -9,6 +9,7 @@ from dataclasses import replace
 from mars_asp.cli.again import command
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, wrapped
+from mars_asp.cli.lines import location_json
 from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
 from mars_asp.cli.reason import (
     JUDGING,
@@ -22,7 +23,6 @@ from mars_asp.cli.reason import (
 from mars_asp.cli.report import colours, finding_lines, paint, report
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.selection import Selected, Selection, add_selection, hidden_text
-from mars_asp.diagnostic import Span
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
 from mars_asp.reasoning.findings import SEVERITIES
@@ -133,11 +133,6 @@ def consequence_json(consequence: Consequence) -> dict[str, object]:
             for each in consequence.conditions
         ],
     }
-
-
-def location_json(span: Span) -> dict[str, object]:
-    """Return where a span begins."""
-    return {"path": span.path, "line": span.line, "column": span.column}
 
 
 def _analysis_text(

@@ -5,6 +5,7 @@ import pickle
 import sys
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ from mars_asp.cli.outputs import ending
 from mars_asp.cli.perform import scenario_text, specified
 from mars_asp.cli.reason import STANDARD_INPUT, add_file, check_inputs, read_project
 from mars_asp.cli.report import report
-from mars_asp.cli.schemas import add_schema, campaign_schema
+from mars_asp.cli.schemas import add_schema, schema_text
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=ending(".svg"),
         help="draw how many runs passed over a key with several values",
     )
-    add_schema(parser, "a line of OUT.jsonl", campaign_schema)
+    add_schema(parser, "a line of OUT.jsonl", partial(schema_text, "campaign"))
 
 
 def _seeds(text: str) -> tuple[int, ...]:

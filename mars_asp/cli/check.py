@@ -4,7 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -31,7 +31,7 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import Suggestion, report
 from mars_asp.cli.results import Result, results_of
-from mars_asp.cli.schemas import add_schema, check_schema
+from mars_asp.cli.schemas import add_schema, schema_text
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.settings import SETTINGS
 from mars_asp.cli.worker import read_standard_input
@@ -97,7 +97,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="OUT", help="write the findings to a file, in any format"
     )
-    add_schema(parser, "the document of --format json", check_schema)
+    add_schema(parser, "the document of --format json", partial(schema_text, "check"))
     parser.add_argument(
         "--diff",
         action="store_true",

@@ -5,13 +5,12 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-from mars_asp.cli.analyse import consequence_json, location_json
+from mars_asp.cli.analyse import consequence_json
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.lines import line_at, lines_of
+from mars_asp.cli.lines import line_at, lines_of, located_line_json
 from mars_asp.cli.reason import check_inputs, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
-from mars_asp.diagnostic import Span
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.questions.diff import Change, Difference, diff
@@ -55,8 +54,8 @@ def difference_json(found: Difference) -> dict[str, object]:
             for c in found.nodes
         ],
         "cost": {"old": _cost_json(found.old), "new": _cost_json(found.new)},
-        "added": [_line_json(span) for span in found.added],
-        "removed": [_line_json(span) for span in found.removed],
+        "added": [located_line_json(span) for span in found.added],
+        "removed": [located_line_json(span) for span in found.removed],
     }
 
 
@@ -64,9 +63,9 @@ def _change_json(change: Change[Any], item: dict[str, object]) -> dict[str, obje
     return {
         "change": change.how,
         **item,
-        "added": [_line_json(span) for span in change.added],
-        "removed": [_line_json(span) for span in change.removed],
-        "unchanged": [_line_json(span) for span in change.unchanged],
+        "added": [located_line_json(span) for span in change.added],
+        "removed": [located_line_json(span) for span in change.removed],
+        "unchanged": [located_line_json(span) for span in change.unchanged],
     }
 
 
@@ -74,10 +73,6 @@ def _cost_json(synthesis: Synthesis | None) -> dict[str, int] | None:
     if synthesis is None:
         return None
     return {name: synthesis.cost(level) for name, level in COSTS.items()}
-
-
-def _line_json(span: Span) -> dict[str, object]:
-    return {**location_json(span), "text": line_at(span)}
 
 
 def _resolves(change: Change[IntroducedNode], found: Difference) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,7 +16,7 @@ from mars_asp.cli.again import command
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, compared, wrapped
-from mars_asp.cli.lines import line_at
+from mars_asp.cli.lines import line_at, located_lines
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import (
     JUDGING,
@@ -28,7 +29,7 @@ from mars_asp.cli.reason import (
     unapplied_packs,
 )
 from mars_asp.cli.report import colours, paint, report
-from mars_asp.cli.schemas import FORMATS, add_schema, explain_schema
+from mars_asp.cli.schemas import FORMATS, add_schema, schema_text
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration
@@ -125,7 +126,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "`-` is standard output",
     )
     add_selection(parser, writes=False)
-    add_schema(parser, "that format, of `jsonl` of one line", explain_schema, *FORMATS)
+    text = partial(schema_text, "explain")
+    add_schema(parser, "that format, of `jsonl` of one line", text, *FORMATS)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -469,16 +471,7 @@ def why_not_paragraphs(
         return wrapped(visible(text), width, BELOW, BELOW + FURTHER)
 
     yield wrapped(visible(answer.answer), width, "", FURTHER)
-    # Several things may be on one line.
-    evidence = tuple({(span.path, span.line): span for span in answer.evidence}.values())
-    shown = evidence[:_MOST_EVIDENCE]
-    # Lines of the user are not broken.
-    places = [visible(f"{span.path}:{span.line}") for span in shown]
-    wide = max(map(len, places), default=0)
-    lines = (visible(line_at(span)) for span in shown)
-    yield [f"{BELOW}{place:{wide}}  {line}" for place, line in zip(places, lines, strict=True)]
-    if len(evidence) > len(shown):
-        yield [f"{BELOW}and {counted(len(evidence) - len(shown), 'more line')}"]
+    yield [*located_lines(answer.evidence, BELOW, _MOST_EVIDENCE)]
     if answer.to_get is not None:
         # The lines of others' files are not ours.
         where = f", in what `mars-asp import {format}` prints" if format else ""

@@ -2,11 +2,11 @@
 
 import linecache
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from mars_asp.diagnostic import Span
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 from mars_asp.reading import check_walls, is_hidden
 
 if TYPE_CHECKING:
@@ -83,6 +83,28 @@ def shortened(line: str, column: int) -> str:
     first = bare[:start].partition(" ")[0]
     before = "" if not start else f"{first} ... " if len(first) < MOST // 6 else "... "
     return f"{before}{bare[start:end]}{' ...' if end < len(bare) else ''}"
+
+
+def located_lines(spans: Iterable[Span], indent: str, most: int) -> Iterator[str]:
+    """Yield the lines at spans after their locations, each once; of more than `most` the first."""
+    located = [*{span[:2]: span for span in spans}.values()]
+    places = [visible(f"{span.path}:{span.line}") for span in located[:most]]
+    width = max(map(len, places), default=0)
+    # Lines of the user are not broken.
+    for span, place in zip(located, places, strict=False):
+        yield f"{indent}{place:{width}}  {visible(line_at(span))}"
+    if len(located) > most:
+        yield f"{indent}and {counted(len(located) - most, 'more line')}"
+
+
+def location_json(span: Span) -> dict[str, object]:
+    """Return the start of a span with the keys of the contract."""
+    return {"path": span.path, "line": span.line, "column": span.column}
+
+
+def located_line_json(span: Span) -> dict[str, object]:
+    """Return the start of a span and the text of its line with the keys of the contract."""
+    return {**location_json(span), "text": line_at(span)}
 
 
 def line_text(line: "LineEdit") -> Iterator[str]:

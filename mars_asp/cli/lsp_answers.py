@@ -32,7 +32,7 @@ from mars_asp.language.format import format_text
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.lsp.actions import Action, line_edits
 from mars_asp.lsp.mentions import outline
-from mars_asp.lsp.places import Place, Position, Range
+from mars_asp.lsp.places import START, Place
 from mars_asp.lsp.questions import CheckedFile, Failed, Question, Sort, Survey
 from mars_asp.lsp.robot import Described, EditorRobot, OpenFile, behind
 from mars_asp.model.declarations import Module
@@ -56,13 +56,8 @@ _REPAIR_SECONDS = 20.0
 _WIDTH = 90
 #: So many lines of it are shown.
 _MOST_LINES = 60
-#: So many files of rules beside one are read.
-_MOST_RULES = 200
 #: So many configurations are looked into for the sources that they name.
 _MOST_OWNERS = 50
-_START = Range(Position(0, 0), Position(0, 0))
-#: A line of a rule case, which is no file of rules.
-_EXPECTED = "%="
 
 
 def main() -> None:
@@ -174,7 +169,7 @@ def _configurations(path: str, prefix: str, files: EditorFiles) -> Iterator[Open
 def _module_description(module: Module, files: EditorFiles) -> Described:
     lines = tuple(module_lines(module))
     services = [files.place(each.span) for each in module.services]
-    nowhere = Place(files.root, _START)
+    nowhere = Place(files.root, START)
     return Described(
         lines,
         files.place(module.named or module.span) or nowhere,
@@ -227,12 +222,10 @@ def _survey(question: Question, options: argparse.Namespace) -> Survey | Failed:
         each.text for each in query.project.configuration.modules
     } | query.project.modules.keys()
     about: dict[str, dict[str, None]] = {}
-    by_title: dict[str, dict[str, None]] = {}
     for each in found:
         ends = (ports.get(end, end) for end in (each.subject, *each.participants))
         for name in dict.fromkeys(end for end in ends if end in names):
             about.setdefault(name, {})[f"{each.kind}({each.subject}): {each.message}"] = None
-            by_title.setdefault(f"{each.kind}({each.subject})", {})[name] = None
     nodes: dict[str, dict[str, None]] | None = None
     if synthesis is not None:
         nodes = {}

@@ -8,12 +8,10 @@ from pathlib import Path
 from mars_asp.annotations.files import MOST_BYTES
 from mars_asp.cli.ignores import decoded
 from mars_asp.diagnostic import Diagnostic, Span, brief
-from mars_asp.lsp.places import Place, Position, Range, Text, TextEdit
+from mars_asp.lsp.places import START, Place, Text, TextEdit
 from mars_asp.lsp.robot import EditorFinding
 from mars_asp.reading import read_file, unsaved_bytes
 from mars_asp.reasoning.rules import rules_directory
-
-_START = Range(Position(0, 0), Position(0, 0))
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class EditorFiles:
         known = tuple(TextEdit(place, text) for place, text in edits if place is not None)
         placed = ((self.place(span), label) for span, label in short.labels)
         return EditorFinding(
-            self.place(short.span) or Place(self.root, _START),
+            self.place(short.span) or Place(self.root, START),
             short.severity,
             short.code,
             short.message,

@@ -7,7 +7,7 @@ from pathlib import Path
 from mars_asp.asp.lint.found import Fix
 from mars_asp.cli.lsp_files import EditorFiles
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.lsp.places import Place, Position, Range
+from mars_asp.lsp.places import START, Place
 from mars_asp.lsp.questions import LintedFile, Question
 from mars_asp.lsp.rule_text import PredicateMention, rule_text
 from mars_asp.lsp.rules import Predicate, Rules
@@ -17,7 +17,6 @@ from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
 
 #: So many files of rules beside one are read.
 _MOST_RULES = 200
-_START = Range(Position(0, 0), Position(0, 0))
 #: A line of a rule case, which is no file of rules.
 _EXPECTED = "%="
 
@@ -55,7 +54,7 @@ def _rules(path: Path, files: EditorFiles, is_own: bool) -> Rules:
     predicates: dict[tuple[str, int], tuple[Predicate, ...]] = {}
     for signature, each in rulebook.declarations.items():
         # What is declared begins with the name, behind `%*! `.
-        place = files.place(each.span) or Place(str(path), _START)
+        place = files.place(each.span) or Place(str(path), START)
         key = signature.name, signature.arity
         result = Predicate(signature.signed, each.written, each.words, place)
         predicates[key] = (*predicates.get(key, ()), result)

@@ -409,7 +409,7 @@ def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
 def load(
     arguments: argparse.Namespace, path: str, text: str | None = None, further: Sequence[str] = ()
 ) -> Project:
-    """Read a project, whose file's content `text` replaces; `further` are its other foreign files.
+    """Read a project, `text` in the place of its file; `further` are foreign files of the robot.
 
     Raises:
         MarsError: what is wrong with its files.

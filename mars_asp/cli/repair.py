@@ -2,12 +2,12 @@
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
-from mars_asp.cli.analyse import consequence_json, location_json
+from mars_asp.cli.analyse import consequence_json
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, spent, wrapped
-from mars_asp.cli.lines import line_json, line_text
+from mars_asp.cli.lines import line_json, line_text, location_json
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import JUDGING, judge_project, rulebook_for
 from mars_asp.cli.report import colours, paint
@@ -25,7 +25,7 @@ from mars_asp.reasoning.questions.repair import (
     repairs,
     repairs_by_hand,
 )
-from mars_asp.reasoning.rules import COSTS
+from mars_asp.reasoning.rules import by_name
 
 #: A mend of more lines is printed once, however many findings it mends.
 _MOST_PRINTED_AGAIN = 8
@@ -131,13 +131,9 @@ def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> It
         are = "is" if mend.errors == 1 else "are"
         yield f"{_BELOW}{counted(mend.errors, 'other error')} {are} left"
     elif mend.spent is not None:
-        costs = spent(_costs_by_name(mend.spent))
+        costs = spent(by_name(mend.spent))
         message = f"then there is a specification of {costs}" if costs else _NOTHING_LEFT
         yield from wrapped(message, width, _BELOW, _BELOW)
-
-
-def _costs_by_name(spent: Mapping[int, int]) -> dict[str, int]:
-    return {name: spent.get(level, 0) for name, level in COSTS.items()}
 
 
 def repair_json(repair: Repair) -> dict[str, object]:
@@ -162,7 +158,7 @@ def mend_json(mend: Mend) -> dict[str, object]:
             *(_remark_json(remark) for remark in mend.remarks),
         ],
         "errors_left": mend.errors,
-        "cost": None if mend.spent is None else _costs_by_name(mend.spent),
+        "cost": None if mend.spent is None else by_name(mend.spent),
     }
 
 

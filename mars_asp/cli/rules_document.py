@@ -23,9 +23,9 @@ from mars_asp.reasoning.rules import BASE, STAGES, seal
 #: What the rules of each stage are for.
 PURPOSES: Mapping[str, str] = {"base": BASE, **STAGES}
 
-#: A hole of a message, with its sort.
 #: A hole that is all of a piece of code.
 _CODED = re.compile(r"`\{([^{}:@]*)[^{}]*\}`")
+#: A hole of a message, with its sort.
 _HOLE = re.compile(r"\{([^{}:@]*)[^{}]*\}")
 
 

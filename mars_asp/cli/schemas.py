@@ -9,11 +9,11 @@ FORMATS = ("json", "jsonl")
 
 
 def add_schema(
-    parser: argparse.ArgumentParser, told: str, text: Callable[..., str], *formats: str
+    parser: argparse.ArgumentParser, document: str, text: Callable[..., str], *formats: str
 ) -> None:
-    """Add the option that prints a schema, and `told` to the help.
+    """Add the option that prints the schema of a document, which the help names.
 
-    `text` returns it; where there are formats, it is given the one that was chosen.
+    `text` returns the schema; if there are formats, it is called with the chosen one.
     """
     parser.add_argument(
         "--schema",
@@ -21,7 +21,7 @@ def add_schema(
         nargs=None if formats else 0,
         choices=formats or None,
         const=text,
-        help=f"print the JSON Schema of {told}, and do nothing else",
+        help=f"print the JSON Schema of {document}, and do nothing else",
     )
 
 
@@ -35,23 +35,9 @@ class _Schema(argparse.Action):
         parser.exit()
 
 
-def explain_schema(written: str) -> str:
-    """Return the JSON Schema of one of the `FORMATS`."""
-    return _schema_text(f"explain.{written}")
-
-
-def check_schema() -> str:
-    """Return the JSON Schema of the document of `check`."""
-    return _schema_text("check")
-
-
-def campaign_schema() -> str:
-    """Return the JSON Schema of a line of a campaign."""
-    return _schema_text("campaign")
-
-
-def _schema_text(name: str) -> str:
+def schema_text(*names: str) -> str:
+    """Return the JSON Schema of a command's document; `explain` also needs one of `FORMATS`."""
     from importlib.resources import files
 
-    schema = files("mars_asp.cli") / f"{name}.schema.json"
+    schema = files("mars_asp.cli") / f"{'.'.join(names)}.schema.json"
     return schema.read_text(encoding="utf-8")

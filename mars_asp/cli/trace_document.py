@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from mars_asp.asp.trace.document import FORMAT, VERSION, TraceDocument, trace_json, trace_lines
-from mars_asp.cli.account import account_json, line_json
+from mars_asp.cli.account import account_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.lines import located_line_json
 from mars_asp.reasoning.questions.explain import Topic
 from mars_asp.reasoning.questions.why_not import WhyNot
 from mars_asp.reasoning.rules import by_name
@@ -33,7 +34,7 @@ def topics_document(subject: str | None, topics: Sequence[Topic]) -> dict[str, o
 
 def why_not_document(answer: WhyNot) -> dict[str, object]:
     """Return the reason why something is not there: a document of one topic, with more keys."""
-    lines = [line_json(span) for span in answer.evidence]
+    lines = [located_line_json(span) for span in answer.evidence]
     title, trace = answer.subject, trace_json(answer.trace)
     cited = [{**line, "label": ""} for line in lines]
     entries = {"answer": answer.answer, "lines": cited, "notes": [], "decided_by": None}

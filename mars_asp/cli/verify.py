@@ -6,14 +6,14 @@ With `--without` it is the minimal one of CONFIG that is judged, a node taken ou
 import argparse
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.lines import line_at
+from mars_asp.cli.lines import located_lines, location_json
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import (
     analyse_project,
@@ -23,9 +23,8 @@ from mars_asp.cli.reason import (
     rulebook_for,
 )
 from mars_asp.cli.report import report, report_unrealisable
-from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Module
-from mars_asp.output import counted, visible
+from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import by_name
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
 
 #: Of the lines that a violation rests on so many are shown; JSON has all.
 _MOST_LINES = 10
+_BELOW = "      "
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +159,11 @@ def verification_json(
         "realises": not verification.violations,
         "minimal": compared.minimal,
         "violations": [
-            {"clause": v.clause, **_finding_json(v), "locations": _locations(v.locations)}
+            {
+                "clause": v.clause,
+                **_finding_json(v),
+                "locations": [location_json(span) for span in v.locations],
+            }
             for v in verification.violations
         ],
         "warnings": [_finding_json(caution) for caution in verification.cautions],
@@ -175,7 +179,7 @@ def verification_lines(
     """Yield the lines about violations and doubts, or the line that there are none."""
     for violation in verification.violations:
         yield from _finding_text(f"clause {violation.clause}", violation, width)
-        yield from _lines_at(violation.locations)
+        yield from located_lines(violation.locations, _BELOW, _MOST_LINES)
     for caution in verification.cautions:
         yield from _finding_text("warning", caution, width)
     if not verification.violations:
@@ -209,7 +213,7 @@ def _run_without(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         violations = [{"clause": b.violation.clause, **_finding_json(b.violation)} for b in found]
         for item, broken in zip(violations, found, strict=True):
-            item["locations"] = _locations(each.span for each in broken.relationships)
+            item["locations"] = [location_json(each.span) for each in broken.relationships]
         print(
             encoded(
                 {
@@ -237,19 +241,8 @@ def _without_text(name: str, found: Sequence["ViolatedClause"], width: int) -> I
         violation = broken.violation
         text = f"clause {violation.clause}: {violation.message}  [{violation.rule.id}]"
         yield from wrapped(visible(text), width, "  ", "    ")
-        yield from _lines_at([each.span for each in broken.relationships])
-
-
-def _lines_at(located: Iterable[Span]) -> Iterator[str]:
-    """Yield the lines at locations, each once; of very many the first."""
-    spans = {span[:2]: span for span in located}
-    shown = list(spans.values())[:_MOST_LINES]
-    places = [visible(f"{span.path}:{span.line}") for span in shown]
-    longest = max(map(len, places), default=0)
-    for span, place in zip(shown, places, strict=True):
-        yield f"      {place:<{longest}}  {visible(line_at(span))}"
-    if len(spans) > len(shown):
-        yield f"      and {counted(len(spans) - len(shown), 'more line')}"
+        spans = (each.span for each in broken.relationships)
+        yield from located_lines(spans, _BELOW, _MOST_LINES)
 
 
 def _compare(
@@ -308,10 +301,6 @@ def _minimality(compared: SpecificationComparison) -> str:
 
 def _in_words(cost: Mapping[str, int]) -> str:
     return ", ".join(f"{name} {value}" for name, value in cost.items())
-
-
-def _locations(spans: Iterable[Span]) -> list[dict[str, object]]:
-    return [{"path": span.path, "line": span.line, "column": span.column} for span in spans]
 
 
 def _finding_json(found: Violation | Caution) -> dict[str, object]:

@@ -212,12 +212,9 @@ def _within(prefix: str, name: str) -> str | None:
 
 
 def _port_items(scene: DocumentContext, module: str, is_output: bool) -> Iterator[Completion]:
-    for robot in scene.robots:
-        for file in robot.files:
-            if file.path == scene.here.text.path:
-                described = robot.modules.get(behind(file.prefix, module))
-                if described is not None:
-                    ports = described.outputs if is_output else described.inputs
-                    for name in ports:
-                        yield Completion(name, "port", f"of {module}", written(name))
-                    return
+    for robot, file in scene.own_files():
+        described = robot.modules.get(behind(file.prefix, module))
+        if described is not None:
+            for name in described.outputs if is_output else described.inputs:
+                yield Completion(name, "port", f"of {module}", written(name))
+            return

@@ -85,24 +85,22 @@ def module_texts(
     scene: DocumentContext, mention: Occurrence, position: Position
 ) -> tuple[str, str]:
     """Return a module or its port as annotations describe it, and the module's consequences."""
-    for robot in scene.robots:
-        for file in robot.files:
-            if file.path != scene.here.text.path:
-                continue
-            name = file.name_of(mention)
-            described = robot.modules.get(mention.described or name) or robot.modules.get(name)
-            port = mention.port
-            text = ""
-            if described is None:
-                if mention.role != "annotated":
-                    text = f"`{name}`: no annotation describes this module"
-            elif port is not None and port.range.holds(position):
-                text = _port_text(described, port.name, port.is_output)
-            else:
-                text = fenced("\n".join(described.lines))
-            about = robot.consequences.get(name, ())
-            return text, "\n".join(f"- {markdown(each)}" for each in about)
-    return "", ""
+    robot, file = next(scene.own_files(), (None, None))
+    if robot is None or file is None:
+        return "", ""
+    name = file.name_of(mention)
+    described = robot.modules.get(mention.described or name) or robot.modules.get(name)
+    port = mention.port
+    text = ""
+    if described is None:
+        if mention.role != "annotated":
+            text = f"`{name}`: no annotation describes this module"
+    elif port is not None and port.range.holds(position):
+        text = _port_text(described, port.name, port.is_output)
+    else:
+        text = fenced("\n".join(described.lines))
+    about = robot.consequences.get(name, ())
+    return text, "\n".join(f"- {markdown(each)}" for each in about)
 
 
 def _port_text(described: Described, name: str, is_output: bool) -> str:

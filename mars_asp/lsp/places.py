@@ -36,6 +36,10 @@ class Range(NamedTuple):
         return self.start <= other.end and other.start <= self.end
 
 
+#: Whatever is in no line is placed here.
+START = Range(Position(0, 0), Position(0, 0))
+
+
 class Place(NamedTuple):
     """A stretch of a file."""
 

@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import TypeAlias
 
 from mars_asp.lsp.mentions import Occurrence, is_configuration
-from mars_asp.lsp.places import Place, Position, Range
+from mars_asp.lsp.places import START, Place, Position
 from mars_asp.lsp.robot import DocumentContext, EditorRobot, OpenFile, behind
 
 #: What several mentions have in common: a robot and a name in it, or the module of a source.
 _Key: TypeAlias = tuple[str, str]
 _SOURCES = ""
 _PATHS = re.compile(r"[ \t]*@(sources|include)[ \t]+(.*)")
-_START = Range(Position(0, 0), Position(0, 0))
 
 
 def definition(scene: DocumentContext, position: Position) -> tuple[Place, ...]:
@@ -90,13 +89,11 @@ def _keys(
 
 def _port_places(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]:
     assert mention.port is not None
-    for robot in scene.robots:
-        for file in robot.files:
-            if file.path == scene.here.text.path:
-                described = robot.modules.get(behind(file.prefix, mention.name))
-                if described is not None:
-                    ports = described.outputs if mention.port.is_output else described.inputs
-                    yield from filter(None, (ports.get(mention.port.name),))
+    for robot, file in scene.own_files():
+        described = robot.modules.get(behind(file.prefix, mention.name))
+        if described is not None:
+            ports = described.outputs if mention.port.is_output else described.inputs
+            yield from filter(None, (ports.get(mention.port.name),))
 
 
 def _file_at(scene: DocumentContext, position: Position) -> Iterator[Place]:
@@ -115,5 +112,5 @@ def _file_at(scene: DocumentContext, position: Position) -> Iterator[Place]:
             if written and "\0" not in written:
                 path = Path(text.path).parent / written
                 if path.is_file():
-                    yield Place(str(path), _START)
+                    yield Place(str(path), START)
         at += len(piece) + 1

@@ -94,6 +94,11 @@ class DocumentContext:
             else:
                 yield file._replace(mentions=outline(file.path, written).mentions)
 
+    def own_files(self) -> Iterator[tuple[EditorRobot, OpenFile]]:
+        """Yield each robot with the open file, as often as the robot includes it."""
+        path = self.here.text.path
+        return ((r, file) for r in self.robots for file in r.files if file.path == path)
+
     def found_at(self, position: Position) -> Iterator[EditorFinding]:
         """Yield the findings at a position."""
         return (each for each in self.findings if each.place.range.holds(position))

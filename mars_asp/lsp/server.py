@@ -26,7 +26,7 @@ from mars_asp.lsp.desk import EditorWorkspace
 from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
 from mars_asp.lsp.mentions import is_configuration, language_of
-from mars_asp.lsp.places import Place, Position, Range, Text
+from mars_asp.lsp.places import START, Place, Position, Range, Text
 from mars_asp.lsp.protocol import (
     Protocol,
     hover_of,
@@ -51,8 +51,7 @@ PAUSE = 0.25
 #: Seconds that a hover waits for the trace of a finding.
 _TRACE_SECONDS = 5.0
 EXPLAIN = "mars-asp.explain"
-_START = Range(Position(0, 0), Position(0, 0))
-_NOTHING = Completions((), _START)
+_NOTHING = Completions((), START)
 _Found = TypeVar("_Found")
 
 
@@ -280,7 +279,7 @@ class _Server(LanguageServer):
                 found, self._desk.rules[asked] = answer
             case _:
                 text = f"this was not analysed: {getattr(answer, 'reason', answer)}"
-                found = (EditorFinding(Place(asked, _START), "warning", "lsp", text),)
+                found = (EditorFinding(Place(asked, START), "warning", "lsp", text),)
         self._stale.discard(asked)
         self._publish(self._desk.take(asked, found, robot))
         if robot is not None and sort == "check":

@@ -17,7 +17,7 @@ import pytest
 
 from mars_asp.cli import run_command, run_here
 from mars_asp.cli.campaign import Progress
-from mars_asp.cli.schemas import campaign_schema
+from mars_asp.cli.schemas import schema_text
 from mars_asp.execution.campaign.grid import Grid, Run
 from mars_asp.execution.campaign.journal import ended_run
 from tests.support.documents import ROOT
@@ -57,7 +57,7 @@ def go():
 Captured = pytest.CaptureFixture[str]
 
 
-_OF_LINE = jsonschema_rs.validator_for(json.loads(campaign_schema()))
+_OF_LINE = jsonschema_rs.validator_for(json.loads(schema_text("campaign")))
 
 
 class Campaign:
@@ -419,4 +419,4 @@ def test_too_little_memory_for_numpy_is_reported(
 
 def test_the_schema_is_printed_without_a_file(capsys: Captured) -> None:
     assert run_command(["campaign", "--schema"]) == 0
-    assert capsys.readouterr().out == campaign_schema()
+    assert capsys.readouterr().out == schema_text("campaign")

@@ -13,12 +13,12 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.cli.check_output import FORMATS
 from mars_asp.cli.deliver import replace_files
-from mars_asp.cli.schemas import check_schema
+from mars_asp.cli.schemas import schema_text
 from mars_asp.robot import load
 from tests.support.documents import ROOT
 from tests.support.processes import HANGING, mars
 
-DOCUMENT = jsonschema_rs.validator_for(json.loads(check_schema()))
+DOCUMENT = jsonschema_rs.validator_for(json.loads(schema_text("check")))
 #: Each finding has exactly one repair.
 TWICE = """\
 @configuration hierarchical
@@ -401,7 +401,7 @@ def test_findings_go_to_standard_error_where_the_output_is_a_text_or_a_baseline(
 
 
 def test_the_schema_of_the_document_is_printed_and_refuses_others() -> None:
-    assert mars("check", "--schema").stdout == check_schema()
+    assert mars("check", "--schema").stdout == schema_text("check")
     assert not DOCUMENT.is_valid({"format": "mars-check", "version": 1})
 
 

@@ -9,7 +9,7 @@ import jsonschema_rs
 import pytest
 
 from mars_asp.cli import run_command, run_here
-from mars_asp.cli.schemas import explain_schema
+from mars_asp.cli.schemas import schema_text
 from mars_asp.cli.trace_document import topics_text
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import Explanation, explain
@@ -38,8 +38,8 @@ def test_both_forms_fit_their_schemas_and_tell_the_same(path: Any, every: bool) 
     answer = explained(str(path), every)
     document = json.loads(written(answer, "json"))
     lines = list(map(json.loads, written(answer, "jsonl").splitlines()))
-    of_document = jsonschema_rs.validator_for(json.loads(explain_schema("json")))
-    of_line = jsonschema_rs.validator_for(json.loads(explain_schema("jsonl")))
+    of_document = jsonschema_rs.validator_for(json.loads(schema_text("explain", "json")))
+    of_line = jsonschema_rs.validator_for(json.loads(schema_text("explain", "jsonl")))
 
     assert [error.message for error in of_document.iter_errors(document)] == []
     assert [error.message for line in lines for error in of_line.iter_errors(line)] == []
@@ -73,7 +73,7 @@ def test_why_there_is_none_fits_the_schema_of_explanations(
     file = str(ROOT / "examples" / name / "config.mars")
     assert run_here(["explain", file, "--why-not", asked, "--format", "json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    of_document = jsonschema_rs.validator_for(json.loads(explain_schema("json")))
+    of_document = jsonschema_rs.validator_for(json.loads(schema_text("explain", "json")))
     assert [error.message for error in of_document.iter_errors(document)] == []
     assert faults_in_references(document) == []
     assert [topic["answer"] for topic in document["topics"]] == [document["answer"]]
@@ -130,7 +130,7 @@ def faults_in_lines(lines: list[Any]) -> list[str]:
 @pytest.mark.parametrize("form", ["json", "jsonl"])
 def test_schemas_are_printed_without_a_file(form: str, capsys: Any) -> None:
     assert run_command(["explain", "--schema", form]) == 0
-    assert capsys.readouterr().out == explain_schema(form)
+    assert capsys.readouterr().out == schema_text("explain", form)
 
 
 def test_diagnostics_are_json_beside_lines(tmp_path: Any) -> None:
