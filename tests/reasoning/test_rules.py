@@ -122,7 +122,7 @@ TOGETHER = (
     "element(M, I, L, R)",
     "leaf(M, R - R', K)",
     "consequence(type_mismatch, warning, X, types(K, K'))",
-    "hears(R, B, inherited(M))",
+    "control_input(R, B, inherited(M))",
     "heard_as(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",
     "says(X, S, D, F, R)",

@@ -29,7 +29,7 @@ from mars_asp.reasoning.questions.changes import changed
 from mars_asp.reasoning.rules import load_rulebook
 
 _STAGE = "absence"
-_CHANGE, _BESIDE = Signature("change", 4), Signature("beside", 3)
+_CHANGE, _RELATED_EDGE = Signature("change", 4), Signature("related_edge", 3)
 #: Of the changes that rules propose so many are tried.
 MOST_TRIED = 8
 
@@ -68,7 +68,7 @@ def blame(
     if reason is None:
         return None
     change = next(_that_give(result, project, gives), None)
-    beside = min(result.of(_BESIDE), key=_order, default=None)
+    beside = min(result.of(_RELATED_EDGE), key=_order, default=None)
     return Blame(
         result.text(reason),
         result.evidence(as_symbol(reason.head)),
@@ -158,7 +158,7 @@ class _Told:
         project: Project,
         rulebook: Rulebook,
         questions: Sequence[Atom],
-        only: Sequence[Signature] = (ABSENT, _CHANGE, _BESIDE),
+        only: Sequence[Signature] = (ABSENT, _CHANGE, _RELATED_EDGE),
     ) -> None:
         rules = load_rulebook(stages=(_STAGE,))
         self._speakers = [

@@ -207,7 +207,7 @@ def _proposals(
     grounding.derive([*rulebook.fragments("repair"), *saying(_STAGE, speakers)])
     found: dict[tuple[clingo.Symbol, ...], dict[clingo.Symbol, RepairEdit]] = {}
     parts: dict[clingo.Symbol, list[clingo.Symbol]] = {}
-    for symbol in sorted(grounding.symbols("part", 2)):
+    for symbol in sorted(grounding.symbols("sub_edit", 2)):
         whole, part = symbol.arguments
         parts.setdefault(whole, []).append(part)
     spoiling = {symbol.arguments[0] for symbol in grounding.symbols("spoils", 1)}

@@ -27,7 +27,7 @@ from mars_asp.reasoning.synthesis import IntroducedNode
 APART = Signature("apart", 5)
 #: More lines than these, or more seconds, are not spent on a sentence.
 _MOST_LINES, _MOST_SECONDS = 60, 0.1
-_HEARS, _WEIGHS, _HOLD = Signature("hears", 3), Signature("weighs", 2), Signature("hold", 2)
+_CONTROL_INPUT, _WEIGHS, _HOLD = Signature("control_input", 3), Signature("weighs", 2), Signature("hold", 2)
 _RECEIVES, _ARCHITECTURE = Signature("receives", 2), Signature("architecture", 1)
 _ARBITER, _SPLITTER = Signature("arbiter", 1), Signature("control_splitter", 1)
 
@@ -62,7 +62,7 @@ def apart(
     sharing = [text(module) for module, heard_there in received if heard_there == signal]
     if len(sharing) < 2:
         return None
-    heard = _connected(sharing, atoms_of([_HEARS, _WEIGHS, _HOLD, _ARCHITECTURE]))
+    heard = _connected(sharing, atoms_of([_CONTROL_INPUT, _WEIGHS, _HOLD, _ARCHITECTURE]))
     if heard is None:
         return None
     deadline = time.monotonic() + _MOST_SECONDS
@@ -79,7 +79,7 @@ def _connected(
     modules: Sequence[str], found: Mapping[Signature, Sequence[TermId]]
 ) -> _Heard | None:
     """Return what control connects with modules, or None if that is much, or is inherited."""
-    lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_HEARS])]
+    lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_CONTROL_INPUT])]
     reached, waiting = set(modules), list(modules)
     beside: dict[str, list[str]] = defaultdict(list)
     for module, controller in lines:
@@ -91,7 +91,7 @@ def _connected(
             if other not in reached:
                 reached.add(other)
                 waiting.append(other)
-    heard = [a for a, (module, _) in zip(found[_HEARS], lines, strict=True) if module in reached]
+    heard = [a for a, (module, _) in zip(found[_CONTROL_INPUT], lines, strict=True) if module in reached]
     if len(heard) > _MOST_LINES or any("inherited(" in text(atom) for atom in heard):
         return None
     of: dict[str, list[TermId]] = defaultdict(list)
@@ -103,7 +103,7 @@ def _connected(
         return [atom for atom in atoms if arguments(atom)[0] in those]
 
     declared = {signature: kept(found[signature]) for signature in (_WEIGHS, _HOLD)}
-    return _Heard(of, {**declared, _HEARS: heard, _ARCHITECTURE: found[_ARCHITECTURE]})
+    return _Heard(of, {**declared, _CONTROL_INPUT: heard, _ARCHITECTURE: found[_ARCHITECTURE]})
 
 
 def _parted(sharing: Sequence[str], heard: _Heard) -> Sequence[TermId]:
