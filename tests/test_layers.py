@@ -125,7 +125,7 @@ FILES = {
         "lsp_files lsp_rules lsp_answers lsp explain_page explain ament ros2_command"
     ),
 }
-#: The packages whose imports `docs/explanation/design.md` draws, in its order.
+#: The packages whose imports `docs/explanation/architecture.md` draws, in its order.
 DRAWN = (".", "asp", "reasoning", "execution")
 #: Words of robots, which the engine does not know.
 OURS = re.compile(
@@ -178,7 +178,7 @@ def test_each_module_has_a_name_that_can_be_imported() -> None:
 
 
 def test_the_drawing_shows_the_real_imports(update_golden: bool) -> None:
-    place = ROOT / "docs" / "explanation" / "design.md"
+    place = ROOT / "docs" / "explanation" / "architecture.md"
     text = place.read_text(encoding="utf-8")
     blocks = iter([drawing(HOUSE / name) for name in DRAWN])
     drawn = re.sub(r"(?ms)^```mermaid\n.*?^```$", lambda _: f"```mermaid\n{next(blocks)}```", text)
