@@ -11,13 +11,10 @@ from mars_asp.execution.campaign.summary import (
     QUANTILES,
     Cell,
     Spread,
+    cell_of,
     cells,
-    control_shares,
     fixed_values,
-    requirement_shares,
     share_passed,
-    spreads,
-    warning_counts,
     worst,
 )
 from mars_asp.execution.scenario.vary import written_change
@@ -58,40 +55,33 @@ def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
     Requirements that always held are one line, and so are controllers that always or never were in
     control, and warnings of as many runs.
     """
-    passed, shares = share_passed(results), requirement_shares(results)
-    groups = cells(results)
+    whole, groups = cell_of({}, results), cells(results)
+    passed, controls = whole.passed, whole.in_control
     labels = [_label(cell, fixed_values(groups)) for cell in groups]
-    rows = [("", "passed", passed.text)]
-    rows += [
-        (label, "passed", cell.passed.text) for label, cell in zip(labels, groups, strict=True)
+    labelled = [("", whole), *zip(labels, groups, strict=True)]
+    rows = [(label, "passed", cell.passed.text) for label, cell in labelled]
+    always = [
+        name for name, share in whole.requirements.items() if share.held == share.of == passed.of
     ]
-    always = []
-    for name, share in shares.items():
-        if share.held == share.of == passed.of:
-            always.append(name)
-            continue
-        rows.append(("", name, share.text))
-        rows += [
-            (label, name, cell.requirements[name].text)
-            for label, cell in zip(labels, groups, strict=True)
-            if name in cell.requirements
-        ]
-    controls = control_shares(results)
+    for name in whole.requirements:
+        if name not in always:
+            rows += [
+                (label, name, cell.requirements[name].text)
+                for label, cell in labelled
+                if name in cell.requirements
+            ]
     for name, share in controls.items():
         if 0 < share.held < share.of:
-            title = f"{name} in control"
-            rows.append(("", title, share.text))
             rows += [
-                (label, title, cell.in_control[name].text)
-                for label, cell in zip(labels, groups, strict=True)
+                (label, f"{name} in control", cell.in_control[name].text)
+                for label, cell in labelled
                 if name in cell.in_control
             ]
-    for name, spread in spreads(results).items():
+    for name in whole.spreads:
         title, unit = _spread_title(name)
-        rows.append(("", title, _spread_text(spread, unit)))
         rows += [
             (label, title, _spread_text(cell.spreads[name], unit))
-            for label, cell in zip(labels, groups, strict=True)
+            for label, cell in labelled
             if name in cell.spreads
         ]
     fixed = ", ".join(written_change(*each) for each in fixed_values(groups).items())
@@ -103,7 +93,7 @@ def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
         head = f"passed in every run ({passed.of} of {passed.of}): "
         yield from map(visible, wrapped(", ".join(always), width, head, "  "))
     by_count: dict[int, list[str]] = {}
-    for name, count in warning_counts(results).items():
+    for name, count in whole.warnings.items():
         by_count.setdefault(count, []).append(name)
     for count, names in by_count.items():
         head = f"warnings in {count} of {passed.of}: "

@@ -75,7 +75,7 @@ def share_passed(results: Iterable[_Result]) -> Share:
     return Share(verdicts.count(PASS), len(verdicts))
 
 
-def requirement_shares(results: Sequence[_Result]) -> dict[str, Share]:
+def _requirement_shares(results: Sequence[_Result]) -> dict[str, Share]:
     """Return in how many runs each requirement held, of those in which it was decided."""
     counts: dict[str, list[int]] = {}
     for result in results:
@@ -86,7 +86,7 @@ def requirement_shares(results: Sequence[_Result]) -> dict[str, Share]:
     return {name: Share(*count) for name, count in counts.items()}
 
 
-def control_shares(results: Sequence[_Result]) -> dict[str, Share]:
+def _control_shares(results: Sequence[_Result]) -> dict[str, Share]:
     """Return in how many runs each controller was in control, of those that came to their end."""
     times = [result["control_time"] for result in results if not result.get("error")]
     names = sorted({name for each in times for name in each})
@@ -98,17 +98,19 @@ def cells(results: Iterable[_Result]) -> list[Cell]:
     groups: dict[str, list[_Result]] = {}
     for result in results:
         groups.setdefault(json.dumps(result["vary"], sort_keys=True), []).append(result)
-    return [
-        Cell(
-            group[0]["vary"],
-            share_passed(group),
-            requirement_shares(group),
-            control_shares(group),
-            spreads(group),
-            warning_counts(group),
-        )
-        for group in groups.values()
-    ]
+    return [cell_of(group[0]["vary"], group) for group in groups.values()]
+
+
+def cell_of(vary: Mapping[str, Any], results: Sequence[_Result]) -> Cell:
+    """Return the shares, quantiles and warnings of some runs."""
+    return Cell(
+        vary,
+        share_passed(results),
+        _requirement_shares(results),
+        _control_shares(results),
+        _spreads(results),
+        _warning_counts(results),
+    )
 
 
 def fixed_values(groups: Sequence[Cell]) -> dict[str, Any]:
@@ -121,7 +123,7 @@ def fixed_values(groups: Sequence[Cell]) -> dict[str, Any]:
     }
 
 
-def spreads(results: Iterable[_Result]) -> dict[str, Spread]:
+def _spreads(results: Iterable[_Result]) -> dict[str, Spread]:
     """Return the quantiles of clearance, and of the time and distance to places to reach.
 
     Of several robots with a place each has its own. A place that was not reached was reached never.
@@ -144,7 +146,7 @@ def spreads(results: Iterable[_Result]) -> dict[str, Spread]:
     return found
 
 
-def warning_counts(results: Iterable[_Result]) -> dict[str, int]:
+def _warning_counts(results: Iterable[_Result]) -> dict[str, int]:
     """Return in how many runs there was which warning, the most frequent first."""
     found = Counter(chain.from_iterable(result.get("warnings") or () for result in results))
     return dict(sorted(found.items(), key=lambda each: (-each[1], each[0])))
@@ -190,32 +192,25 @@ def _badness(requirement: str, result: _Result) -> tuple[float, ...]:
 
 def summary_json(results: Sequence[_Result], command: Callable[[_Result], str]) -> dict[str, Any]:
     """Return the last line of a campaign; `command` is what repeats a run."""
-    passed = share_passed(results)
     return {
-        "runs": passed.of,
-        "passed": passed.held,
-        **_interval_json(passed),
-        "requirements": _shares_json(requirement_shares(results)),
-        "in_control": _shares_json(control_shares(results)),
-        "quantiles": _spreads_json(spreads(results)),
-        "warnings": warning_counts(results),
-        "cells": [
-            {
-                "vary": cell.vary,
-                "runs": cell.passed.of,
-                "passed": cell.passed.held,
-                **_interval_json(cell.passed),
-                "requirements": _shares_json(cell.requirements),
-                "in_control": _shares_json(cell.in_control),
-                "quantiles": _spreads_json(cell.spreads),
-                "warnings": cell.warnings,
-            }
-            for cell in cells(results)
-        ],
+        **_cell_json(cell_of({}, results)),
+        "cells": [{"vary": cell.vary, **_cell_json(cell)} for cell in cells(results)],
         "worst": [
             {"seed": each["seed"], "vary": each["vary"], "command": command(each)}
             for each in worst(results)
         ],
+    }
+
+
+def _cell_json(cell: Cell) -> dict[str, object]:
+    return {
+        "runs": cell.passed.of,
+        "passed": cell.passed.held,
+        **_interval_json(cell.passed),
+        "requirements": _shares_json(cell.requirements),
+        "in_control": _shares_json(cell.in_control),
+        "quantiles": {name: _spread_json(spread) for name, spread in cell.spreads.items()},
+        "warnings": cell.warnings,
     }
 
 
@@ -226,18 +221,11 @@ def _shares_json(shares: Mapping[str, Share]) -> dict[str, object]:
     }
 
 
-def _spreads_json(found: Mapping[str, Spread]) -> dict[str, object]:
+def _spread_json(spread: Spread) -> dict[str, object]:
     """Return quantiles by their percentages; null for a place that was not reached."""
-    return {
-        name: {
-            "of": spread.of,
-            **{
-                str(percent): None if value == inf else value
-                for percent, value in zip(QUANTILES, spread.values, strict=True)
-            },
-        }
-        for name, spread in found.items()
-    }
+    values = zip(QUANTILES, spread.values, strict=True)
+    shown = {str(percent): None if value == inf else value for percent, value in values}
+    return {"of": spread.of, **shown}
 
 
 def _interval_json(share: Share) -> dict[str, float]:
