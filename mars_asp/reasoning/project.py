@@ -28,6 +28,7 @@ from mars_asp.model.ports import inputs, outputs
 from mars_asp.output import brief_repr, encodable
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
+from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.reasoning.includes import (
     described_twice,
     instances,
@@ -69,6 +70,16 @@ class Project:
     attributes: tuple[Fact, ...] = ()
     included: Mapping[str, str] = field(default_factory=dict)
     trees: tuple[LaunchTree, ...] = ()
+
+    @property
+    def described(self) -> Mapping[str, Module]:
+        """Return the modules that rules know, by name."""
+        return described_modules(self.configuration, self.modules)
+
+    @property
+    def rates(self) -> Rates:
+        """Return the rates as rules know them."""
+        return rates_in(self.configuration, self.described)
 
     @property
     def format(self) -> str | None:
@@ -289,9 +300,8 @@ def project_facts(
 
 def port_names(project: Project, module: str | None = None) -> Mapping[str, tuple[str, str]]:
     """Return the modules and ports that rules are told of, of all modules or of one, by name."""
-    configuration = project.configuration
-    described = described_modules(configuration, project.modules)
-    ends = ends_in(configuration, described)
+    described = project.described
+    ends = ends_in(project.configuration, described)
     named = {
         end(name, port): (name, port)
         for name, each in described.items()
@@ -321,7 +331,7 @@ def _attributes(project: Project) -> Iterator[Fact]:
     configuration = project.configuration
     entries = {name.text for name in configuration.modules}
     entries |= {name for each in configuration.relationships for name in ends_of(each)}
-    entries |= described_modules(configuration, project.modules).keys()
+    entries |= project.described.keys()
     for fact in project.attributes:
         if fact.atom.arguments[0] in entries:
             path, line, column = fact.span[:3]

@@ -30,7 +30,6 @@ from mars_asp.reasoning.facts.compile import (
 from mars_asp.reasoning.facts.descriptions import description_facts, instance_facts
 from mars_asp.reasoning.facts.ends import ends_of_specification
 from mars_asp.reasoning.facts.identifiers import numbered
-from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.findings import FIRST_CLAUSE, VIOLATION
 from mars_asp.reasoning.project import Project, project_facts
@@ -228,14 +227,14 @@ def specification_facts(
     Besides them there are the tuples and the descriptions of the project's configuration, which no
     other stage needs. `modules` are those that the specification's own sources describe.
     """
-    described = described_modules(project.configuration, project.modules)
+    described = project.described
     every = {**(modules or {}), **{module.name: module for module in specification.declared}}
     own = described_modules(specification, every)
     # A converter that converts nothing any more is one of the configuration all the same.
     own = {**own, **{name: every[name] for name in described if name in every}}
     told_as = TellsAs(
         ends_of_specification(project.configuration, described, specification),
-        rates_in(project.configuration, described),
+        project.rates,
         _shared_names(specification, own, project),
     )
     wanted = _judged(rulebook)
@@ -262,7 +261,7 @@ def _positions(specification: Configuration, project: Project) -> Iterator[Fact]
 
     They are those of the clients of which a line of the specification names one.
     """
-    described = described_modules(project.configuration, project.modules)
+    described = project.described
     clients = set()
     for number, line in numbered(specification.relationships):
         if isinstance(line, Data) and line.client_port and line.client not in described:

@@ -7,7 +7,7 @@ is written as users write it.
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TypeAlias
 
@@ -22,12 +22,11 @@ from mars_asp.asp.solve.atoms import Atom
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms, text
 from mars_asp.diagnostic import Span
-from mars_asp.model.described import described_modules
 from mars_asp.model.rates import as_written
 from mars_asp.output import counted
 from mars_asp.reasoning.analysis import Consequence, Key
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
-from mars_asp.reasoning.facts.rates import Rates, rates_in
+from mars_asp.reasoning.facts.rates import Rates
 from mars_asp.reasoning.project import Project, has_mounts, identified
 from mars_asp.reasoning.questions.sharing import APART, apart
 from mars_asp.reasoning.session import Evidence
@@ -332,25 +331,19 @@ def _sorted_messages(
     """Return messages sorted by order, then by rules, then by values."""
     if len(told) < 2:
         return told
-    by_values = told if _are_few(told) else sorted(told, key=lambda each: text(each.values))
-    return sorted(by_values, key=lambda each: (names.order(arguments(each.head)[4]), each.number))
-
-
-def _are_few(told: Sequence[RenderedMessage]) -> bool:
-    """Whether each message has a rule of its own, so that values decide nothing."""
-    return len({each.number for each in told}) == len(told)
+    # If each message has a rule of its own, the values decide no order.
+    if len({each.number for each in told}) < len(told):
+        told = sorted(told, key=lambda each: text(each.values))
+    return sorted(told, key=lambda each: (names.order(arguments(each.head)[4]), each.number))
 
 
 def key_of(thing: Consequence | IntroducedNode) -> Key:
     """Return by what an account is found of a consequence or node."""
     if isinstance(thing, IntroducedNode):
-        return as_term(clingo.Function(thing.kind)), _term_of(thing), as_term(_NODE)
+        term = as_term(clingo.parse_term(thing.term))
+        return as_term(clingo.Function(thing.kind)), term, as_term(_NODE)
     kind, _, subject, case = arguments(as_term(thing.atom))
     return kind, subject, case
-
-
-def _term_of(node: IntroducedNode) -> TermId:
-    return as_term(clingo.parse_term(node.term))
 
 
 def told_of(
@@ -374,10 +367,7 @@ def told_of(
     kinds = {thing.kind for thing in things}
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
     names = names_of(project, nodes)
-
-    def atoms_of(read: Sequence[Signature]) -> Mapping[Signature, Sequence[TermId]]:
-        return true_atoms(evidence, read)
-
+    atoms_of = partial(true_atoms, evidence)
     # Of one node alone, for it takes a search of its own.
     price = None
     if len(things) == 1 and isinstance(things[0], IntroducedNode):
@@ -480,7 +470,7 @@ def true_atoms(
 def names_of(project: Project, nodes: Iterable[IntroducedNode]) -> TermNames:
     """Return the names and locations of terms in sentences about a project and its nodes."""
     configuration = project.configuration
-    described = described_modules(configuration, project.modules)
+    described = project.described
     places: dict[int | str | tuple[str], Span] = {
         name: module.span for name, module in described.items()
     }
@@ -497,7 +487,5 @@ def names_of(project: Project, nodes: Iterable[IntroducedNode]) -> TermNames:
         if module.guard is not None
     }
     order = {name.text: place for place, name in enumerate(configuration.modules)}
-    rates = rates_in(configuration, described)
-    return TermNames(
-        places, configuration.span, {node.term: node.name for node in nodes}, order, rates
-    )
+    named = {node.term: node.name for node in nodes}
+    return TermNames(places, configuration.span, named, order, project.rates)

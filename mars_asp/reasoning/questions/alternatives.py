@@ -7,7 +7,7 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from itertools import islice
@@ -166,7 +166,7 @@ class _AlternativesSearch:
             self.analysis,
             sum(isinstance(r, Data | Control) for r in self.project.configuration.relationships),
             self._declared(),
-            len(forced) + sum(len(_taken(part)) for part in parts),
+            len(forced) + sum(len(_costly(part) & part.best.true) for part in parts),
             tuple(names[atom] for atom in forced),
             (*self._explained(needs[:shown]), *needs[len(needs[:shown]) :]),
             len(forced) + sum(len(_costly(part)) for part in parts),
@@ -232,7 +232,7 @@ class _AlternativesSearch:
         """Return other answers of a component in the order of what they cost more."""
         return [
             _OpenChoice(
-                tuple(other.cost.get(level, 0) - cost for level, cost in _cost_levels(part)),
+                tuple(other.cost.get(level, 0) - part.best.cost.get(level, 0) for level in _LEVELS),
                 part,
                 other,
             )
@@ -303,16 +303,6 @@ def _lines(specification: Specification) -> list[str]:
     return [line for line in printed if _RELATES.search(line)]
 
 
-def _cost_levels(part: Part) -> list[tuple[int, int]]:
-    """Return the levels that are a cost, highest first, with what the optimum costs there."""
-    return [(level, part.best.cost.get(level, 0)) for level in _LEVELS]
-
-
 def _costly(part: Part) -> set[int]:
     """Return the atoms that cost a node and are open."""
     return {atom for at, _, atom in part.component.costs if at == NODES and atom > 0}
-
-
-def _taken(part: Part) -> Set[int]:
-    """Return the atoms of the optimum that cost a node and were open."""
-    return _costly(part) & part.best.true

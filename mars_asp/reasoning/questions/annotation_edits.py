@@ -138,11 +138,10 @@ class Annotations:
     def _inside(self, module: Module) -> list[Directive]:
         """Return the annotations of a module after its `@module_start`, the last its end."""
         first = self._index(module.span) + 1
-        last = next(n for n in range(first, len(self._found)) if self._is_end(n))
+        last = next(
+            n for n in range(first, len(self._found)) if self._found[n].word == "module_end"
+        )
         return self._found[first : last + 1]
-
-    def _is_end(self, index: int) -> bool:
-        return self._found[index].word == "module_end"
 
     def _group(self, index: int) -> list[Directive]:
         """Return the annotations that belong to the same declaration as one of them."""

@@ -25,7 +25,10 @@ from mars_asp.spelling import nearest
 _AT_MODULE: dict[str, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
     "data_splitter": lambda name: (clingo.Function("splitter", [name, hole()]),),
     "data_transformer": lambda name: (clingo.Function("transformer", [name, hole()]),),
-    "arbitration_node": lambda name: (_receives(name), _receives(_inherited(name))),
+    "arbitration_node": lambda name: (
+        _receives(name),
+        _receives(clingo.Function("inherited", [name])),
+    ),
     "control_splitter": lambda name: (
         clingo.Function(
             "control_splitter", [hole() if is_hole(name) else clingo.Function("base", [name])]
@@ -258,10 +261,6 @@ class Vocabulary:
 
 def _receives(name: clingo.Symbol) -> clingo.Symbol:
     return clingo.Function("receives", [name, clingo.Function("run", [hole()])])
-
-
-def _inherited(name: clingo.Symbol) -> clingo.Symbol:
-    return clingo.Function("inherited", [name])
 
 
 def _module(term: clingo.Symbol) -> str | None:

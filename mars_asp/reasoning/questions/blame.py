@@ -5,7 +5,7 @@ which all follows anew, before it is told.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import clingo
@@ -17,7 +17,6 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol
 from mars_asp.diagnostic import MarsError, Span
-from mars_asp.model.described import described_modules
 from mars_asp.model.names import written
 from mars_asp.model.ports import inputs
 from mars_asp.reasoning.analysis import analyse
@@ -62,18 +61,28 @@ def blame(
     Raises:
         MarsError: clingo refuses the rules.
     """
-    subject = _sought(kind, module) if module is not None else _sought_everywhere(kind)
-    result = _Told(project, rulebook, (subject,))
+    sought = (
+        Atom("sought_everywhere", (Atom(kind),))
+        if module is None
+        else Atom("sought", (Atom(kind), module))
+    )
+    result = _Messages(project, rulebook, (sought,))
     reason = min(result.of(ABSENT), key=_order, default=None)
     if reason is None:
         return None
-    change = next(_that_give(result, project, gives), None)
+    found = result.blame(reason)
+    proposed = sorted(
+        result.of(_CHANGE),
+        key=lambda each: (as_symbol(each.head).arguments[3].number, _order(each)),
+    )
+    change = next((each for each in proposed[:MOST_TRIED] if _helps(each, project, gives)), None)
+    if change is None:
+        return found
     beside = min(result.of(_RELATED_EDGE), key=_order, default=None)
-    return Blame(
-        result.text(reason),
-        result.evidence(as_symbol(reason.head)),
-        None if change is None else result.text(change),
-        None if change is None or beside is None else result.text(beside),
+    return replace(
+        found,
+        to_get=result.text(change),
+        beside=None if beside is None else result.text(beside),
     )
 
 
@@ -82,32 +91,21 @@ def reasons(
 ) -> Iterator[tuple[str, str, Blame]]:
     """Yield why there is nothing of each kind for each module, if a rule states it, in any order.
 
-    All are asked in one grounding; no change is proposed or tried. What is there may have a reason
-    as well, which then means nothing.
+    One grounding answers all; no change is proposed or tried. The reason of a consequence or node
+    that is there is to be ignored.
 
     Raises:
         MarsError: clingo refuses the rules.
     """
     names = tuple(modules)
-    questions = [_sought(kind, name) for kind in kinds for name in names]
-    result = _Told(project, rulebook, questions, (ABSENT,))
+    questions = [Atom("sought", (Atom(kind), name)) for kind in kinds for name in names]
+    result = _Messages(project, rulebook, questions, (ABSENT,))
     first: dict[tuple[TermId, ...], RenderedMessage] = {}
-    for each in result.of(ABSENT):
-        key = tuple(arguments(each.head)[:2])
-        if key not in first or _order(each) < _order(first[key]):
-            first[key] = each
+    for each in sorted(result.of(ABSENT), key=_order):
+        first.setdefault(tuple(arguments(each.head)[:2]), each)
     for each in first.values():
-        head = as_symbol(each.head)
-        kind, module, _ = head.arguments
-        yield kind.name, module.string, Blame(result.text(each), result.evidence(head))
-
-
-def _sought(kind: str, module: str) -> Atom:
-    return Atom("sought", (Atom(kind), module))
-
-
-def _sought_everywhere(kind: str) -> Atom:
-    return Atom("sought_everywhere", (Atom(kind),))
+        kind, module, _ = as_symbol(each.head).arguments
+        yield kind.name, module.string, result.blame(each)
 
 
 def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]:
@@ -116,7 +114,7 @@ def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]
     ports = {name: port for name, port in port_names(project).items() if name in queries}
     if not ports:
         return
-    described = described_modules(project.configuration, project.modules)
+    described = project.described
     numbers = annotation_numbers(project.configuration, described)
     for name, (module, port) in ports.items():
         yield Atom("sought_port", (name, module))
@@ -126,32 +124,21 @@ def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]
             yield Atom("sought_input", (name, number, index))
 
 
-def _that_give(
-    told: "_Told", project: Project, gives: Callable[[Project], bool]
-) -> Iterator[RenderedMessage]:
-    """Yield the changes after which there is one, the least first."""
-    proposed = sorted(
-        told.of(_CHANGE), key=lambda each: (as_symbol(each.head).arguments[3].number, _order(each))
-    )
-    for each in proposed[:MOST_TRIED]:
-        term = as_symbol(each.head).arguments[2]
-        if term.match("anywhere", 0):
-            yield each
-            continue
-        try:
-            revised = changed(project, term)
-            if gives(revised):
-                yield each
-        except MarsError:  # what nothing can be made of is no answer
-            continue
+def _helps(change: RenderedMessage, project: Project, gives: Callable[[Project], bool]) -> bool:
+    """Return whether a change is valid and gives the consequence or node."""
+    term = as_symbol(change.head).arguments[2]
+    try:
+        return term.match("anywhere", 0) or gives(changed(project, term))
+    except MarsError:
+        return False
 
 
-def _order(told: RenderedMessage) -> tuple[int, str]:
-    return told.number, str(as_symbol(told.values))
+def _order(message: RenderedMessage) -> tuple[int, str]:
+    return message.number, str(as_symbol(message.values))
 
 
-class _Told:
-    """What the rules of the stage say of questions, or only those that derive some predicates."""
+class _Messages:
+    """The messages of the rules of the stage about questions, or those of some predicates only."""
 
     def __init__(
         self,
@@ -161,7 +148,7 @@ class _Told:
         only: Sequence[Signature] = (ABSENT, _CHANGE, _RELATED_EDGE),
     ) -> None:
         rules = load_rulebook(stages=(_STAGE,))
-        self._speakers = [
+        speakers = [
             rule
             for rule in rules.rules
             if rule.stage == _STAGE and rule.listed is None and rule.because is not None
@@ -171,10 +158,10 @@ class _Told:
         analysis = analyse(facts, rulebook, project.configuration.span)
         self._ports = port_names(project)
         atoms = [*questions, *_sought_ports(project, questions)]
-        asked = given(Fact(each, project.configuration.span) for each in atoms)
+        sought = given(Fact(each, project.configuration.span) for each in atoms)
         self._grounding = analysis.grounding
-        self._grounding.derive([*rules.fragments(_STAGE), asked, *saying(_STAGE, self._speakers)])
-        self._every = tuple(said(self._grounding.control, _STAGE, self._speakers))
+        self._grounding.derive([*rules.fragments(_STAGE), sought, *saying(_STAGE, speakers)])
+        self._every = tuple(said(self._grounding.control, _STAGE, speakers))
         self._header = project.configuration.span
         self._span_of: Mapping[object, Span] = {
             fact.atom.arguments[0]: fact.span for fact in facts if fact.atom.name == "place"
@@ -184,13 +171,21 @@ class _Told:
         """Yield the messages of rules that derive a predicate."""
         return (each for each in self._every if each.rule.derives(signature))
 
-    def text(self, told: RenderedMessage) -> str:
-        """Return what a rule says, with places for `at(I)`, and names in lines as these write them.
+    def blame(self, reason: RenderedMessage) -> Blame:
+        """Return a reason, and the lines that it cites in the order of the file."""
+        cited = self._cited.get(as_symbol(reason.head), ())
+        evidence = tuple(sorted({self._span_of_identifier(identifier) for identifier in cited}))
+        return Blame(self.text(reason), evidence)
 
-        A line is what is between backticks, unless that is nothing but a name.
+    def text(self, message: RenderedMessage) -> str:
+        """Return the sentence of a rule, with locations for `at(I)`, and names as lines write them.
+
+        A line is a text between backticks that is more than a name.
         """
-        values = dict(zip(told.rule.holes, map(as_symbol, arguments(told.values)), strict=True))
-        parts = (told.rule.because or "").split("`")
+        values = dict(
+            zip(message.rule.holes, map(as_symbol, arguments(message.values)), strict=True)
+        )
+        parts = (message.rule.because or "").split("`")
         return "`".join(
             fill(
                 part,
@@ -200,11 +195,6 @@ class _Told:
             or ""
             for at, part in enumerate(parts)
         )
-
-    def evidence(self, reason: clingo.Symbol) -> tuple[Span, ...]:
-        """Return the places that a reason cites, in the order of the file."""
-        cited = self._cited.get(reason, ())
-        return tuple(sorted({self._span_of_identifier(identifier) for identifier in cited}))
 
     @cached_property
     def _cited(self) -> Mapping[clingo.Symbol, Sequence[clingo.Symbol]]:

@@ -8,16 +8,16 @@ True
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import clingo
 
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
-from mars_asp.asp.solve.term_ids import TermId, as_term
+from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Derived, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
@@ -132,11 +132,7 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAn
 def _accounts(project: Project, evidence: Evidence, count: int) -> Sequence[Account]:
     """Return the answer about each demand."""
     keys: list[Key] = [(_KIND, as_term(clingo.Number(i)), _CASE) for i in range(1, count + 1)]
-
-    def atoms_of(read: Sequence[Signature]) -> Mapping[Signature, Sequence[TermId]]:
-        return true_atoms(evidence, read)
-
-    rules = speakers(evidence.rulebook, ["capability"])
+    rules, atoms_of = speakers(evidence.rulebook, ["capability"]), partial(true_atoms, evidence)
     accounts = told(rules, (), atoms_of, names_of(project, ()), set(keys)).accounts
     return [accounts.get(key, Account(None, (), ())) for key in keys]
 

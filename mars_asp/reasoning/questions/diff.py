@@ -23,11 +23,10 @@ from mars_asp.asp.trace import Trace
 from mars_asp.asp.trace.tree import Absent, Derived, Given
 from mars_asp.diagnostic import Span, point
 from mars_asp.language.print import print_transformation
-from mars_asp.model.described import described_modules
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.facts.compile import FRAMES
-from mars_asp.reasoning.facts.rates import Rates, rates_in
+from mars_asp.reasoning.facts.rates import Rates
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.questions.unrealised import unrealised
@@ -158,10 +157,7 @@ class _Side:
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
         self.explainer = evidence.explainer
         project = reasoner.project
-        rates = rates_in(
-            project.configuration, described_modules(project.configuration, project.modules)
-        )
-        self.lines = _facts_by_span((*reasoner.facts, *_stated_besides(project)), rates)
+        self.lines = _facts_by_span((*reasoner.facts, *_stated_besides(project)), project.rates)
         self.texts = _Texts(self.lines, lines_of)
         self.changed: frozenset[Span] = frozenset()
         #: Lines of both sides that mean another thing here.
@@ -266,7 +262,7 @@ class _Texts:
 def _stated_besides(project: Project) -> Iterator[Fact]:
     """Yield the values of lines that are facts of no rule of analysis."""
     yield from mount_tuples("mount_tuple", project.configuration)
-    for module in described_modules(project.configuration, project.modules).values():
+    for module in project.described.values():
         for each in module.functions:
             bounds = (str(bound) for bound in (each.min, each.max, each.rate))
             yield Fact(Atom("bounds", (module.name, each.name, *bounds)), each.span)

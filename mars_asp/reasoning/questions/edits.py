@@ -33,11 +33,9 @@ from mars_asp.model.declarations import (
     Service,
     ends_of,
 )
-from mars_asp.model.described import described_modules
 from mars_asp.model.names import end, read_end, written
 from mars_asp.model.rates import as_written
 from mars_asp.reasoning.facts.identifiers import mode_of, numbered, numbered_annotations
-from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.reasoning.includes import name_within, prefix_of
 from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.annotation_edits import Annotations, NoPlaceError, Read, read
@@ -105,13 +103,8 @@ class EditedTexts:
 
     def hertz(self, rate: Symbol) -> Fraction | None:
         """Return the rate of a term, or None if it represents none."""
-        return self._rates.hertz(rate.number) if rate.type == SymbolType.Number else None
-
-    @cached_property
-    def _rates(self) -> Rates:
-        configuration = self.project.configuration
-        known = described_modules(configuration, self.project.modules)
-        return rates_in(configuration, known)
+        is_rate = rate.type == SymbolType.Number
+        return self.project.rates.hertz(rate.number) if is_rate else None
 
     @cached_property
     def _ports_by_name(self) -> Mapping[str, tuple[str, str]]:
@@ -154,9 +147,7 @@ class EditedTexts:
     @cached_property
     def annotations(self) -> Mapping[int, Service | Function]:
         """Return the annotations by identifier."""
-        project = self.project
-        described = described_modules(project.configuration, project.modules)
-        found = numbered_annotations(project.configuration, described)
+        found = numbered_annotations(self.project.configuration, self.project.described)
         return {number: annotation for number, _, annotation in found}
 
     def annotated(self, path: str) -> Read:

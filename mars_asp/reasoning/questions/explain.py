@@ -18,7 +18,6 @@ from mars_asp.asp.signature import plain, signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace.tree import Trace, Unexplained
 from mars_asp.diagnostic import MarsError, Severity
-from mars_asp.model.described import described_modules
 from mars_asp.output import brief_repr
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.findings import consequence_kinds
@@ -140,7 +139,8 @@ def _explained(
     chosen = _consequences(evidence, project, subject, only)
     if subject is not None and not chosen and _is_consequence(subject, reasoner.rulebook):
         raise absent_subject(subject, project, reasoner.rulebook, ())
-    resolving = only != "consequences" and (not chosen or not _is_kind(chosen, subject))
+    is_kind = all(subject in (c.kind, f"{c.kind}({c.subject})") for c in chosen)
+    resolving = only != "consequences" and not (chosen and is_kind)
     if resolving:
         evidence = reasoner.evidence(resolved=True)
     synthesis = reasoner.synthesis if resolving else None
@@ -280,10 +280,6 @@ def _nothing_of(
     return wrong_subject(project, message, help_text)
 
 
-def _is_kind(chosen: Sequence[Consequence], subject: str | None) -> bool:
-    return all(subject in (c.kind, f"{c.kind}({c.subject})") for c in chosen)
-
-
 def _consequences(
     evidence: Evidence, project: Project, subject: str | None, only: Sort | None
 ) -> tuple[Consequence, ...]:
@@ -308,16 +304,14 @@ def _nodes(
     if subject is None:
         return specification.nodes
     named = tuple(
-        node for node in specification.nodes if subject in (node.name, _converter_of(node))
+        node
+        for node in specification.nodes
+        if subject in (node.name, node.conversion and node.conversion.converter)
     )
     if named:
         return named
     reasons = {f"{c.kind}({c.subject})" for c in chosen}
     return tuple(n for n in specification.nodes if reasons & set(specification.resolves[n.name]))
-
-
-def _converter_of(node: IntroducedNode) -> str | None:
-    return None if node.conversion is None else node.conversion.converter
 
 
 def _node_atom(
@@ -364,9 +358,7 @@ def _asked_atom(
         raise _unrealised(subject, project, analysis)
     if subject in names:
         raise unconcerned(subject, project)
-    if synthesis is not None and subject in described_modules(
-        project.configuration, project.modules
-    ):
+    if synthesis is not None and subject in project.described:
         raise unapplied(subject, project)
     known = [*names, *sorted(consequence_kinds(rulebook))]
     if synthesis is not None:

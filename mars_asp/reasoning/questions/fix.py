@@ -4,23 +4,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.diagnostic import MarsError, Span
+from mars_asp.diagnostic import Span
 from mars_asp.language.text_edits import LineEdit
-from mars_asp.reasoning.analysis import Analysis, analyse
-from mars_asp.reasoning.project import Project, project_facts, revised
-from mars_asp.reasoning.questions.edits import (
-    EditedTexts,
-    ImpossibleEditError,
-    UnknownEditError,
-    apply_edits,
-)
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.questions.edits import EditedTexts
 from mars_asp.reasoning.questions.repair import (
     MOST_FACTS,
     FindingCounts,
     Repair,
-    new_remarks,
-    order_kept,
     repairs,
+    try_edits,
 )
 
 
@@ -80,7 +74,8 @@ def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Applied
         MarsError: rules that clingo refuses.
     """
     texts = EditedTexts(project)
-    before = analyse(project_facts(project), rulebook, project.configuration.span)
+    analysis = analyse(project_facts(project), rulebook, project.configuration.span)
+    before = FindingCounts(analysis.consequences)
     whole = _applied(texts, before, rulebook, sole)
     if whole is not None:
         return whole
@@ -95,31 +90,21 @@ def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Applied
 
 
 def _applied(
-    texts: EditedTexts, before: Analysis, rulebook: Rulebook, chosen: Sequence[Repair]
+    texts: EditedTexts, before: FindingCounts, rulebook: Rulebook, chosen: Sequence[Repair]
 ) -> AppliedFix | None:
-    """Write, read and analyse; return nothing where a finding stays, or one comes unannounced."""
-    edits = [edit for repair in chosen for edit in repair.mends[0].edits]
-    terms = list(dict.fromkeys(part for edit in edits for part in edit.parts))
-    if not terms:
-        return None
-    project = texts.project
-    try:
-        lines, changed = apply_edits(texts, terms)
-        after = revised(project, changed)
-        analysis = analyse(project_facts(after), rulebook, after.configuration.span)
-    except (MarsError, UnknownEditError, ImpossibleEditError):
-        return None
-    known, result = FindingCounts(before.consequences), FindingCounts(analysis.consequences)
+    """Try repairs together; return None if a finding stays, or one comes unannounced."""
     mends = [repair.mends[0] for repair in chosen]
+    terms = dict.fromkeys(part for mend in mends for edit in mend.edits for part in edit.parts)
+    trial = try_edits(texts, list(terms), rulebook, before) if terms else None
+    if trial is None:
+        return None
     announced = {warning.message for mend in mends for warning in mend.warnings}
     announced |= {remark.message for mend in mends for remark in mend.remarks}
-    new = [c for c in result.beyond(known) if c.severity != "note"]
-    remarks = new_remarks(project.diagnostics, after.diagnostics)
+    new = [c for c in trial.new if c.severity != "note"]
     if (
-        not order_kept(texts, after.configuration, terms)
-        or not all(result.lacks(repair.consequence, known) for repair in chosen)
+        not all(trial.counts.lacks(repair.consequence, before) for repair in chosen)
         or any(c.severity == "error" or c.message not in announced for c in new)
-        or any(remark.message not in announced for remark in remarks)
+        or any(remark.message not in announced for remark in trial.remarks)
     ):
         return None
-    return AppliedFix(tuple(chosen), lines, changed, after)
+    return AppliedFix(tuple(chosen), trial.lines, trial.texts, trial.project)

@@ -4,7 +4,7 @@ The rule that comes nearest is followed through what it lacks down to lines: one
 or those that stand against it. A change that mends this is made, and the question asked anew.
 """
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 import clingo
@@ -29,11 +29,11 @@ from mars_asp.reasoning.synthesis.synthesise import is_resolved
 MOST_LEVELS, MOST_CHANGES = 12, 3
 #: Of the lines that stand against an atom so many are shown.
 MOST_LINES = 8
-#: How a line of a relationship is written, and the change that adds one, by its predicate.
-_LINES: Mapping[str, tuple[str, str, tuple[int, int]]] = {
-    "uses_data_from": ("uses_data_from", "data", (1, 2)),
-    "is_controlled_by": ("is_controlled_by", "control", (1, 2)),
-    "is_mounted_on": ("is_mounted_on", "mount", (1, 3)),
+#: By the predicate of a line, the change that adds one and the places of its modules.
+_LINES: Mapping[str, tuple[str, tuple[int, int]]] = {
+    "uses_data_from": ("data", (1, 2)),
+    "is_controlled_by": ("control", (1, 2)),
+    "is_mounted_on": ("mount", (1, 3)),
 }
 
 
@@ -99,43 +99,49 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
             return _insufficient(attempt, pattern, reasoner.rulebook.declarations)
         trace = attempt.cause
     if isinstance(trace, Absent | Underivable):
-        return _of_absent(trace, frozenset(_string_arguments(pattern)))
+        return _of_absent(trace, frozenset(strings_in(pattern)))
     return _excluded(trace)
 
 
 def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
-    """Return that nothing of a given predicate fits; names are `kept` that somebody asks about."""
+    """Return that no atom of a given predicate fits; names of the question are `kept`."""
     found = pattern_in(trace.atom)
     if found is not None and found.name in _LINES and len(found.arguments) > 2:
-        _, _, places = _LINES[found.name]
-        ends = [found.arguments[place] for place in places]
+        ends = [found.arguments[place] for place in _LINES[found.name][1]]
         named = [end.type == clingo.SymbolType.String for end in ends]
-        asked = [_end_name(end) in kept for end in ends]
+        asked = [name and end.string in kept for name, end in zip(named, ends, strict=True)]
         if ends[0] == ends[1]:
             asked[1] = False
-        wider = _of_line(found.name, ends, asked) if asked != named and any(asked) else None
-        return replace(_of_line(found.name, ends, named), wider=wider)
+        wider = _missing_line(found.name, ends, asked) if asked != named and any(asked) else None
+        return replace(_missing_line(found.name, ends, named), wider=wider)
     if found is not None and found.name == "architecture":
         kind = found.arguments[0]
         return _Lack(f"control is not {kind}", (), found, f"`@configuration {kind}`")
     return _Lack(trace.sentence or "no line of the configuration or its annotations states it")
 
 
-def _of_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]) -> _Lack:
-    """Return that there is no line of two ends, of which some may be any module."""
-    verb, change, _ = _LINES[name]
-    words = [written(end.string) if keep else "..." for end, keep in zip(ends, kept, strict=True)]
-    line = f"`{words[0]} {verb} {words[1]}`"
+def _missing_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]) -> _Lack:
+    """Return that there is no line of two ends; an end that is not kept is any module."""
+    change, line = _new_line(name, ends, kept)
+    return _Lack(f"there is no line {line}", (), change, f"a line {line}")
+
+
+def _new_line(
+    name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]
+) -> tuple[clingo.Symbol, str]:
+    """Return the change that adds a line, and the line; an end that is not kept is any module."""
+    first, second = (
+        written(end.string) if keep else "..." for end, keep in zip(ends, kept, strict=True)
+    )
     terms = [
-        end if keep else _new(number)
+        end if keep else clingo.Function("new", [clingo.Number(number)])
         for number, (end, keep) in enumerate(zip(ends, kept, strict=True), 1)
     ]
-    lines = clingo.Function(change, terms)
-    return _Lack(f"there is no line {line}", (), lines, f"a line {line}")
+    return clingo.Function(_LINES[name][0], terms), f"`{first} {name} {second}`"
 
 
 def _excluded(trace: Trace) -> _Lack:
-    """Return that what holds stands against it: the lines that this rests on."""
+    """Return the lines that prevent an atom."""
     leaves = leaves_of(trace)
     spans = tuple(leaf.span for leaf in leaves if leaf.span is not None)
     numbers = dict.fromkeys(
@@ -143,68 +149,54 @@ def _excluded(trace: Trace) -> _Lack:
         for leaf in leaves
         if (symbol := symbol_in(leaf.atom)) is not None and symbol.name in _LINES
     )
-    many = len(numbers) > 1
-    change: clingo.Symbol | None = None
-    for number in numbers:
-        drop = clingo.Function("drop", [number])
-        change = drop if change is None else clingo.Function("both", [change, drop])
+    drops = [clingo.Function("drop", [number]) for number in numbers]
     prevent = f"these {len(spans)} lines prevent" if len(spans) > 1 else "this line prevents"
-    because = f"{prevent} it" if spans else "something that holds prevents it"
     return _Lack(
-        because,
+        f"{prevent} it" if spans else "something that holds prevents it",
         spans[:MOST_LINES],
-        change,
-        f"leave out {f'these {len(numbers)} lines' if many else 'that line'}",
+        clingo.Function("both", drops) if drops else None,
+        f"leave out {f'these {len(drops)} lines' if len(drops) > 1 else 'that line'}",
     )
 
 
 def _insufficient(
     attempt: NearMiss, pattern: clingo.Symbol, declared: Mapping[Signature, Declaration]
 ) -> _Lack:
-    """Return that what is there does not suffice, or may be chosen and is not."""
+    """Return that the satisfied premises do not suffice, or that an atom may be chosen."""
     if attempt.fails is None:
         return _Lack("it is possible, but the minimal specification does without it")
     leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]
     spans = tuple(dict.fromkeys(leaf.span for leaf in leaves if leaf.span is not None))
-    failed = failed_value(attempt, declared, frozenset(_string_arguments(pattern)))
-    if failed is not None:
-        return _Lack(failed, spans[:MOST_LINES], *_another(leaves, pattern))
-    if attempt.value is None and not spans:
-        return _Lack(f"what rule `{attempt.rule.id}` compares does not fit")
-    these = f"these {len(spans)} lines do not" if len(spans) > 1 else "this line alone does not"
-    because = f"{these if spans else 'what there is does not'} suffice"
-    change, line = _another(leaves, pattern)
-    return _Lack(because, spans[:MOST_LINES], change, line)
+    failed = failed_value(attempt, declared, frozenset(strings_in(pattern)))
+    if failed is None:
+        if attempt.value is None and not spans:
+            return _Lack(f"what rule `{attempt.rule.id}` compares does not fit")
+        these = f"these {len(spans)} lines do not" if len(spans) > 1 else "this line alone does not"
+        failed = f"{these if spans else 'what there is does not'} suffice"
+    return _Lack(failed, spans[:MOST_LINES], *_further_line(leaves, pattern))
 
 
-def _another(leaves: Sequence[Given], pattern: clingo.Symbol) -> tuple[clingo.Symbol | None, str]:
-    """Return a further line like one of some, which keeps what the pattern names."""
-    kept = set(_string_arguments(pattern))
+def _further_line(
+    leaves: Sequence[Given], pattern: clingo.Symbol
+) -> tuple[clingo.Symbol | None, str]:
+    """Return a further line like one of some, which keeps the names of the pattern."""
+    kept = set(strings_in(pattern))
     for leaf in leaves:
         symbol = symbol_in(leaf.atom)
         if symbol is None or symbol.name not in _LINES:
             continue
-        verb, change, (left, right) = _LINES[symbol.name]
-        ends = [symbol.arguments[left], symbol.arguments[right]]
-        if not kept & {end.string for end in ends}:
-            continue
-        terms = [end if end.string in kept else _new(n) for n, end in enumerate(ends, 1)]
-        words = [written(end.string) if end.string in kept else "..." for end in ends]
-        return clingo.Function(change, terms), f"a further line `{words[0]} {verb} {words[1]}`"
+        ends = [symbol.arguments[place] for place in _LINES[symbol.name][1]]
+        keep = [end.string in kept for end in ends]
+        if any(keep):
+            change, line = _new_line(symbol.name, ends, keep)
+            return change, f"a further line {line}"
     return None, ""
 
 
-def _new(number: int) -> clingo.Symbol:
-    return clingo.Function("new", [clingo.Number(number)])
-
-
-def _end_name(term: clingo.Symbol) -> str:
-    return term.string if term.type == clingo.SymbolType.String else "..."
-
-
-def _string_arguments(term: clingo.Symbol) -> Sequence[str]:
+def strings_in(term: clingo.Symbol) -> Iterator[str]:
+    """Yield the strings of a term."""
     if term.type == clingo.SymbolType.String:
-        return (term.string,)
-    if term.type != clingo.SymbolType.Function or is_hole(term):
-        return ()
-    return tuple(name for each in term.arguments for name in _string_arguments(each))
+        yield term.string
+    elif term.type == clingo.SymbolType.Function and not is_hole(term):
+        for argument in term.arguments:
+            yield from strings_in(argument)

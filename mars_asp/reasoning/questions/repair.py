@@ -7,7 +7,7 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, groupby, pairwise
 
 import clingo
@@ -141,7 +141,10 @@ def repairs(
     most = (MOST_FACTS if most_facts is None else most_facts) // (len(facts) + FACTS_OF_A_TRY)
     search = _EditSearch(project, rulebook, analysis.consequences, findings, deadline)
     return search.repairs(
-        [proposed.get(_key_of(finding.atom), []) for finding in findings],
+        [
+            proposed.get((kind, about, case), [])
+            for kind, _, about, case in (finding.atom.arguments for finding in findings)
+        ],
         max(LEAST_TRIED, most),
         time.monotonic() - began,
         progress,
@@ -225,25 +228,41 @@ def _proposals(
     }
 
 
-def _key_of(atom: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
-    kind, _, subject, case = atom.arguments
-    return kind, subject, case
-
-
 @dataclass(frozen=True, slots=True)
-class _Outcome:
-    """What a set of edits made of a project: `gone` are the findings that are no more.
+class Trial:
+    """A project with edits, analysed: its lines that differ, and findings that were not there."""
 
-    Findings that read alike are all in `gone` where one is; `fewer` says how many there are less.
-    """
-
-    gone: frozenset[int]
-    fewer: int
     lines: tuple[LineEdit, ...]
-    warnings: tuple[Consequence, ...]
+    texts: Mapping[str, str]
+    project: Project
+    analysis: Analysis
+    counts: "FindingCounts"
+    new: tuple[Consequence, ...]
     remarks: tuple[Diagnostic, ...]
-    errors: int
-    spent: Mapping[int, int] | None
+
+
+def try_edits(
+    texts: EditedTexts,
+    terms: Sequence[clingo.Symbol],
+    rulebook: Rulebook,
+    before: "FindingCounts",
+) -> Trial | None:
+    """Write, read and analyse edits; return None if that fails or turns the order of controllers.
+
+    `before` are the findings without the edits.
+    """
+    try:
+        lines, changed = apply_edits(texts, terms)
+        project = revised(texts.project, changed)
+        analysis = analyse(project_facts(project), rulebook, project.configuration.span)
+    except (MarsError, UnknownEditError, ImpossibleEditError):
+        return None
+    if not order_kept(texts, project.configuration, terms):
+        return None
+    counts = FindingCounts(analysis.consequences)
+    remarks = tuple(new_remarks(texts.project.diagnostics, project.diagnostics))
+    new = tuple(counts.beyond(before))
+    return Trial(lines, changed, project, analysis, counts, new, remarks)
 
 
 class _EditSearch:
@@ -257,7 +276,6 @@ class _EditSearch:
         findings: Sequence[Consequence],
         deadline: float | None,
     ) -> None:
-        self._project = project
         self._texts = EditedTexts(project)
         self._rulebook = rulebook
         self._deadline = deadline
@@ -310,16 +328,16 @@ class _EditSearch:
                 if progress is not None:
                     progress(solved, most)
                 solved += 1
-                outcome = self._try(next(iter(wanted.values())))
+                result = self._try(next(iter(wanted.values())))
                 longest = max(longest, time.monotonic() - now)
                 for number, edits in wanted.items():
                     tried[number] += 1
-                    if outcome is not None and number in outcome.gone:
-                        mends[number].append(_mend(edits, outcome))
+                    if result is not None and number in result[0]:
+                        mends[number].append(replace(result[1], edits=edits))
         return tuple(
             Repair(
                 finding,
-                _ranked(mends[number]),
+                tuple(sorted(mends[number], key=lambda mend: mend.cost)),
                 len(proposed[number]),
                 tried[number],
                 number not in left,
@@ -328,33 +346,29 @@ class _EditSearch:
             for number, finding in enumerate(self._findings)
         )
 
-    def _try(self, edits: tuple[RepairEdit, ...]) -> _Outcome | None:
-        """Write, read and solve; return nothing where no finding goes or an error comes."""
+    def _try(self, edits: tuple[RepairEdit, ...]) -> tuple[frozenset[int], Mend] | None:
+        """Try edits; return the findings that are gone and the mend, None if it is none.
+
+        Findings that read alike are all gone if one is. A mend brings no error.
+        """
         terms = [part for edit in edits for part in edit.parts]
-        try:
-            lines, texts = apply_edits(self._texts, terms)
-            project = revised(self._project, texts)
-            facts = project_facts(project)
-            analysis = analyse(facts, self._rulebook, project.configuration.span)
-        except (MarsError, UnknownEditError, ImpossibleEditError):
+        trial = try_edits(self._texts, terms, self._rulebook, self._before)
+        if trial is None or any(c.severity == "error" for c in trial.new):
             return None
-        if not order_kept(self._texts, project.configuration, terms):
-            return None
-        result = FindingCounts(analysis.consequences)
         gone = frozenset(
-            n for n, finding in enumerate(self._findings) if result.lacks(finding, self._before)
+            number
+            for number, finding in enumerate(self._findings)
+            if trial.counts.lacks(finding, self._before)
         )
-        new = result.beyond(self._before)
-        if not gone or any(c.severity == "error" for c in new):
+        if not gone:
             return None
-        errors = sum(c.severity == "error" for c in analysis.consequences)
-        spent = None if errors else self._spent(analysis)
+        errors = sum(c.severity == "error" for c in trial.analysis.consequences)
+        spent = None if errors else self._spent(trial.analysis)
         if not errors and spent is None:
             return None
-        warnings = tuple(c for c in new if c.severity == "warning")
-        remarks = tuple(new_remarks(self._project.diagnostics, project.diagnostics))
-        fewer = result.fewer(self._findings, self._before)
-        return _Outcome(gone, fewer, lines, warnings, remarks, errors, spent)
+        others = trial.counts.fewer(self._findings, self._before) - 1
+        warnings = tuple(c for c in trial.new if c.severity == "warning")
+        return gone, Mend(edits, trial.lines, others, warnings, trial.remarks, errors, spent)
 
     def _spent(self, analysis: Analysis) -> Mapping[int, int] | None:
         left = None if self._deadline is None else max(0.1, self._deadline - time.monotonic())
@@ -362,19 +376,6 @@ class _EditSearch:
             return least_cost(analysis, self._rulebook, Budget(left))
         except (MarsError, TimeoutError):
             return None
-
-
-def _mend(edits: tuple[RepairEdit, ...], outcome: _Outcome) -> Mend:
-    others = outcome.fewer - 1
-    return Mend(
-        edits,
-        outcome.lines,
-        others,
-        outcome.warnings,
-        outcome.remarks,
-        outcome.errors,
-        outcome.spent,
-    )
 
 
 def _shared(
@@ -414,10 +415,6 @@ def _by_weight(edits: Sequence[RepairEdit], size: int | None) -> Iterator[tuple[
         by_weight = sorted(groups, key=lambda group: sum(edit.weight for edit in group))
         # Single edits were tried before, so these are more than are tried.
         yield from by_weight[:MOST_TRIED]
-
-
-def _ranked(mends: Iterable[Mend]) -> tuple[Mend, ...]:
-    return tuple(sorted(mends, key=lambda mend: mend.cost))
 
 
 class FindingCounts:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import Control, Data, Mount
-from mars_asp.model.described import described_modules
 from mars_asp.model.names import end, quoted, read_end, written
 from mars_asp.reasoning.facts.identifiers import numbered_annotations
 from mars_asp.reasoning.project import Project
@@ -125,6 +124,5 @@ def _said(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
 def _stated_spans(project: Project) -> Iterator[Span]:
     configuration = project.configuration
     yield from (each.span for each in configuration.relationships)
-    described = described_modules(configuration, project.modules)
-    for _, _, annotation in numbered_annotations(configuration, described):
+    for _, _, annotation in numbered_annotations(configuration, project.described):
         yield annotation.span

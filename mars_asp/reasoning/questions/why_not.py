@@ -5,7 +5,7 @@
 'No ArbitrationNode(Turn): nothing controls `Turn`, and an arbiter needs two controllers.'
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -27,7 +27,7 @@ from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.asked import RELATIONSHIPS, AbsenceQuestion, Vocabulary, at_module
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.connected import BY_TYPE, connected_part
-from mars_asp.reasoning.questions.near_miss import near_miss
+from mars_asp.reasoning.questions.near_miss import near_miss, strings_in
 from mars_asp.reasoning.questions.subject import spaced_subjects
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.session import Evidence, Reasoner
@@ -63,16 +63,15 @@ MOST_TRIED = 100
 _MOST_NAMED = 4
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class WhyNot:
     """The answer, one sentence: why it is absent, or that it is `present` after all.
 
-    `evidence` are the lines that the answer speaks of; `to_get` is the least change found that
-    would make it hold, which was tried, and `None` where none was found. Of what holds, `see` is
-    the subject whose explanation says why. `extra` is what the
-    cheapest realisation with `offered` costs more, by level, or None if no realisation has such
-    an atom, or where it is nothing that is chosen. `choosable` tells these two apart. `obstacles`
-    are the traces of what stands against every specification, where that is why there is nothing.
+    `evidence` are the lines that the answer cites. `to_get` is the smallest change found that makes
+    it hold, which was tried, or None. `see` is the subject whose explanation shows why it holds.
+    `extra` is the additional cost, by level, of the cheapest realisation with `offered`. It is None
+    if no realisation has such an atom, or if the atom is not chosen; `choosable` tells these two
+    apart. `obstacles` are the traces of the errors that prevent every specification.
 
     >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
     >>> why_not(reasoner, "DataSplitter(Turn)").present
@@ -83,12 +82,12 @@ class WhyNot:
 
     subject: str
     answer: str
-    evidence: tuple[Span, ...]
-    to_get: str | None
-    present: bool
-    choosable: bool
-    offered: str | None
-    extra: Mapping[int, int] | None
+    evidence: tuple[Span, ...] = ()
+    to_get: str | None = None
+    present: bool = False
+    choosable: bool = True
+    offered: str | None = None
+    extra: Mapping[int, int] | None = None
     analysis: Analysis
     find_trace: Callable[[], Trace]
     obstacles: tuple[Trace, ...] = ()
@@ -132,7 +131,7 @@ def _near(reasoner: Reasoner, question: AbsenceQuestion) -> Reasoner:
 
     Packs may bring together what no relationship does, and numbers are those of the whole.
     """
-    names = frozenset(name for each in question.patterns for name in _strings_in(each))
+    names = frozenset(name for each in question.patterns for name in strings_in(each))
     numbered = question.kind is None and any(map(_has_numbers, question.patterns))
     if reasoner.rulebook.packs or reasoner.is_resolved or not names or numbered:
         return reasoner
@@ -151,13 +150,14 @@ def _answer(reasoner: Reasoner, question: AbsenceQuestion, depth: int) -> WhyNot
     synthesis = reasoner.synthesis if choosable else None
     if choosable and synthesis is None:
         return unrealised_answer(question.shown, evidence, reasoner.analysis)
-    offered: str | None = None
-    extra: Mapping[int, int] | None = None
     held = _true_atom(question, evidence, synthesis)
     if held is not None:
         return _present(question, held, evidence, synthesis)
-    if synthesis is not None:
-        offered, extra = _cheapest_of(reasoner, synthesis, evidence.analysis, question.patterns)
+    offered, extra = (
+        (None, None)
+        if synthesis is None
+        else _cheapest(evidence.analysis, question.patterns, reasoner.budget.deadline())
+    )
     if synthesis is not None and offered is None and reasoner.rulebook.packs:
         against = excluded(reasoner.rulebook, evidence.facts, shown_pattern(pattern))
         if against is not None:
@@ -165,22 +165,26 @@ def _answer(reasoner: Reasoner, question: AbsenceQuestion, depth: int) -> WhyNot
     found = _blame(reasoner, question, evidence)
 
     def trace() -> Trace:
-        return _of_named_kind(absence.explain_absence(evidence.explainer, pattern, depth), pattern)
+        found = absence.explain_absence(evidence.explainer, pattern, depth)
+        if pattern.name != "consequence" or not isinstance(found, Underivable):
+            return found
+        # Rules that give any kind of consequence are left out if others name the kind.
+        named = tuple(a for a in found.attempts if kinds_of(a.rule) is not None)
+        return replace(found, attempts=named or found.attempts)
 
     start = f"No {question.shown}"
     if question.kind in _CIRCLES and _goes_round(question, evidence.analysis):
         start = f"{question.shown} is there under another name"
     return WhyNot(
-        question.shown,
-        f"{start}: {found.because}.",
-        found.evidence,
-        _sentences(found),
-        False,
-        synthesis is not None,
-        offered,
-        extra,
-        evidence.analysis,
-        trace,
+        subject=question.shown,
+        answer=f"{start}: {found.because}.",
+        evidence=found.evidence,
+        to_get=_sentences(found),
+        choosable=synthesis is not None,
+        offered=offered,
+        extra=extra,
+        analysis=evidence.analysis,
+        find_trace=trace,
     )
 
 
@@ -190,16 +194,12 @@ def _excluded(
     """Return that constraints of rule packs keep every specification from having it."""
     first = against.diagnostics[0]
     return WhyNot(
-        question.shown,
-        f"No {question.shown}: {first.message}, as `{first.code}` demands.",
-        tuple(each.span for each in against.diagnostics),
-        first.help,
-        False,
-        True,
-        None,
-        None,
-        evidence.analysis,
-        lambda: Absent(shown_pattern(question.patterns[0])),
+        subject=question.shown,
+        answer=f"No {question.shown}: {first.message}, as `{first.code}` demands.",
+        evidence=tuple(each.span for each in against.diagnostics),
+        to_get=first.help,
+        analysis=evidence.analysis,
+        find_trace=lambda: Absent(shown_pattern(question.patterns[0])),
     )
 
 
@@ -261,26 +261,22 @@ def _present(
     if question.kind is None and held.name in RELATIONSHIPS:
         spans = tuple(leaf.span for leaf in leaves_of(trace()) if leaf.span is not None)
     return WhyNot(
-        question.shown,
-        answer,
-        spans,
-        None,
-        True,
-        synthesis is not None,
-        None,
-        None,
-        evidence.analysis,
-        trace,
+        subject=question.shown,
+        answer=answer,
+        evidence=spans,
+        present=True,
+        choosable=synthesis is not None,
+        analysis=evidence.analysis,
+        find_trace=trace,
         see=see,
     )
 
 
 def is_there(shown: str, resolves: Sequence[str], number: int = 1) -> str:
     """Return the answer that a node is there, or several of its kind are."""
-    there = "is there" if number < 2 else f"is there {_times(number)}"
-    return (
-        f"{shown} {there}{f', and resolves {listing(_first_words(resolves))}' if resolves else ''}."
-    )
+    times = {0: "", 1: "", 2: " twice"}.get(number, f" {number} times")
+    resolved = f", and resolves {listing(_first_words(resolves))}" if resolves else ""
+    return f"{shown} is there{times}{resolved}."
 
 
 def holds(shown: str, message: str = "") -> str:
@@ -294,10 +290,6 @@ def _is_meant(term: str, held: clingo.Symbol, question: AbsenceQuestion) -> bool
         return True
     node = clingo.parse_term(term)
     return question.module is not None and any(fits(each, node) for each in question.patterns)
-
-
-def _times(number: int) -> str:
-    return "twice" if number == 2 else f"{number} times"
 
 
 def node_term(held: clingo.Symbol, kind: str | None) -> str:
@@ -317,41 +309,37 @@ def unrealised_answer(title: str, evidence: Evidence, whole: Analysis) -> WhyNot
     leaves = (leaf.span for each in obstacles for leaf in leaves_of(each))
     spans = dict.fromkeys(span for span in leaves if span is not None)
     return WhyNot(
-        title,
-        f"No {title}: {unrealised(whole)}.",
-        tuple(spans),
-        None,
-        False,
-        True,
-        None,
-        None,
-        analysis,
-        lambda: Absent(title),
-        obstacles,
+        subject=title,
+        answer=f"No {title}: {unrealised(whole)}.",
+        evidence=tuple(spans),
+        analysis=analysis,
+        find_trace=lambda: Absent(title),
+        obstacles=obstacles,
     )
 
 
 def _blame(reasoner: Reasoner, question: AbsenceQuestion, evidence: Evidence) -> Blame:
     project, rulebook = reasoner.project, reasoner.rulebook
 
-    def tried(revised: Project) -> bool:
+    # A circle that is reported for another module needs no change.
+    goes_round = question.kind in _CIRCLES and _goes_round(question, evidence.analysis)
+
+    def gives(revised: Project) -> bool:
+        if goes_round:
+            return False
         other = Reasoner(revised, rulebook, reasoner.budget)
         resolved = is_resolved(rulebook, signature_of(question.patterns[0]))
-        if resolved and other.synthesis is None:
-            return False
         synthesis = other.synthesis if resolved else None
+        if resolved and synthesis is None:
+            return False
         if question.kind in _CIRCLES:
             return _goes_round(question, other.analysis)
         return _true_atom(question, other.evidence(resolved), synthesis) is not None
 
-    gives: Callable[[Project], bool] = tried
     kind, module = question.kind, question.module
     if kind is None:
         kind, module = _meant(question.patterns[0], evidence, reasoner)
     if kind is not None:
-        # A circle that is reported for another module needs no change.
-        if question.kind in _CIRCLES and _goes_round(question, evidence.analysis):
-            gives = _never
         found = blame(project, rulebook, kind, module, gives)
         if found is not None:
             return found
@@ -379,11 +367,6 @@ def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
             holes = [hole() for _ in arguments]
             called.add(clingo.Function(name, holes) if name and holes else hole())
     return called.pop() if len(called) == 1 else hole()
-
-
-def _never(_: Project) -> bool:
-    """Return False: no change gives a named node."""
-    return False
 
 
 def _meant(
@@ -440,7 +423,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
             term = clingo.parse_term(node.term)
             return _present(AbsenceQuestion(name, (term,), kind), term, evidence, synthesis)
     same = [node.name for node in specification.nodes if node.kind == kind]
-    found = blame(reasoner.project, reasoner.rulebook, kind, None, _never)
+    found = blame(reasoner.project, reasoner.rulebook, kind, None, lambda _: False)
     because = "the minimal specification has none" if found is None else found.because
     if same:
         named = _first_words(
@@ -450,16 +433,11 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
         because = f"the minimal specification has {words}: {listing(named)}"
     pattern = at_module(kind, hole())[0]
     return WhyNot(
-        name,
-        f"No {name}: {because}.",
-        (),
-        None if found is None else _sentences(found),
-        False,
-        True,
-        None,
-        None,
-        evidence.analysis,
-        lambda: Absent(shown_pattern(pattern)),
+        subject=name,
+        answer=f"No {name}: {because}.",
+        to_get=None if found is None else _sentences(found),
+        analysis=evidence.analysis,
+        find_trace=lambda: Absent(shown_pattern(pattern)),
     )
 
 
@@ -469,21 +447,10 @@ def _first_words(words: Sequence[str]) -> Sequence[str]:
     return [*words[:_MOST_NAMED], f"{rest} more"] if rest > 0 else words
 
 
-def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
-    """Leave out rules that could give any kind of consequence if others name the kind."""
-    if pattern.name != "consequence" or not isinstance(trace, Underivable):
-        return trace
-    named = tuple(a for a in trace.attempts if kinds_of(a.rule) is not None)
-    return replace(trace, attempts=named or trace.attempts)
-
-
-def _cheapest_of(
-    reasoner: Reasoner,
-    synthesis: Synthesis,
-    analysis: Analysis,
-    patterns: Sequence[clingo.Symbol],
+def _cheapest(
+    analysis: Analysis, patterns: Sequence[clingo.Symbol], deadline: float | None
 ) -> tuple[str | None, Mapping[int, int] | None]:
-    """Return which atom of some patterns costs least to have, and what that costs more."""
+    """Return the atom of some patterns that costs least to have, and its additional cost."""
     # A node that follows from an answer is called by the atom that decides that it is there.
     decided = [each.arguments[0] if each.name == "spec_node" else each for each in patterns]
     atoms = [
@@ -493,16 +460,6 @@ def _cheapest_of(
         for atom, _ in analysis.grounding.atoms(pattern.name, len(pattern.arguments))
         if fits(pattern, atom)
     ]
-    return _cheapest(synthesis, analysis, atoms, reasoner.budget.deadline())
-
-
-def _cheapest(
-    synthesis: Synthesis,
-    analysis: Analysis,
-    atoms: Iterable[clingo.Symbol],
-    deadline: float | None,
-) -> tuple[str | None, Mapping[int, int] | None]:
-    """Return which of some atoms costs least to have, and what that costs more."""
     best: tuple[list[int], str, Mapping[int, int]] | None = None
     for atom in sorted(atoms)[:MOST_TRIED]:
         extra = analysis.grounding.extra_cost(atom, deadline)
@@ -513,14 +470,6 @@ def _cheapest(
         if best is None or (key, str(atom)) < best[:2]:
             best = (key, str(atom), extra)
     return (None, None) if best is None else (best[1], best[2])
-
-
-def _strings_in(term: clingo.Symbol) -> Iterable[str]:
-    if term.type == clingo.SymbolType.String:
-        yield term.string
-    elif term.type == clingo.SymbolType.Function and not is_hole(term):
-        for argument in term.arguments:
-            yield from _strings_in(argument)
 
 
 def _has_numbers(term: clingo.Symbol) -> bool:

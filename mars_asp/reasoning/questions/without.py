@@ -72,7 +72,8 @@ def without(name: str, reasoner: Reasoner) -> tuple[ViolatedClause, ...] | None:
     for violation in verification.violations:
         spans = {leaf.span for leaf in leaves_of(traces[violation.head])}
         numbers = {of_span[span] for span in spans if span in of_span}
-        numbers.update(*(_over_all(over, line) for line in left.last(spans)))
+        for line in left.last(spans):
+            numbers |= set[int].intersection(*(set(over[number]) for number in line.of))
         found.append(
             ViolatedClause(violation, tuple(declared[number] for number in sorted(numbers)))
         )
@@ -84,11 +85,6 @@ class _Line(NamedTuple):
 
     line: Relationship
     of: tuple[int, ...]
-
-
-def _over_all(over: Sequence[Set[int]], line: _Line) -> Set[int]:
-    """Return the relationships that lead over all lines for which one stands."""
-    return set[int].intersection(*(set(over[number]) for number in line.of))
 
 
 class _Left:

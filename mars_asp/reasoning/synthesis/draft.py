@@ -10,11 +10,9 @@ from mars_asp.model.declarations import (
     Service,
     node_names,
 )
-from mars_asp.model.described import described_modules
 from mars_asp.model.ports import free_positions
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
-from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
 
@@ -45,9 +43,9 @@ class SpecificationDraft:
         places = {id(r): place for place, r in enumerate(configuration.relationships)}
         #: The place of each relationship in the file, by its identifier.
         self.place = {number: places[id(r)] for number, r in numbered(self.relationships)}
-        described = described_modules(configuration, modules)
+        described = project.described
         self.ends = ends_in(configuration, described)
-        self.rates = rates_in(configuration, described)
+        self.rates = project.rates
         self.services: dict[int, tuple[str, Service]] = {
             number: (module.name, annotation)
             for number, module, annotation in numbered_annotations(configuration, described)
