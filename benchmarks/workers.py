@@ -21,8 +21,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from mars_asp.cli.perform import performed
 from mars_asp.cli.run_json import run_json
+from mars_asp.cli.trials import performed
 from mars_asp.execution.judgement import run_rulebook
 from mars_asp.execution.scenario.read import load_scenario
 from mars_asp.language import parse_text

@@ -23,6 +23,7 @@ from mars_asp.cli.arguments import arguments_of, rule_pack
 from mars_asp.cli.can import capability_json, capability_lines
 from mars_asp.cli.check import judge
 from mars_asp.cli.check_output import Checked, reported_findings, result_json
+from mars_asp.cli.diagnostic_text import concise_text
 from mars_asp.cli.diff import difference_json, difference_lines
 from mars_asp.cli.explain import (
     Explained,
@@ -33,9 +34,7 @@ from mars_asp.cli.explain import (
     why_not_paragraphs,
 )
 from mars_asp.cli.import_robot import check_one_tree, foreign_text
-from mars_asp.cli.layout import columns
-from mars_asp.cli.lines import line_text, lines_of, remember
-from mars_asp.cli.reason import (
+from mars_asp.cli.inputs import (
     JUDGING,
     judge_project,
     packs_of,
@@ -43,9 +42,9 @@ from mars_asp.cli.reason import (
     read_specification,
     rulebook_for,
 )
-from mars_asp.cli.reason import load as load_text
+from mars_asp.cli.inputs import load as load_text
+from mars_asp.cli.lines import line_text, lines_of, remember
 from mars_asp.cli.repair import mend_json
-from mars_asp.cli.report import concise_text
 from mars_asp.cli.results import Result
 from mars_asp.cli.selection import Selection
 from mars_asp.cli.synthesise import minimal_specification, specification_text, synthesis_json
@@ -56,6 +55,7 @@ from mars_asp.cli.verify import (
     verification_json,
     verification_lines,
 )
+from mars_asp.cli.wrapping import columns
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.recognise import FORMATS
@@ -675,10 +675,10 @@ class Robot:
         >>> load("examples/level0/config.mars").run("examples/level0/scenario.toml", seed=1).verdict
         'pass'
         """
-        from mars_asp.cli.perform import performed, runnable
         from mars_asp.cli.run import read_run_scenario
         from mars_asp.cli.run_json import run_json
         from mars_asp.cli.run_text import run_text
+        from mars_asp.cli.trials import performed, runnable
         from mars_asp.execution.judgement import run_rulebook
         from mars_asp.execution.scenario.functions import bind_kinds
 

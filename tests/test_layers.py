@@ -110,19 +110,19 @@ FILES = {
     "execution/scenario": ("schema contradictions vary read functions agreement devices"),
     "execution/recording": "frame lanes signs picture record mcap replay",
     "lsp": (
-        "places words mentions robot rule_text rules actions references rename symbols hover "
-        "completion lenses questions protocol workers client_errors desk server"
+        "places keyword_docs occurrences robot rule_text rules actions references rename symbols "
+        "hover completion lenses questions protocol workers client_errors workspace server"
     ),
     "cli": (
-        "deliver encode layout arguments again lines account live watch pace progress outputs "
-        "report limits settings extract excluded trace_document schemas worker reason perform "
-        "ignores baseline selection results folding github gitlab junit sarif_fixes sarif publish "
-        "alternatives analyse can "
-        "completion draw export facts fmt import_robot winners run_report run_json run_text run "
-        "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
-        "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
-        "rules_example rules_document rules_new rules_diff rules repair check_output check "
-        "lsp_files lsp_rules lsp_answers lsp explain_page explain ament ros2_command"
+        "deliver encode wrapping arguments suggested_commands lines account live watch realtime "
+        "progress output_files diagnostic_text limits settings extract excluded trace_document "
+        "schemas worker inputs trials ignores baseline selection results folding github gitlab "
+        "junit sarif_fixes sarif finding_formats alternatives analyse can completion draw export "
+        "facts fmt import_robot winners run_report run_json run_text run campaign_runner "
+        "campaign_dask campaign_job campaign_table campaign synthesise cases_report cases_measure "
+        "cases_watch test pytest_plugin verify diff rules_kinds rules_example rules_document "
+        "rules_new rules_diff rules repair check_output check lsp_files lsp_rules lsp_answers lsp "
+        "explain_page explain ament ros2_command"
     ),
 }
 #: The packages whose imports `docs/explanation/architecture.md` draws, in its order.

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 
-from mars_asp.cli.layout import wrapped
 from mars_asp.cli.lines import line_at, located_line_json
+from mars_asp.cli.wrapping import wrapped
 from mars_asp.output import visible
 from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Topic

@@ -4,13 +4,13 @@ import argparse
 import sys
 from collections.abc import Iterator, Sequence
 
-from mars_asp.cli.again import command_on_one
+from mars_asp.cli.diagnostic_text import report_unrealisable
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import cells, columns, compared, wrapped
+from mars_asp.cli.inputs import rulebook_for
 from mars_asp.cli.lines import location_json
-from mars_asp.cli.reason import rulebook_for
-from mars_asp.cli.report import report_unrealisable
 from mars_asp.cli.selection import Selection
+from mars_asp.cli.suggested_commands import command_on_one
+from mars_asp.cli.wrapping import cells, columns, compared, wrapped
 from mars_asp.model.declarations import Control, Data
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget

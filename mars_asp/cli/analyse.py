@@ -6,12 +6,10 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
-from mars_asp.cli.again import command
+from mars_asp.cli.diagnostic_text import colours, finding_lines, paint, report
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.lines import location_json
-from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
-from mars_asp.cli.reason import (
+from mars_asp.cli.finding_formats import FINDING_FORMATS, is_published, publish, published
+from mars_asp.cli.inputs import (
     JUDGING,
     add_file,
     add_stdin_filename,
@@ -20,9 +18,11 @@ from mars_asp.cli.reason import (
     rulebook_for,
     unapplied_packs,
 )
-from mars_asp.cli.report import colours, finding_lines, paint, report
+from mars_asp.cli.lines import location_json
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.selection import Selected, Selection, add_selection, hidden_text
+from mars_asp.cli.suggested_commands import command
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
 from mars_asp.reasoning.findings import SEVERITIES

@@ -112,7 +112,7 @@ _MODULES = {"import": "import_robot"}
 
 def help_text() -> str:
     """Return the help of the whole command: each verb with an example, and the common options."""
-    from mars_asp.cli.layout import columns
+    from mars_asp.cli.wrapping import columns
 
     width = columns(sys.stdout)
     parts = [
@@ -180,7 +180,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong with the words, and what may have been meant; end with status 2."""
-        from mars_asp.cli.layout import columns, wrapped
+        from mars_asp.cli.wrapping import columns, wrapped
         from mars_asp.output import visible
 
         unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.cli.reason import STANDARD_INPUT
+from mars_asp.cli.inputs import STANDARD_INPUT
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point, refusal, whole_file
 from mars_asp.language.parse import decode, read_bytes

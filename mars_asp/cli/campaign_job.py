@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mars_asp.cli.campaign_runner import Job
+from mars_asp.cli.inputs import packs_of
 from mars_asp.cli.limits import memory_limit
-from mars_asp.cli.reason import packs_of
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.execution.campaign.code import hash_of, imported_code
 from mars_asp.execution.campaign.grid import Grid

@@ -21,8 +21,8 @@ from typing import Any, NamedTuple
 from mars_asp import __version__
 from mars_asp.asp.contained import Lost, ask, end_with_parent, leave, serve
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.cli.perform import performed
 from mars_asp.cli.run_json import run_json
+from mars_asp.cli.trials import performed
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.execution.campaign.grid import Run
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import inf
 from typing import Any, TextIO
 
-from mars_asp.cli.layout import cells as width_of
-from mars_asp.cli.layout import columns, wrapped
+from mars_asp.cli.wrapping import cells as width_of
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.execution.campaign.summary import (
     MOST_WORST,
     QUANTILES,

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from mars_asp.asp.trace.document import TraceDocument
 from mars_asp.cli.account import account_json, told_lines
+from mars_asp.cli.diagnostic_text import colours, paint
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.reason import add_file, read_project, rulebook_for
-from mars_asp.cli.report import colours, paint
+from mars_asp.cli.inputs import add_file, read_project, rulebook_for
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.model.names import written
 from mars_asp.output import visible
 from mars_asp.reasoning.questions.capability import CapabilityAnswer, capability

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stdout, suppress
 from pathlib import Path
 
-from mars_asp.cli.report import report_error
+from mars_asp.cli.diagnostic_text import report_error
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.cases.places import pack_of_case
 from mars_asp.reasoning.packs import MANIFEST

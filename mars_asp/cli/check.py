@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, TypeAlias
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, write_report
 from mars_asp.cli.deliver import file_key, replace_files, write_closing, write_file
+from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.excluded import add_exclusion
 from mars_asp.cli.fmt import unified_diff
 from mars_asp.cli.folding import instances_of
-from mars_asp.cli.lines import forget, remember
-from mars_asp.cli.progress import progress_bar
-from mars_asp.cli.reason import (
+from mars_asp.cli.inputs import (
     JUDGING,
     STANDARD_INPUT,
     add_launch,
@@ -29,7 +28,8 @@ from mars_asp.cli.reason import (
     shown_input,
     unapplied_packs,
 )
-from mars_asp.cli.report import Suggestion, report
+from mars_asp.cli.lines import forget, remember
+from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.schemas import add_schema, schema_text
 from mars_asp.cli.selection import Selection, add_selection

@@ -13,21 +13,21 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from mars_asp.cli.deliver import write_closing, write_file
-from mars_asp.cli.encode import encoded
-from mars_asp.cli.folding import fold
-from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.lines import line_text
-from mars_asp.cli.publish import is_remark
-from mars_asp.cli.reason import STANDARD_INPUT
-from mars_asp.cli.report import (
+from mars_asp.cli.diagnostic_text import (
     colours,
     concise_text,
     diagnostic_json,
     diagnostic_text,
     suggestion_lines,
 )
+from mars_asp.cli.encode import encoded
+from mars_asp.cli.finding_formats import is_remark
+from mars_asp.cli.folding import fold
+from mars_asp.cli.inputs import STANDARD_INPUT
+from mars_asp.cli.lines import line_text
 from mars_asp.cli.results import Result
 from mars_asp.cli.selection import hidden_text
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import Severity, brief
 from mars_asp.output import counted, visible
 
@@ -247,7 +247,7 @@ def _document_text(
         from mars_asp.cli.gitlab import code_quality_report
 
         return f"{encoded(code_quality_report(reported_findings(_unhidden(checked, remarks))))}\n"
-    from mars_asp.cli.publish import published_text
+    from mars_asp.cli.finding_formats import published_text
 
     every = [*(each for one in checked for each in one.results), *remarks]
     return published_text(every, arguments, status)

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from mars_asp.cli.analyse import consequence_json
+from mars_asp.cli.diagnostic_text import colours, paint
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, wrapped
+from mars_asp.cli.inputs import check_inputs, read_project, rulebook_for
 from mars_asp.cli.lines import line_at, lines_of, located_line_json
-from mars_asp.cli.reason import check_inputs, read_project, rulebook_for
-from mars_asp.cli.report import colours, paint
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.questions.diff import Change, Difference, diff

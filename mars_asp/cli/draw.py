@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mars_asp.cli.deliver import write_file
-from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.reason import JUDGING, add_file, judge_project, read_project, rulebook_for
-from mars_asp.cli.report import report
+from mars_asp.cli.diagnostic_text import report
+from mars_asp.cli.inputs import JUDGING, add_file, judge_project, read_project, rulebook_for
 from mars_asp.cli.selection import Selection, add_selection
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.model.declarations import Data
 from mars_asp.model.names import end, read_end

@@ -12,13 +12,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.asp.trace import DEPTH
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
-from mars_asp.cli.again import command
 from mars_asp.cli.deliver import write_file
+from mars_asp.cli.diagnostic_text import colours, paint, report
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, compared, wrapped
-from mars_asp.cli.lines import line_at, located_lines
-from mars_asp.cli.outputs import ending
-from mars_asp.cli.reason import (
+from mars_asp.cli.inputs import (
     JUDGING,
     STANDARD_INPUT,
     add_file,
@@ -28,9 +25,12 @@ from mars_asp.cli.reason import (
     rulebook_for,
     unapplied_packs,
 )
-from mars_asp.cli.report import colours, paint, report
+from mars_asp.cli.lines import line_at, located_lines
+from mars_asp.cli.output_files import ending
 from mars_asp.cli.schemas import FORMATS, add_schema, schema_text
 from mars_asp.cli.selection import Selection, add_selection
+from mars_asp.cli.suggested_commands import command
+from mars_asp.cli.wrapping import columns, compared, wrapped
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name

@@ -3,7 +3,7 @@
 import argparse
 
 from mars_asp.cli.deliver import write_file
-from mars_asp.cli.reason import add_file, read_project
+from mars_asp.cli.inputs import add_file, read_project
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -8,8 +8,8 @@ from fractions import Fraction
 from pathlib import Path
 
 from mars_asp.annotations.files import Extraction, extract, find_paths
+from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.report import report
 from mars_asp.cli.settings import check_settings
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.parse import unreadable

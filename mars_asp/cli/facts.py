@@ -2,7 +2,7 @@
 
 import argparse
 
-from mars_asp.cli.reason import add_file, read_project
+from mars_asp.cli.inputs import add_file, read_project
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.project import project_facts
 

@@ -6,9 +6,10 @@ import sys
 from pathlib import Path
 
 from mars_asp.cli.deliver import write_file
+from mars_asp.cli.diagnostic_text import report_error
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.excluded import add_exclusion
-from mars_asp.cli.reason import (
+from mars_asp.cli.inputs import (
     STANDARD_INPUT,
     add_stdin_filename,
     is_excluded,
@@ -16,7 +17,6 @@ from mars_asp.cli.reason import (
     robots_in_folder,
     shown_input,
 )
-from mars_asp.cli.report import report_error
 from mars_asp.cli.settings import check_settings
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file

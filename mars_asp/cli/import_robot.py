@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mars_asp.cli.deliver import write_file
+from mars_asp.cli.diagnostic_text import report
+from mars_asp.cli.inputs import STANDARD_INPUT, add_launch, check_inputs
 from mars_asp.cli.lines import remember
-from mars_asp.cli.reason import STANDARD_INPUT, add_launch, check_inputs
-from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.foreign import READERS, ForeignFile, read_foreign

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from mars_asp.cli.deliver import begin_outputs, file_key
-from mars_asp.cli.report import report_error
+from mars_asp.cli.diagnostic_text import report_error
 from mars_asp.diagnostic import MarsError, refusal
 from mars_asp.output import visible
 

@@ -21,17 +21,17 @@ from mars_asp.asp.trace.text import traces_text
 from mars_asp.cli.arguments import parser_of
 from mars_asp.cli.check import check
 from mars_asp.cli.extract import module_lines
+from mars_asp.cli.inputs import load, rulebook_for
 from mars_asp.cli.limits import memory_limit
 from mars_asp.cli.lines import line_at, remember
 from mars_asp.cli.lsp_files import EditorFiles
 from mars_asp.cli.lsp_rules import lint_answer
-from mars_asp.cli.reason import load, rulebook_for
 from mars_asp.cli.results import Result
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.format import format_text
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.lsp.actions import Action, line_edits
-from mars_asp.lsp.mentions import outline
+from mars_asp.lsp.occurrences import outline
 from mars_asp.lsp.places import START, Place
 from mars_asp.lsp.questions import CheckedFile, Failed, Question, Sort, Survey
 from mars_asp.lsp.robot import Described, EditorRobot, OpenFile, behind

@@ -5,13 +5,13 @@ import sys
 from collections.abc import Iterator
 
 from mars_asp.cli.analyse import consequence_json
+from mars_asp.cli.diagnostic_text import colours, paint
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, spent, wrapped
+from mars_asp.cli.inputs import JUDGING, judge_project, rulebook_for
 from mars_asp.cli.lines import line_json, line_text, location_json
 from mars_asp.cli.progress import progress_bar
-from mars_asp.cli.reason import JUDGING, judge_project, rulebook_for
-from mars_asp.cli.report import colours, paint
 from mars_asp.cli.selection import Selection
+from mars_asp.cli.wrapping import columns, spent, wrapped
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import counted, visible

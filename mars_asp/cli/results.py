@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.cli.report import Suggestion
+from mars_asp.cli.diagnostic_text import Suggestion
 from mars_asp.cli.selection import Hidden, Selected
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible

@@ -12,9 +12,9 @@ from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.reason import rulebook_for
-from mars_asp.cli.report import Suggestion, report
+from mars_asp.cli.inputs import rulebook_for
 from mars_asp.cli.rules_document import (
     PURPOSES,
     documents,

@@ -6,11 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+from mars_asp.cli.diagnostic_text import report_error
 from mars_asp.cli.diff import difference_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.inputs import load, only_robot
 from mars_asp.cli.lines import lines_of
-from mars_asp.cli.reason import load, only_robot
-from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget

@@ -12,23 +12,23 @@ from typing import TYPE_CHECKING
 
 from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of, write_file
+from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.limits import load_freely
-from mars_asp.cli.live import live_line, run_line
-from mars_asp.cli.outputs import add_outputs, check_packages, recorded, write_outputs
-from mars_asp.cli.pace import shown
-from mars_asp.cli.perform import performed, read_changes, scenario_text, specified
-from mars_asp.cli.reason import (
+from mars_asp.cli.inputs import (
     add_file,
     check_inputs,
     packs_of,
     read_project,
 )
-from mars_asp.cli.report import report
+from mars_asp.cli.limits import load_freely
+from mars_asp.cli.live import live_line, run_line
+from mars_asp.cli.output_files import add_outputs, check_packages, recorded, write_outputs
+from mars_asp.cli.realtime import shown
 from mars_asp.cli.run_json import run_json
 from mars_asp.cli.run_text import print_traces, print_winners, run_text
 from mars_asp.cli.schemas import add_schema
+from mars_asp.cli.trials import performed, read_changes, scenario_text, specified
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
 

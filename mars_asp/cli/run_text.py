@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.run_json import links_json, speakers
 from mars_asp.cli.winners import in_turn
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.output import counted, visible
 
 if TYPE_CHECKING:

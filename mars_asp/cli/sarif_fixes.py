@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
+from mars_asp.cli.diagnostic_text import Suggestion
 from mars_asp.cli.lines import lines_of
-from mars_asp.cli.report import Suggestion
 from mars_asp.cli.results import plain_text
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
-from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
+from mars_asp.cli.inputs import STANDARD_INPUT, check_inputs
 from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import (
     INPUT_WARNINGS,

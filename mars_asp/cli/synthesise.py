@@ -8,9 +8,8 @@ from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
-from mars_asp.cli.limits import seconds_to_search
-from mars_asp.cli.progress import progress_bar, stage
-from mars_asp.cli.reason import (
+from mars_asp.cli.diagnostic_text import report, report_unrealisable
+from mars_asp.cli.inputs import (
     JUDGING,
     add_file,
     analyse_project,
@@ -18,7 +17,8 @@ from mars_asp.cli.reason import (
     read_project,
     rulebook_for,
 )
-from mars_asp.cli.report import report, report_unrealisable
+from mars_asp.cli.limits import seconds_to_search
+from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language import print_configuration

@@ -11,9 +11,9 @@ from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.cases_report import CaseFileResult, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
+from mars_asp.cli.diagnostic_text import report
+from mars_asp.cli.inputs import STANDARD_INPUT
 from mars_asp.cli.progress import detail
-from mars_asp.cli.reason import STANDARD_INPUT
-from mars_asp.cli.report import report
 from mars_asp.cli.settings import check_settings, settings_of
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file

@@ -11,18 +11,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.diagnostic_text import report, report_unrealisable
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.lines import located_lines, location_json
-from mars_asp.cli.progress import progress_bar
-from mars_asp.cli.reason import (
+from mars_asp.cli.inputs import (
     analyse_project,
     check_inputs,
     read_project,
     read_specification,
     rulebook_for,
 )
-from mars_asp.cli.report import report, report_unrealisable
+from mars_asp.cli.lines import located_lines, location_json
+from mars_asp.cli.progress import progress_bar
+from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Module
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget

@@ -5,12 +5,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
 from typing import Literal, NamedTuple, TypeAlias
 
-from mars_asp.lsp.mentions import VERBS, is_configuration
+from mars_asp.lsp.keyword_docs import ANNOTATIONS, METADATA, MODES, STATEMENTS
+from mars_asp.lsp.occurrences import VERBS, is_configuration
 from mars_asp.lsp.places import Position, Range, Text
 from mars_asp.lsp.robot import DocumentContext, behind
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
-from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from mars_asp.model.names import BARE, QUOTED, plain, written
 

@@ -7,12 +7,12 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from mars_asp.lsp.mentions import Occurrence, is_configuration
+from mars_asp.lsp.keyword_docs import ANNOTATIONS, METADATA, MODES, STATEMENTS, KeywordDoc
+from mars_asp.lsp.occurrences import Occurrence, is_configuration
 from mars_asp.lsp.places import Position, Range, Text
 from mars_asp.lsp.robot import Described, DocumentContext, EditorFinding
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
-from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, KeywordDoc
 from mars_asp.output import fenced, markdown
 
 _WORD = re.compile(r"@?[A-Za-z_]\w*")

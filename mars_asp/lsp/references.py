@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeAlias
 
-from mars_asp.lsp.mentions import Occurrence, is_configuration
+from mars_asp.lsp.occurrences import Occurrence, is_configuration
 from mars_asp.lsp.places import START, Place, Position
 from mars_asp.lsp.robot import DocumentContext, EditorRobot, OpenFile, behind
 

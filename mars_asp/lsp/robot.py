@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Severity
-from mars_asp.lsp.mentions import DocumentOutline, Occurrence, is_configuration, outline
+from mars_asp.lsp.occurrences import DocumentOutline, Occurrence, is_configuration, outline
 from mars_asp.lsp.places import Place, Position, TextEdit
 
 #: A proxy of a mapping crosses no pipe.

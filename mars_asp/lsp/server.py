@@ -22,10 +22,9 @@ from mars_asp import __version__
 from mars_asp.lsp.actions import Action, actions_at, mended, respelt
 from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError, strict_converter
 from mars_asp.lsp.completion import Completions, completion, rule_completion
-from mars_asp.lsp.desk import EditorWorkspace
 from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
-from mars_asp.lsp.mentions import is_configuration, language_of
+from mars_asp.lsp.occurrences import is_configuration, language_of
 from mars_asp.lsp.places import START, Place, Position, Range, Text
 from mars_asp.lsp.protocol import (
     Protocol,
@@ -45,6 +44,7 @@ from mars_asp.lsp.rule_text import is_rules
 from mars_asp.lsp.rules import Rules, predicate_definition, predicate_mentions
 from mars_asp.lsp.symbols import module_symbols, predicate_symbols, workspace_symbols
 from mars_asp.lsp.workers import Workers
+from mars_asp.lsp.workspace import EditorWorkspace
 
 #: Seconds without a keystroke after which an analysis begins.
 PAUSE = 0.25

@@ -4,7 +4,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple, TypeAlias
 
-from mars_asp.lsp.mentions import DocumentOutline
+from mars_asp.lsp.occurrences import DocumentOutline
 from mars_asp.lsp.places import Place, Range
 from mars_asp.lsp.robot import DocumentContext, OpenFile
 from mars_asp.lsp.rule_text import RuleText

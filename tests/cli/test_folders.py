@@ -329,6 +329,6 @@ def test_a_closed_folder_is_named(
 ) -> None:
     write(here, {"closed/b.mars": MARS})
     # The tests may run as root, who can read each folder.
-    monkeypatch.setattr("mars_asp.cli.reason.os.access", lambda path, mode: path != "closed")
+    monkeypatch.setattr("mars_asp.cli.inputs.os.access", lambda path, mode: path != "closed")
     assert run_here(["check", "closed"]) == 2
     assert "error: closed: permission denied" in capsys.readouterr().out

@@ -12,8 +12,8 @@ from mars_asp.language.expected import _WORDS, KEYWORDS
 from mars_asp.language.text_edits import LineEdit, apply_lines
 from mars_asp.lsp.actions import line_edits
 from mars_asp.lsp.completion import completion, rule_completion
-from mars_asp.lsp.desk import EditorWorkspace
 from mars_asp.lsp.hover import hover
+from mars_asp.lsp.keyword_docs import ANNOTATIONS, METADATA, MODES, STATEMENTS
 from mars_asp.lsp.places import Place, Position, Range, Text, TextEdit
 from mars_asp.lsp.questions import CheckedFile, Survey
 from mars_asp.lsp.references import definition, references
@@ -22,7 +22,7 @@ from mars_asp.lsp.robot import EditorFinding
 from mars_asp.lsp.rule_text import rule_text
 from mars_asp.lsp.rules import Rules
 from mars_asp.lsp.symbols import module_symbols, workspace_symbols
-from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS
+from mars_asp.lsp.workspace import EditorWorkspace
 from mars_asp.model.declarations import DELIVERY_MODES
 from mars_asp.reasoning.findings import EXPANSIONS
 from tests.support.asked import asked

@@ -11,7 +11,7 @@ import pytest
 
 from mars_asp.lsp import client_errors
 from mars_asp.lsp.client_errors import BoundedInput
-from mars_asp.lsp.desk import EditorWorkspace
+from mars_asp.lsp.workspace import EditorWorkspace
 from tests.support import hostile_editor
 from tests.support.hostile_editor import _framed
 from tests.support.processes import HANGING

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from mars_asp.annotations.languages import LANGUAGES
-from mars_asp.lsp.words import ANNOTATIONS, MODES, STATEMENTS
+from mars_asp.lsp.keyword_docs import ANNOTATIONS, MODES, STATEMENTS
 from tests.support.documents import ROOT
 
 FOLDER = ROOT / "editors" / "vscode"

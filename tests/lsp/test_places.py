@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from mars_asp.diagnostic import Span
 from mars_asp.lsp.completion import completion, rule_completion
-from mars_asp.lsp.desk import EditorWorkspace
 from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
 from mars_asp.lsp.places import Position, Range, Text, changed_lines
@@ -17,6 +16,7 @@ from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename
 from mars_asp.lsp.rules import Rules, predicate_definition
 from mars_asp.lsp.symbols import module_symbols, predicate_symbols
+from mars_asp.lsp.workspace import EditorWorkspace
 from mars_asp.reading import unsaved, unsaved_bytes
 from tests.support.documents import ROOT
 from tests.support.processes import takes_at_most

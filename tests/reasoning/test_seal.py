@@ -202,8 +202,8 @@ def test_a_synthesis_is_judged_without_packs(
     assert run_here(["synthesise", ROBOT]) == 0
     assert "DataSplitter1 uses_data_from Camera" in capsys.readouterr().out
     lying = forged('node("Camera",data_splitter).\n')
-    monkeypatch.setattr("mars_asp.cli.reason.load_rulebook", lambda *_, **__: lying)
-    monkeypatch.setattr("mars_asp.cli.reason.load_rulebook", lambda *_, **__: lying)
+    monkeypatch.setattr("mars_asp.cli.inputs.load_rulebook", lambda *_, **__: lying)
+    monkeypatch.setattr("mars_asp.cli.inputs.load_rulebook", lambda *_, **__: lying)
     assert run_here(["synthesise", ROBOT]) == 2
     printed, output = capsys.readouterr()
     assert not printed

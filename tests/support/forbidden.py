@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 
-from mars_asp.cli.layout import cells
+from mars_asp.cli.wrapping import cells
 from mars_asp.model.declarations import NODE_NAMES
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.rules import load_rulebook

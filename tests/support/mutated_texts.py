@@ -23,7 +23,7 @@ from unittest import mock
 from mars_asp.asp.cases import find_cases
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact
-from mars_asp.cli.report import diagnostic_text
+from mars_asp.cli.diagnostic_text import diagnostic_text
 from mars_asp.diagnostic import MarsError, point
 from mars_asp.reasoning import rules as built_in
 from mars_asp.reasoning.analysis import analyse

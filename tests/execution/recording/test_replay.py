@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.cli.outputs import write_outputs
+from mars_asp.cli.output_files import write_outputs
 from mars_asp.execution.executor.arbitration import Holding
 from mars_asp.execution.executor.link import Observer
 from mars_asp.execution.judgement import Judgement, judge

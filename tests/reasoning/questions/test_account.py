@@ -17,7 +17,7 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.term_ids import atoms
 from mars_asp.asp.trace.tree import Unexplained
 from mars_asp.cli import run_here
-from mars_asp.cli.reason import load
+from mars_asp.cli.inputs import load
 from mars_asp.diagnostic import MarsError, Span
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.account import ACCOUNT, STAGE, Account, Cited, true_atoms

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.lines import remember
 from mars_asp.cli.progress import detail, stage
-from mars_asp.cli.report import report
 from mars_asp.cli.settings import settings_of
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file

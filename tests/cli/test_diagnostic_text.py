@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.cli.layout import cells, columns, wrapped
-from mars_asp.cli.report import colours, diagnostic_text
+from mars_asp.cli.diagnostic_text import colours, diagnostic_text
+from mars_asp.cli.wrapping import cells, columns, wrapped
 from mars_asp.diagnostic import Diagnostic, Span
 
 

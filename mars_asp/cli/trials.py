@@ -5,15 +5,15 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mars_asp.cli.pace import stepped
-from mars_asp.cli.reason import (
+from mars_asp.cli.diagnostic_text import report, report_unrealisable
+from mars_asp.cli.inputs import (
     SHOWN_INPUT,
     STANDARD_INPUT,
     analyse_project,
     read_input,
     rulebook_for,
 )
-from mars_asp.cli.report import report, report_unrealisable
+from mars_asp.cli.realtime import stepped
 
 if TYPE_CHECKING:
     from mars_asp.asp.rules.rulebook import Rulebook

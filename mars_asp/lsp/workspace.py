@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from mars_asp.lsp.actions import Action
-from mars_asp.lsp.mentions import is_configuration, outline
+from mars_asp.lsp.occurrences import is_configuration, outline
 from mars_asp.lsp.places import Place, changed_lines
 from mars_asp.lsp.questions import Survey
 from mars_asp.lsp.robot import DocumentContext, EditorFinding, EditorRobot

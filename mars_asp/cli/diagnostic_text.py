@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import cells, columns, wrapped
 from mars_asp.cli.lines import line_json, line_text, whole_line
+from mars_asp.cli.wrapping import cells, columns, wrapped
 from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span, brief, whole_file
 from mars_asp.output import counted, visible
 
