@@ -22,7 +22,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.cli.run_json import run_json
-from mars_asp.cli.trials import performed
+from mars_asp.cli.trials import run_trial
 from mars_asp.execution.judgement import run_rulebook
 from mars_asp.execution.scenario.read import load_scenario
 from mars_asp.language import parse_text
@@ -50,7 +50,7 @@ def pool(runs: int, workers: int, seconds: float, out: str, most: int | None) ->
     judging = run_rulebook()
 
     def work(seed: int) -> dict[str, object]:
-        done = performed(specification, {}, replace(scenario, seed=seed), rulebook=judging)
+        done = run_trial(specification, {}, replace(scenario, seed=seed), rulebook=judging)
         return run_json(*done)
 
     _inherited.append(work)

@@ -170,11 +170,11 @@ def _is_in(path: str, folder: str) -> bool:
 
 
 @contextmanager
-def unsaved(texts: Mapping[str, str]) -> Iterator[None]:
+def overlay(texts: Mapping[str, str]) -> Iterator[None]:
     """Have files read as these texts, by their paths; others are read from the disk.
 
-    >>> with unsaved({"robot.mars": "@modules Camera"}):
-    ...     unsaved_bytes(Path("robot.mars"))
+    >>> with overlay({"robot.mars": "@modules Camera"}):
+    ...     overlay_bytes(Path("robot.mars"))
     b'@modules Camera'
     """
     held = {os.path.realpath(path): text.encode("utf-8", "replace") for path, text in texts.items()}
@@ -185,7 +185,7 @@ def unsaved(texts: Mapping[str, str]) -> Iterator[None]:
         _texts.reset(before)
 
 
-def unsaved_bytes(path: Path) -> bytes | None:
+def overlay_bytes(path: Path) -> bytes | None:
     """Return the text of a file in an editor as UTF-8, or None if the disk has it."""
     texts = _texts.get()
     return texts.get(os.path.realpath(path)) if texts else None

@@ -678,7 +678,7 @@ class Robot:
         from mars_asp.cli.run import read_run_scenario
         from mars_asp.cli.run_json import run_json
         from mars_asp.cli.run_text import run_text
-        from mars_asp.cli.trials import performed, runnable
+        from mars_asp.cli.trials import run_trial, runnable
         from mars_asp.execution.judgement import run_rulebook
         from mars_asp.execution.scenario.functions import bind_kinds
 
@@ -690,7 +690,7 @@ class Robot:
         specification, modules = runnable(configuration, self.project, arguments)
         bound = bind_kinds(read_run_scenario(arguments), specification)
         rules = run_rulebook(packs_of(arguments))
-        trial, found = performed(specification, modules, bound, rulebook=rules)
+        trial, found = run_trial(specification, modules, bound, rulebook=rules)
         arguments.quiet = False
         return RunResult(
             found,

@@ -37,7 +37,7 @@ from mars_asp.reading import (
     holds_home,
     is_kernels,
     is_outside,
-    unsaved_bytes,
+    overlay_bytes,
 )
 
 MOST_BYTES = 256 * 1024 * 1024
@@ -306,7 +306,7 @@ def _read_source(
 
 
 def _raw(path: Path, most: int = MOST_BYTES) -> bytes:
-    held = unsaved_bytes(path)
+    held = overlay_bytes(path)
     if held is not None:
         return held
     # A buffer would take twice the time.

@@ -22,7 +22,7 @@ from mars_asp import __version__
 from mars_asp.asp.contained import Lost, ask, end_with_parent, leave, serve
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.run_json import run_json
-from mars_asp.cli.trials import performed
+from mars_asp.cli.trials import run_trial
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.execution.campaign.grid import Run
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED
@@ -144,7 +144,7 @@ class Runs:
     def _result(self, scenario: Scenario) -> bytes:
         job = self._job
         try:
-            done = performed(job.specification, job.modules, scenario, rulebook=job.rulebook)
+            done = run_trial(job.specification, job.modules, scenario, rulebook=job.rulebook)
             found: Mapping[str, Any] = {"result": run_json(*done)}
         except MarsError as error:
             problems = [
@@ -169,7 +169,7 @@ def _warm_up(rulebook: Rulebook) -> None:
     text = f'duration = 1\n[robot]\nmodule = "P"\n[world]\n{world}\n[devices.C]\n{hand}\n'
     scenario = read_scenario(text, Path("warm-up.toml"))
     configuration = parse_text(robot, "warm-up.mars").configuration
-    run_json(*performed(configuration, {}, scenario, rulebook=rulebook))
+    run_json(*run_trial(configuration, {}, scenario, rulebook=rulebook))
 
 
 def _unfinished(scenario: Scenario, verdict: str, error: str) -> dict[str, object]:

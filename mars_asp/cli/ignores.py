@@ -13,7 +13,7 @@ from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.diagnostic import Span
 from mars_asp.language.parse import MOST_BYTES, plain_lines
 from mars_asp.model.names import QUOTED
-from mars_asp.reading import read_file, unsaved_bytes
+from mars_asp.reading import overlay_bytes, read_file
 
 # Few files have such comments, so no pattern is compiled before one does.
 #: What a file must hold to be looked into, in single bytes and in both orders of UTF-16.
@@ -89,7 +89,7 @@ def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ig
 
 def ignores_of(path: str) -> Iterator[Ignore]:
     """Yield the comments of a file that hide findings; none where it cannot be read."""
-    raw = unsaved_bytes(Path(path))
+    raw = overlay_bytes(Path(path))
     if raw is None:
         try:
             raw = read_file(path, MOST_BYTES, path)

@@ -37,7 +37,7 @@ from mars_asp.lsp.questions import CheckedFile, Failed, Question, Sort, Survey
 from mars_asp.lsp.robot import Described, EditorRobot, OpenFile, behind
 from mars_asp.model.declarations import Module
 from mars_asp.model.ports import inputs, outputs
-from mars_asp.reading import unsaved
+from mars_asp.reading import overlay
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project, port_names
@@ -82,7 +82,7 @@ def answer(question: Question, options: argparse.Namespace) -> Any:
     """
     linecache.clearcache()
     try:
-        with unsaved(question.texts):
+        with overlay(question.texts):
             for path, text in question.texts.items():
                 remember(path, plain_lines(text))
             return _ANSWERS[question.sort](question, options)

@@ -10,7 +10,7 @@ from mars_asp.cli.ignores import decoded
 from mars_asp.diagnostic import Diagnostic, Span, brief
 from mars_asp.lsp.places import START, Place, Text, TextEdit
 from mars_asp.lsp.robot import EditorFinding
-from mars_asp.reading import read_file, unsaved_bytes
+from mars_asp.reading import overlay_bytes, read_file
 from mars_asp.reasoning.rules import rules_directory
 
 
@@ -28,7 +28,7 @@ class EditorFiles:
         """Return the text of a file, or None if it is not one."""
         path = os.path.abspath(path)  # noqa: PTH100 -- links stay as they are named
         if path not in self.known:
-            raw = unsaved_bytes(Path(path))
+            raw = overlay_bytes(Path(path))
             try:
                 raw = read_file(path, MOST_BYTES, path) if raw is None else raw
             except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""A run carried out: as fast as it can or by the clock, and shown to who is watching."""
+"""Carry out a run, as fast as possible or limited by the clock, and show it in a page."""
 
 import argparse
 import time
@@ -16,8 +16,8 @@ _GLANCE = 0.5
 _FRAME = 0.1
 
 
-def shown(arguments: argparse.Namespace, title: str) -> "AbstractContextManager[Stage | None]":
-    """Return what shows a paced run in a page; nothing for one that is not, or is to be quiet."""
+def live_view(arguments: argparse.Namespace, title: str) -> "AbstractContextManager[Stage | None]":
+    """Return the page that shows a paced run, or an empty context without a speed or if quiet."""
     if arguments.speed is None or arguments.quiet:
         return nullcontext()
     from mars_asp.cli.watch import watched
@@ -25,8 +25,8 @@ def shown(arguments: argparse.Namespace, title: str) -> "AbstractContextManager[
     return watched(title)
 
 
-def stepped(trial: "Trial", speed: float | None) -> Iterator[None]:
-    """Run a trial to its end, and yield now and then; at `speed` times real time at most.
+def run_realtime(trial: "Trial", speed: float | None) -> Iterator[None]:
+    """Run a trial to its end, at most `speed` times as fast as real time; yield between stages.
 
     The motion is computed at the same instants at any speed, so a run does not depend on it.
     """

@@ -23,11 +23,11 @@ from mars_asp.cli.inputs import (
 from mars_asp.cli.limits import load_freely
 from mars_asp.cli.live import live_line, run_line
 from mars_asp.cli.output_files import add_outputs, check_packages, recorded, write_outputs
-from mars_asp.cli.realtime import shown
+from mars_asp.cli.realtime import live_view
 from mars_asp.cli.run_json import run_json
 from mars_asp.cli.run_text import print_traces, print_winners, run_text
 from mars_asp.cli.schemas import add_schema
-from mars_asp.cli.trials import performed, read_changes, scenario_text, specified
+from mars_asp.cli.trials import read_changes, run_trial, scenario_text, specified
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
@@ -105,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
     from mars_asp.execution.judgement import run_rulebook
 
-    with shown(arguments, _title(scenario)) as page:
+    with live_view(arguments, _title(scenario)) as page:
         recording = recorded(arguments, specification, modules)
         with aside, recording as record, live_line(arguments, run_line) as line:
 
@@ -116,7 +116,7 @@ def run(arguments: argparse.Namespace) -> int:
 
             observe = record.observe if record else None
             rulebook = run_rulebook(packs_of(arguments))
-            trial, judgement = performed(
+            trial, judgement = run_trial(
                 specification, modules, scenario, observe, show, rulebook, arguments.speed
             )
             if record:

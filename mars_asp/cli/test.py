@@ -19,7 +19,7 @@ from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 from mars_asp.language.parse import MOST_BYTES, decode, unreadable
 from mars_asp.output import visible
-from mars_asp.reading import unsaved, unsaved_bytes
+from mars_asp.reading import overlay, overlay_bytes
 from mars_asp.reasoning.cases import FoundCase, cases_of, run_case
 from mars_asp.reasoning.cases.configurations import SUFFIX, snapshot
 from mars_asp.reasoning.packs import with_companions
@@ -108,7 +108,7 @@ def _run_with_input(arguments: argparse.Namespace) -> int:
     text = decode(read_standard_input(MOST_BYTES + 1), "<stdin>")
     name = f"<stdin>{SUFFIX if _HEADER.search(text) else '.lp'}"
     arguments.paths = [name if path == STANDARD_INPUT else path for path in arguments.paths]
-    with unsaved({name: text}):
+    with overlay({name: text}):
         return run_once(arguments)
 
 
@@ -122,7 +122,7 @@ def run_once(arguments: argparse.Namespace) -> int:
     missing = [
         path
         for path in arguments.paths
-        if unsaved_bytes(Path(path)) is None and not Path(path).exists()
+        if overlay_bytes(Path(path)) is None and not Path(path).exists()
     ]
     unread = [unreadable(path, "no such file") for path in missing]
     there = [path for path in arguments.paths if path not in missing]

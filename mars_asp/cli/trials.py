@@ -13,7 +13,7 @@ from mars_asp.cli.inputs import (
     read_input,
     rulebook_for,
 )
-from mars_asp.cli.realtime import stepped
+from mars_asp.cli.realtime import run_realtime
 
 if TYPE_CHECKING:
     from mars_asp.asp.rules.rulebook import Rulebook
@@ -96,7 +96,7 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
     return found.specification.configuration
 
 
-def performed(
+def run_trial(
     specification: "Configuration",
     modules: "Mapping[str, Module]",
     scenario: "Scenario",
@@ -105,9 +105,9 @@ def performed(
     rulebook: "Rulebook | None" = None,
     speed: float | None = None,
 ) -> "tuple[Trial, Judgement]":
-    """Run a specification in a scenario to the end, and judge it; `show` is given it now and then.
+    """Run a specification in a scenario to its end and judge it; `show` is called with each stage.
 
-    With a `speed` it takes its time: 1 is real time.
+    A `speed` limits the run to so many times real time.
 
     Raises:
         MarsError: what is unbound or cannot be used, all at once.
@@ -116,6 +116,6 @@ def performed(
     from mars_asp.execution.trial import stage_trial
 
     trial = stage_trial(specification, modules, scenario, observe)
-    for _ in stepped(trial, speed):
+    for _ in run_realtime(trial, speed):
         show(trial)
     return trial, judge(trial, rulebook)

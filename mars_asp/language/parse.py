@@ -28,7 +28,7 @@ from mars_asp.model.declarations import (
 from mars_asp.model.graph import LaunchTree
 from mars_asp.model.names import BARE, QUOTED, plain
 from mars_asp.output import visible
-from mars_asp.reading import WallError, read_file, unsaved_bytes
+from mars_asp.reading import WallError, overlay_bytes, read_file
 from mars_asp.spelling import nearest
 
 #: Far above any robot; a larger file is a mistake that would only cost time.
@@ -110,7 +110,7 @@ def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) 
     Raises:
         MarsError: the file cannot be read, or must not be.
     """
-    held = unsaved_bytes(path)
+    held = overlay_bytes(path)
     if held is not None:
         return held[: most + 1]
     try:

@@ -17,7 +17,7 @@ from mars_asp.lsp.rename import RefusedError, rename
 from mars_asp.lsp.rules import Rules, predicate_definition
 from mars_asp.lsp.symbols import module_symbols, predicate_symbols
 from mars_asp.lsp.workspace import EditorWorkspace
-from mars_asp.reading import unsaved, unsaved_bytes
+from mars_asp.reading import overlay, overlay_bytes
 from tests.support.documents import ROOT
 from tests.support.processes import takes_at_most
 from tests.support.wire import edited
@@ -71,10 +71,10 @@ def test_an_unsaved_text_is_read_by_every_path_to_its_file(tmp_path: Path) -> No
     path = tmp_path / "a.mars"
     path.write_text("old")
     (tmp_path / "link.mars").symlink_to(path)
-    with unsaved({str(path): "new \ud800"}):
-        assert unsaved_bytes(tmp_path / "." / "link.mars") == b"new ?"
-        assert unsaved_bytes(tmp_path / "b.mars") is None
-    assert unsaved_bytes(path) is None
+    with overlay({str(path): "new \ud800"}):
+        assert overlay_bytes(tmp_path / "." / "link.mars") == b"new ?"
+        assert overlay_bytes(tmp_path / "b.mars") is None
+    assert overlay_bytes(path) is None
 
 
 def test_answers_survive_edits_at_random() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.reading import WallError, read_file, unsaved_bytes
+from mars_asp.reading import WallError, overlay_bytes, read_file
 
 MOST_BYTES = 8 * 1024 * 1024
 MOST_STATEMENTS = 100_000
@@ -90,7 +90,7 @@ def read_text(path: Path, shown: str) -> str:
         MarsError: the file cannot be read.
     """
     try:
-        held = unsaved_bytes(path)
+        held = overlay_bytes(path)
         if held is None and not stat.S_ISREG(path.stat().st_mode):
             raise _refusal_error(shown, "no regular file", "name a file or a folder of `.lp` files")
         raw = read_file(path, MOST_BYTES) if held is None else held
