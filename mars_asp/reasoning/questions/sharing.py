@@ -27,7 +27,11 @@ from mars_asp.reasoning.synthesis import IntroducedNode
 APART = Signature("apart", 5)
 #: More lines than these, or more seconds, are not spent on a sentence.
 _MOST_LINES, _MOST_SECONDS = 60, 0.1
-_CONTROL_INPUT, _WEIGHS, _HOLD = Signature("control_input", 3), Signature("weighs", 2), Signature("hold", 2)
+_CONTROL_INPUT, _WEIGHS, _HOLD = (
+    Signature("control_input", 3),
+    Signature("weighs", 2),
+    Signature("hold", 2),
+)
 _RECEIVES, _ARCHITECTURE = Signature("receives", 2), Signature("architecture", 1)
 _ARBITER, _SPLITTER = Signature("arbiter", 1), Signature("control_splitter", 1)
 
@@ -91,7 +95,9 @@ def _connected(
             if other not in reached:
                 reached.add(other)
                 waiting.append(other)
-    heard = [a for a, (module, _) in zip(found[_CONTROL_INPUT], lines, strict=True) if module in reached]
+    heard = [
+        a for a, (module, _) in zip(found[_CONTROL_INPUT], lines, strict=True) if module in reached
+    ]
     if len(heard) > _MOST_LINES or any("inherited(" in text(atom) for atom in heard):
         return None
     of: dict[str, list[TermId]] = defaultdict(list)
