@@ -293,6 +293,9 @@ def ask(
             value = answer(question)
             limit_time(0)
             send(sent, (None, value))
+        except MemoryError:
+            # The child is lost, as where a library ends it.
+            raise
         except Exception:
             from traceback import format_exc  # noqa: PLC0415 -- few processes need it
 
