@@ -44,7 +44,9 @@ class Workers:
                 else:
                     worker.kill()
                     self.warm_up()
-            return answer or Failed("the process that worked on it ended: was memory short?")
+            if answer is None:
+                return Failed("the process that worked on it ended: was memory short?")
+            return answer
 
     def warm_up(self) -> None:
         """Start a process for the next question, if none waits for it."""
