@@ -88,9 +88,9 @@ FILES = {
     "exchange/dora": "document read",
     "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
-        "actions commands names interface catalogue cmake setup_files workspace parameters "
-        "cpp_code cpp_durations cpp_handles cpp_scopes cpp_texts source_cpp python_files "
-        "python_scopes python_written python_values python_expressions python_texts "
+        "actions commands names interface catalogue cmake python_files python_scopes "
+        "python_written python_values python_expressions python_texts setup_files workspace "
+        "parameters cpp_code cpp_durations cpp_handles cpp_scopes cpp_texts source_cpp "
         "source_python programs glue bridges conditions python_nodes python_tests python_evaluate "
         "launch_python launch_markup launch_catalogue descriptions launch controllers muxes "
         "read"

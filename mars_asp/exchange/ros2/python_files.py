@@ -55,7 +55,7 @@ class PythonFiles:
             found = self._find(module) if self._left else None
             self._left -= found is not None
             try:
-                self._read[module] = None if found is None else _parsed(*found, module)
+                self._read[module] = None if found is None else parse_source(*found, module)
             except SyntaxError as error:
                 self._read[module] = None
                 if found is not None and not is_newer(error):
@@ -105,7 +105,7 @@ def calls_of(part: ast.AST) -> Iterator[ast.Call]:
     return (node for node in ast.walk(part) if isinstance(node, ast.Call))
 
 
-def _parsed(text: str, path: str, module: str) -> SourceFile | None:
+def parse_source(text: str, path: str, module: str) -> SourceFile | None:
     """Return a file, or None if Python cannot read it.
 
     Raises:
@@ -183,6 +183,8 @@ def called_name(call: ast.Call) -> str:
     return call.func.id if isinstance(call.func, ast.Name) else ""
 
 
-def keeper_of(target: ast.expr) -> str | None:
-    """Return the name of a variable, or of one of `self`."""
-    return dotted_name(target) or None
+def argument_of(call: ast.Call, at: int, *names: str) -> ast.expr | None:
+    """Return the argument of a call that has one of the names, or else the position."""
+    named = {each.arg: each.value for each in call.keywords}
+    found = next((named[name] for name in names if name in named), None)
+    return call.args[at] if found is None and at < len(call.args) else found

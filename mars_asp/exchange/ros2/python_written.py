@@ -3,18 +3,19 @@
 import ast
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
+from mars_asp.exchange.ros2.python_files import argument_of
+
 
 def declared(call: ast.Call, name: str) -> Iterator[tuple[ast.expr, ast.expr]]:
     """Yield the parameters that a call of a name declares, each with its default."""
-    named = {each.arg: each.value for each in call.keywords if each.arg}
     if name == "declare_parameter":
-        given = named.get("name") or next(iter(call.args), None)
-        value = named.get("value") or (call.args[1] if len(call.args) > 1 else None)
+        given = argument_of(call, 0, "name")
+        value = argument_of(call, 1, "value")
         if given is not None and value is not None:
             yield given, value
     elif name == "declare_parameters":
-        listed = named.get("parameters") or (call.args[1] if len(call.args) > 1 else None)
-        space = named.get("namespace") or next(iter(call.args), None)
+        listed = argument_of(call, 1, "parameters")
+        space = argument_of(call, 0, "namespace")
         prefix = space.value if isinstance(space, ast.Constant) else ""
         for each in listed.elts if isinstance(listed, ast.List | ast.Tuple) else ():
             match each:

@@ -27,10 +27,10 @@ from mars_asp.exchange.ros2.python_files import (
     Find,
     PythonFiles,
     SourceFile,
+    argument_of,
     called_name,
     calls_of,
     dotted_name,
-    keeper_of,
 )
 from mars_asp.exchange.ros2.python_texts import NO_CODE, PythonTexts, parameter_of
 from mars_asp.exchange.ros2.python_written import (
@@ -305,13 +305,8 @@ class _Unit(PythonTexts):
         self, call: ast.Call, keeper: str | None, type_at: int, name_at: int, published: bool
     ) -> Iterator[_Found]:
         """Yield the topic that a call makes, if its name is written somewhere."""
-        named = {k.arg: k.value for k in call.keywords if k.arg}
-        kind = named.get("msg_type") or named.get("data_class")
-        name = named.get("topic") or named.get("name")
-        if kind is None and type_at < len(call.args):
-            kind = call.args[type_at]
-        if name is None and name_at < len(call.args):
-            name = call.args[name_at]
+        kind = argument_of(call, type_at, "msg_type", "data_class")
+        name = argument_of(call, name_at, "topic", "name")
         if name is None or kind is None:
             return
         switches = self.switches(call)
@@ -361,10 +356,7 @@ class _Unit(PythonTexts):
 
     def further(self, call: ast.Call, name_at: int, keyword: str | None) -> None:
         """Note the name of a service or action, or with no keyword of a parameter."""
-        named = {k.arg: k.value for k in call.keywords if k.arg}
-        name = named.get(keyword) if keyword else None
-        if name is None and name_at < len(call.args):
-            name = call.args[name_at]
+        name = argument_of(call, name_at, *([keyword] if keyword else ()))
         for _ in self.rounds_of(call):
             for _ in self.choices():
                 value = None if name is None else self.value(name, self.scope)
@@ -394,10 +386,9 @@ class _Unit(PythonTexts):
         for call, _ in self.calls[:_MOST_CALLS]:
             self.go_to(call)
             name = called_name(call)
-            named = {k.arg: k.value for k in call.keywords if k.arg}
             if name in ("create_timer", "Timer", "create_wall_timer"):
-                period = named.get("timer_period_sec") or (call.args[0] if call.args else None)
-                callback = named.get("callback") or (call.args[1] if len(call.args) > 1 else None)
+                period = argument_of(call, 0, "timer_period_sec")
+                callback = argument_of(call, 1, "callback")
                 seconds = None if period is None else self.number(period)
                 if seconds and seconds > 0 and callback is not None:
                     hz = rate_of(seconds)
@@ -406,7 +397,7 @@ class _Unit(PythonTexts):
             elif name in ("Rate", "create_rate") and call.args:
                 number = self.number(call.args[0])
                 if number and number > 0:
-                    yield number, [each for each in self.bodies if _encloses(each, call)]
+                    yield number, [each for each in self.bodies if call in ast.walk(each)]
 
     @cached_property
     def bodies(self) -> tuple[ast.AST, ...]:
@@ -417,8 +408,7 @@ class _Unit(PythonTexts):
         """Return what a callback is."""
         if isinstance(callback, ast.Lambda):
             return [callback]
-        name = keeper_of(callback)
-        last = (name or "").rpartition(".")[2]
+        last = dotted_name(callback).rpartition(".")[2]
         return [each for each in self.bodies if getattr(each, "name", None) == last]
 
     def publishing(self, functions: Iterable[ast.AST]) -> Iterator[str]:
@@ -460,18 +450,16 @@ class _Unit(PythonTexts):
             is_super = isinstance(call.func, ast.Attribute) and (
                 isinstance(call.func.value, ast.Call) and called_name(call.func.value) == "super"
             )
-            named = {k.arg: k.value for k in call.keywords if k.arg}
-            given = named.get("node_name") or (call.args[0] if call.args else None)
-            is_init = name == "__init__" and dotted_name(call.func) in ("Node.__init__",)
-            if is_init:
-                given = call.args[1] if len(call.args) > 1 else given
+            is_init = dotted_name(call.func) == "Node.__init__"
+            given = argument_of(call, 1 if is_init and len(call.args) > 1 else 0, "node_name")
             if (name == "__init__" and is_super) or is_init or name in ("init_node", "create_node"):
                 text = None if given is None else self.text(given)
-                if "namespace" in named and not self.namespace:
-                    space = self.text(named["namespace"])
+                namespace = argument_of(call, len(call.args), "namespace")
+                if namespace is not None and not self.namespace:
+                    space = self.text(namespace)
                     self.namespace = space or ""
                     if space is None:
-                        self.note(AT_RUN_TIME, named["namespace"], "namespace")
+                        self.note(AT_RUN_TIME, namespace, "namespace")
                 if given is not None and text != "":
                     yield Unread(FURTHER_NODES, text or _ANY_NAME, self.location(given))
 
@@ -490,7 +478,3 @@ def _used_at_the_end(tree: ast.AST) -> frozenset[str]:
         if isinstance(node, ast.Name | ast.Attribute) and isinstance(node.ctx, ast.Load):
             used[node in within].add(node.id if isinstance(node, ast.Name) else node.attr)
     return frozenset(used[True] - used[False])
-
-
-def _encloses(outer: ast.AST, inner: ast.AST) -> bool:
-    return any(each is inner for each in ast.walk(outer))
