@@ -104,14 +104,16 @@ def behind_angle(tokens: Sequence[SourceToken], at: int) -> int:
     return at + 1 if end is None else end
 
 
-def split(tokens: Sequence[SourceToken], angles: bool = True) -> list[list[SourceToken]]:
-    """Split at the commas outside of all brackets; `angles` says whether `<` opens one."""
+def split(
+    tokens: Sequence[SourceToken], angles: bool = True, sign: str = ","
+) -> list[list[SourceToken]]:
+    """Split at the signs outside of all brackets; `angles` is whether `<` opens one."""
     groups: list[list[SourceToken]] = [[]]
     index, value, compares = 0, False, False
     while index < len(tokens):
         text = tokens[index].text
         end = index + 1
-        if text == ",":
+        if text == sign:
             groups.append([])
             value = compares = False
             index = end

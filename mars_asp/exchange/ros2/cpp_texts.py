@@ -78,7 +78,7 @@ class CppTexts:
             return _limited("".join(each or "" for each in strings))
         if not words or len(words) > _MOST_WORDS:
             return _UNKNOWN
-        groups = _summands(tokens) if "+" in words else ()
+        groups = split(tokens, angles=False, sign="+") if "+" in words else ()
         if len(groups) > 1:
             parts = [self.text_of(file, group) for group in groups]
             is_known = all(part.text is not None and not part.parameter for part in parts)
@@ -359,16 +359,3 @@ def _unwrapped(tokens: Sequence[SourceToken]) -> Sequence[SourceToken]:
         else:
             break
     return tokens
-
-
-def _summands(tokens: Sequence[SourceToken]) -> Sequence[Sequence[SourceToken]]:
-    """Return the parts of an expression between signs of a sum outside of brackets."""
-    groups: list[Sequence[SourceToken]] = []
-    begin = at = 0
-    while at < len(tokens):
-        if tokens[at].text == "+":
-            groups.append(tokens[begin:at])
-            begin = at = at + 1
-        else:
-            at = closing(tokens, at) if tokens[at].text in ("(", "[", "{") else at + 1
-    return [*groups, tokens[begin:]]

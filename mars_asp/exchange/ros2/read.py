@@ -648,7 +648,8 @@ class _WorkspaceRobot:
     def _node(self, started: Started, of_ros2: bool | None) -> GraphNode | Mux | Relay | None:
         """Return the node that is started, or the mux or relay that it is."""
         program = RosProgram(started.package, started.executable, started.plugin)
-        known = self.catalogue.interface(*_program_key(program))
+        key = started.package, started.executable, started.plugin
+        known = self.catalogue.interface(*key)
         if started.package in _HELPERS and known is None:
             sort, called = _HELPERS[started.package], started.name or started.executable
             if started.executable in MANAGERS:
@@ -972,10 +973,6 @@ class _WorkspaceRobot:
             message = f"the topics of {described} are from the catalogue: {names}{more}"
             first = next(iter(spans.values()))
             self.problems.append(Diagnostic("catalogue", "note", message, first, kind="catalogue"))
-
-
-def _program_key(program: RosProgram) -> tuple[str, str, bool]:
-    return program.package, program.executable, program.plugin
 
 
 def _is_off(topic: InterfaceTopic, values: Mapping[str, GivenParameter]) -> bool:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
     angle,
+    before,
     closing,
     is_word,
     joined,
@@ -292,7 +293,9 @@ class _CppFile(ScopedCode):
             last = argument[-1]
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
             return Unread(AT_RUN_TIME, shown, span)
-        topic = InterfaceTopic(value.text or "", _declared_type(kind), span, value.parameter)
+        topic = InterfaceTopic(
+            value.text or "", None if kind in ("", "auto") else kind, span, value.parameter
+        )
         return _TopicCall(topic, self._keeper(call), published, handle)
 
     def is_parameter(self, argument: Sequence[SourceToken]) -> bool:
@@ -305,7 +308,9 @@ class _CppFile(ScopedCode):
         """Return the parameters that decide whether a token is reached, each with its value."""
         found: set[tuple[str, bool]] = set()
         for first, last, holds in self.tests_at(at):
-            parts = _conjuncts(self.tokens[first : min(last, first + _MOST_WORDS)])
+            test = self.tokens[first : min(last, first + _MOST_WORDS)]
+            is_any = len(before(test, "||")) < len(test)
+            parts = [test] if is_any else split(test, angles=False, sign="&&")
             # Of a conjunction that does not hold it is unknown which part is false.
             for part in parts if holds or len(parts) == 1 else ():
                 negated = text_at(part, 0) == "!"
@@ -477,27 +482,6 @@ def _used_if(files: Sequence["_CppFile"], keeper: str, texts: CppTexts) -> set[t
     places = [(file, at) for file in files for at in file.publications.get(keeper, ())]
     used = [file.switches(at, texts) for file, at in places[:_MOST_FOLLOWED]]
     return set.intersection(*used) if 0 < len(places) <= _MOST_FOLLOWED else set()
-
-
-def _conjuncts(tokens: Sequence[SourceToken]) -> list[Sequence[SourceToken]]:
-    """Return the parts of a condition that `&&` joins; a condition with `||` has one part."""
-    found: list[list[SourceToken]] = [[]]
-    at = 0
-    while at < len(tokens):
-        if tokens[at].text == "||":
-            return [tokens]
-        if tokens[at].text == "&&":
-            found.append([])
-            at += 1
-            continue
-        end = closing(tokens, at) if tokens[at].text in ("(", "[", "{") else at + 1
-        found[-1] += tokens[at:end]
-        at = end
-    return [part for part in found if part]
-
-
-def _declared_type(kind: str | None) -> str | None:
-    return None if kind in (None, "", "auto") else kind
 
 
 def _parameter_type(tokens: Sequence[SourceToken]) -> str | None:

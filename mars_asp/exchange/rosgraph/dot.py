@@ -66,7 +66,7 @@ def read_dot(text: str, path: str) -> Dump:
             case True, False:
                 dump.end(end, start, False, None, edge.span)
             case False, False:
-                topic = _topic_of(edge, drawing.places)
+                topic = _label(edge.attributes, drawing.places)
                 if topic:
                     dump.end(start, topic, True, None, edge.span)
                     dump.end(end, topic, False, None, edge.span)
@@ -107,11 +107,6 @@ def _element_name(element: _DotElement, places: DotPlaces) -> str:
         if element.id.startswith(prefix):
             return element.id.removeprefix(prefix).replace("__", "/")
     return element.id
-
-
-def _topic_of(edge: _Edge, places: DotPlaces) -> str:
-    """Return the topic that the label of an edge says; empty where it says none."""
-    return _label(edge.attributes, places)
 
 
 def _label(attributes: dict[str, DotToken], places: DotPlaces) -> str:

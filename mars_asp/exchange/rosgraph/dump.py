@@ -1,5 +1,6 @@
 """What a dump says of nodes and topics, part by part."""
 
+import re
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -7,6 +8,11 @@ from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 from mars_asp.model.graph import Endpoint, Graph, GraphNode
+
+
+def match_span(path: str, number: int, match: re.Match[str], group: int | str = 1) -> Span:
+    """Return the location of a group of a match in its line."""
+    return Span(path, number, match.start(group) + 1, number, match.end(group) + 1)
 
 
 @dataclass(slots=True)

@@ -4,7 +4,7 @@ import re
 from itertools import pairwise
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.rosgraph.dump import Dump
+from mars_asp.exchange.rosgraph.dump import Dump, match_span
 
 _SECTION = re.compile(r"[ \t]*(\w+(?: \w+)?):[ \t]*")
 _NODE = re.compile(r"[ \t]*(/[^\s:]*)[ \t]*")
@@ -34,16 +34,16 @@ def read_node_info(text: str, path: str) -> Dump:
             section = head[1]
             if node is None:
                 message = f"`{section}` of a node without a name"
-                dump.wrong(_match_span(path, number, head), message, _HELP)
+                dump.wrong(match_span(path, number, head), message, _HELP)
                 node = ""
         elif named and _heads_section(following):
             node, section = named[1], None
-            dump.node(node, _match_span(path, number, named))
+            dump.node(node, match_span(path, number, named))
         elif entry and section is not None and node is not None:
             types = entry["types"].split(",")
             # With several types nobody knows which is meant.
             type_ = types[0] if len(types) == 1 else None
-            span = _match_span(path, number, entry)
+            span = match_span(path, number, entry)
             if section in _CALLS:
                 dump.skip(_CALLS[section], entry["name"], span)
             elif node:
@@ -57,8 +57,3 @@ def read_node_info(text: str, path: str) -> Dump:
 def _heads_section(line: str) -> bool:
     head = _SECTION.fullmatch(line)
     return head is not None and head[1] in (*_OUT, *_CALLS)
-
-
-def _match_span(path: str, number: int, match: re.Match[str]) -> Span:
-    """Return where the first group of a match stands in its line."""
-    return Span(path, number, match.start(1) + 1, number, match.end(1) + 1)

@@ -8,7 +8,7 @@ import re
 from pathlib import PurePath
 
 from mars_asp.diagnostic import Span, point
-from mars_asp.exchange.rosgraph.dump import Dump
+from mars_asp.exchange.rosgraph.dump import Dump, match_span
 
 _FIELD = re.compile(r"[ \t]*(?P<key>[A-Za-z][\w ()]*?)[ \t]*:[ \t]*(?P<value>[^\n]*?)[ \t]*")
 _TOPIC = re.compile(r"(?<![\w./~])(/\w+(?:/\w+)*)(?![\w./])")
@@ -60,7 +60,9 @@ class _TopicInfoReader:
         field = _FIELD.fullmatch(line)
         key = field["key"] if field else ""
         value = field["value"] if field else ""
-        span = _value_span(self.path, number, field) if field else point(self.path, number, 1)
+        span = (
+            match_span(self.path, number, field, "value") if field else point(self.path, number, 1)
+        )
         match key:
             case "Type":
                 self.begin_topic(value, span)
@@ -125,7 +127,3 @@ class _TopicInfoReader:
         """Return the name of the node that is being told."""
         name = self.node[0] if self.node else ""
         return name if name.startswith("/") else f"{self.space.rstrip('/')}/{name}"
-
-
-def _value_span(path: str, number: int, field: re.Match[str]) -> Span:
-    return Span(path, number, field.start("value") + 1, number, field.end("value") + 1)
