@@ -248,7 +248,7 @@ class Evaluator(ExpressionEvaluator[Names]):
             return known(PythonCall("LaunchConfiguration", (found,), {}, self.span(node)))
         return super().item(node, names, depth)
 
-    def variable(self, node: ast.Name | ast.Attribute, names: Names, depth: int) -> Value:
+    def variable_value(self, node: ast.Name | ast.Attribute, names: Names, depth: int) -> Value:
         """Return the value of a name or an attribute.
 
         Raises:
@@ -291,7 +291,7 @@ class Evaluator(ExpressionEvaluator[Names]):
             if not any(self.branch(condition, condition, inner) for condition in first.ifs):
                 yield from self.scopes(others, inner, depth)
 
-    def call(self, node: ast.Call, names: Names, depth: int) -> Value:
+    def call_value(self, node: ast.Call, names: Names, depth: int) -> Value:
         """Return the value of a call by those of its arguments."""
         arguments, named = self.given(node, names, depth)
         span = self.span(node)

@@ -48,18 +48,18 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
     def __init__(self) -> None:
         """Take no steps yet."""
         self.steps = 0
-        self.constant = cache(self.literal)
+        self.constant = cache(self.literal_value)
 
     @abstractmethod
     def span(self, node: ast.expr | ast.stmt) -> Span:
         """Return the location of an expression."""
 
     @abstractmethod
-    def variable(self, node: ast.Name | ast.Attribute, scope: Scope, depth: int) -> Value:
+    def variable_value(self, node: ast.Name | ast.Attribute, scope: Scope, depth: int) -> Value:
         """Return the value of a name or an attribute."""
 
     @abstractmethod
-    def call(self, node: ast.Call, scope: Scope, depth: int) -> Value:
+    def call_value(self, node: ast.Call, scope: Scope, depth: int) -> Value:
         """Return the value of a call."""
 
     @abstractmethod
@@ -76,9 +76,9 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
             case ast.Constant():
                 return self.constant(node)
             case ast.Call():
-                return self.call(node, scope, depth)
+                return self.call_value(node, scope, depth)
             case ast.Name() | ast.Attribute():
-                return self.variable(node, scope, depth)
+                return self.variable_value(node, scope, depth)
             case ast.List(elts=items) | ast.Tuple(elts=items) | ast.Set(elts=items):
                 return Listed(list(self.elements(items, scope, depth)), self.span(node))
             case ast.Dict(keys=keys, values=values):
@@ -114,7 +114,7 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
         owner = self.value(node.value, scope, depth + 1)
         return picked(owner, self.value(node.slice, scope, depth + 1))
 
-    def literal(self, node: ast.Constant) -> Value:
+    def literal_value(self, node: ast.Constant) -> Value:
         """Return the value of a literal, or None if it is of no use."""
         match node.value:
             case bool() as truth:

@@ -222,7 +222,9 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         """Return which value of a condition is taken, or None if there should be one."""
         return self._one_of((node.body, node.orelse))
 
-    def variable(self, node: ast.Name | ast.Attribute, scope: SourceScope, depth: int) -> Value:
+    def variable_value(
+        self, node: ast.Name | ast.Attribute, scope: SourceScope, depth: int
+    ) -> Value:
         """Return the value of a variable, of a constant of the workspace, or the imported name."""
         owner = None
         if isinstance(node, ast.Attribute) and node.attr in _VALUES:
@@ -246,7 +248,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         first, dot, rest = dotted_name(node).partition(".")
         return PythonName(f"{self.file.imports.get(first, first)}{dot}{rest}") if first else None
 
-    def call(self, node: ast.Call, scope: SourceScope, depth: int) -> Value:
+    def call_value(self, node: ast.Call, scope: SourceScope, depth: int) -> Value:
         """Return the value of a call: a parameter, a quantity, or that of a known function."""
         name = called_name(node)
         if name in _GETS:
@@ -276,9 +278,9 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
             done = known(PythonCall(name, arguments, named, self._span))
         return done
 
-    def literal(self, node: ast.Constant) -> Value:
+    def literal_value(self, node: ast.Constant) -> Value:
         """Return the value of a literal; a truth is no part of a name."""
-        return None if isinstance(node.value, bool) else super().literal(node)
+        return None if isinstance(node.value, bool) else super().literal_value(node)
 
     def switches(self, call: ast.Call) -> frozenset[tuple[str, bool]]:
         """Return the parameters that decide whether a call is reached, each with its value."""

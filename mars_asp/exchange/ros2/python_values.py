@@ -325,10 +325,10 @@ def folder_of(text: Text) -> Text:
 
 def path_of(*parts: Text) -> Text:
     """Return a path of parts."""
-    return joined(("/",), parts)
+    return join_texts(("/",), parts)
 
 
-def joined(between: Text, parts: Iterable[Text]) -> Text:
+def join_texts(between: Text, parts: Iterable[Text]) -> Text:
     """Return texts as one, with another between them."""
     return text_of(*[each for part in parts for each in (between, part)][1:])
 
@@ -427,7 +427,7 @@ def known_method(
             return Plain(filled(text, arguments, named), span)
         case Plain(text, span), "join":
             parts = map(inserted, items_of(first)) if isinstance(first, Listed) else (UNKNOWN,)
-            return Plain(joined(text, parts), span)
+            return Plain(join_texts(text, parts), span)
         case Plain((PackageShare(),), span), "find":
             # FindPackageShare looks for the package that this method names.
             return Plain((PackageShare(text_from(first)),), span)
