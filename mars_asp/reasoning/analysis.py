@@ -155,7 +155,11 @@ def analyse(
     asked = [
         Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(rulebook.asked)
     ]
-    labelled = tuple(_labelled(speakers)) if with_labels else ()
+    labelled = tuple(
+        (rule, label)
+        for rule in (speakers if with_labels else ())
+        for label in labels_above(rule, EXPANSIONS)
+    )
     text = facts_text(facts)
     program = [
         *rulebook.fragments("base"),
@@ -176,10 +180,6 @@ def analyse(
         check_decided(grounding.control, _STAGE, speakers)
     check_severities(said(grounding.control, _STAGE, speakers))
     return Analysis(grounding, facts, speakers, configuration, labelled)
-
-
-def _labelled(speakers: Iterable[Rule]) -> Iterator[tuple[Rule, Label]]:
-    return ((rule, label) for rule in speakers for label in labels_above(rule, EXPANSIONS))
 
 
 def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook) -> MarsError:
@@ -206,7 +206,10 @@ def read_consequences(
     first = _first_said(analysis)
     if not notes:
         first = {head: item for head, item in first.items() if arguments(head)[1] != _NOTE}
-    keys = {head: _key(arguments(head)) for head in first}
+    keys = {
+        head: (kind, about, case)
+        for head, (kind, _, about, case) in ((head, arguments(head)) for head in first)
+    }
     wanted = set(keys.values())
     part_of = _collect(control, ("participant", 5), wanted) if participants else {}
     concerned = _collect(control, ("concerns", 4), wanted)
@@ -331,11 +334,6 @@ def _first_said(analysis: Analysis) -> dict[TermId, RenderedMessage]:
         if (item.number, as_symbol(item.values)) < (rival.number, as_symbol(rival.values)):
             first[item.head] = item
     return first
-
-
-def _key(parts: Sequence[TermId]) -> Key:
-    kind, _, about, case = parts
-    return kind, about, case
 
 
 def _collect(

@@ -167,22 +167,21 @@ class _AttributeReader:
     def facts(self) -> tuple[Fact, ...]:
         """Return the facts, each once, in the order of modules and names."""
         first: dict[tuple[str, str], Fact] = {}
-        for module, attribute in (*self._of_descriptions(), *self._of_lines()):
+        described = described_modules(self._configuration, self._described).values()
+        entries = [_Stated(module.name, each) for module in described for each in module.attributes]
+        for module, attribute in (*entries, *self._of_lines()):
             atom = self._attribute_atom(module, attribute)
             if atom is None:
                 continue
             fact = Fact(atom, attribute.span)
             earlier = first.setdefault((atom.name, module), fact)
             if earlier.atom != atom:
-                self._twice(module, attribute, earlier)
+                message = f"the property `{attribute.name}` of `{module}` has two values"
+                labels = ((earlier.span, "the first value"),)
+                self._note_attribute(message, attribute.span, "keep one of the two", labels)
         if self._problems:
             raise MarsError(self._problems)
         return tuple(first[key] for key in sorted(first))
-
-    def _of_descriptions(self) -> Iterator[_Stated]:
-        for module in described_modules(self._configuration, self._described).values():
-            for attribute in module.attributes:
-                yield _Stated(module.name, attribute)
 
     def _of_lines(self) -> Iterator[_Stated]:
         named = {name.text for name in self._configuration.modules}
@@ -192,7 +191,10 @@ class _AttributeReader:
                 instances.setdefault(name.described, []).append(name.text)
         for line in self._configuration.attributed:
             if line.module not in self._known and line.module not in instances:
-                self._unnamed(line.module, line.attribute.span)
+                near = nearest(line.module, self._known)
+                advice = f"did you mean `{near}`?" if near else "name it in `@modules`"
+                message = f"`{line.module}` is not a module of the configuration"
+                self._note_attribute(message, line.attribute.span, advice)
             described = () if line.module in named else instances.get(line.module, ())
             for module in (line.module, *described):
                 yield _Stated(module, line.attribute)
@@ -259,16 +261,6 @@ class _AttributeReader:
             advice = f"{advice}; declared so far: {known}"
         message = f"no rule pack declares the {word} `{attribute.name}`"
         self._note_attribute(message, attribute.span, advice)
-
-    def _unnamed(self, module: str, span: Span) -> None:
-        near = nearest(module, self._known)
-        advice = f"did you mean `{near}`?" if near else "name it in `@modules`"
-        self._note_attribute(f"`{module}` is not a module of the configuration", span, advice)
-
-    def _twice(self, module: str, attribute: Attribute, earlier: Fact) -> None:
-        message = f"the property `{attribute.name}` of `{module}` has two values"
-        labels = ((earlier.span, "the first value"),)
-        self._note_attribute(message, attribute.span, "keep one of the two", labels)
 
     def _note_attribute(
         self,

@@ -429,13 +429,13 @@ def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
                 found = f"`test`, `rules lint` and `rules doc` find `../{need.name}` themselves"
                 advice = f"also give its folder with `--rules`; {found}"
                 yield Diagnostic(_CODE, "error", message, need.span, help=advice)
-            elif not _will_do(there, need):
+            elif not _suffices(there, need):
                 asked = f"{need.comparison} {need.version}"
                 message = f"pack `{manifest.name}` needs `{need.name}` {asked}, this is {there}"
                 yield Diagnostic(_CODE, "error", message, need.span)
 
 
-def _will_do(version: str, need: Requirement) -> bool:
+def _suffices(version: str, need: Requirement) -> bool:
     if not need.comparison:
         return True
     there, asked = (_version_parts(each) for each in (version, need.version))

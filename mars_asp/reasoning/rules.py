@@ -1,6 +1,6 @@
 """The rules of MARS: where they are, their stages, and what packs of others may do beside them."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.namespaces import apart
-from mars_asp.asp.rules.read import NameSpace, RuleFile, read_file, told_apart, wrong_packs
+from mars_asp.asp.rules.read import NameSpace, read_file, told_apart, wrong_packs
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constant_names, defined
@@ -163,11 +163,19 @@ def load_rulebook(
     declared = tuple(map(_kind_rule, kinds))
     return Rulebook(
         (*own.rules, *declared, *rules),
-        (*own.texts, *((rule.stage, rule.text) for rule in declared), *_texts(files)),
+        (
+            *own.texts,
+            *((rule.stage, rule.text) for rule in declared),
+            *((f.stage, f.text) for f in files),
+        ),
         len(files),
         len(rules),
         (*own.paths, *(r.span.path for r in declared), *(file.shown for file in files)),
-        (*own.documented, *map(_undocumented, declared), *(file.documented for file in files)),
+        (
+            *own.documented,
+            *(Documented(rule.stage, rule.span.path, ()) for rule in declared),
+            *(file.documented for file in files),
+        ),
         (*kinds, *attributes),
         ((next(iter(NODE_NAMES)), tuple(kind.kind for kind in kinds)),) if kinds else (),
     )
@@ -188,10 +196,6 @@ def brought_by(extra: Iterable[Path]) -> tuple[object, ...]:
     return brought
 
 
-def _texts(files: Iterable[RuleFile]) -> Iterator[tuple[str, str]]:
-    return ((file.stage, file.text) for file in files)
-
-
 def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace:
     """Return the rules of a pack, of those of its files that can be read."""
     read = (
@@ -208,10 +212,6 @@ def _kind_rule(kind: PackKind) -> Rule:
     atom = Atom("node_kind", tuple(map(Atom, declared)))
     name = f"{kind.span.path}:{kind.span.line}"
     return Rule(name, None, None, kind.span, f"{atom}.", "base")
-
-
-def _undocumented(rule: Rule) -> Documented:
-    return Documented(rule.stage, rule.span.path, ())
 
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:

@@ -377,7 +377,7 @@ def _miscounted(
 
 
 def _count_list(counts: Mapping[str, int]) -> str:
-    return ", ".join(f"{name} {count}" for name, count in counts.items() if count) or "none"
+    return _all({name: count for name, count in counts.items() if count}) or "none"
 
 
 def _all(counts: Mapping[str, int]) -> str:
@@ -410,7 +410,12 @@ def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
         findings = [each for each in robot.told if own is None or each.kind in own]
         new = [f"# expect: {each}" for each in findings]
         new += [f"# only: {', '.join(sorted(own))}"] if own else []
-        new += _expected_counts(robot) if robot.is_realised else [f"# expect: {_NONE}"]
+        if not robot.is_realised:
+            new.append(f"# expect: {_NONE}")
+        else:
+            if any(robot.nodes.values()):
+                new.append(f"# expect nodes: {_count_list(robot.nodes)}")
+            new.append(f"# expect cost: {_all(robot.cost)}")
         return text.rstrip("\n") + "\n" + "\n".join(new) + "\n"
     written = text.split("\n")
     for line in lines:
@@ -420,20 +425,13 @@ def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
     return "\n".join(written)
 
 
-def _expected_counts(robot: _Robot) -> list[str]:
-    nodes = {name: count for name, count in robot.nodes.items() if count}
-    found = [f"# expect nodes: {_count_list(nodes)}"] if nodes else []
-    costs = ", ".join(f"{name} {count}" for name, count in robot.cost.items())
-    return [*found, f"# expect cost: {costs}"]
-
-
 def _told_instead(line: ExpectationLine, robot: _Robot) -> str | None:
     """Return what a line is to expect, where it is to expect something else."""
     if line.counts is not None:
         there = robot.counted_of(line.what)
         if there is None or all(there[name] == n for name, n in line.counts.items()):
             return None
-        return ", ".join(f"{name} {there[name]}" for name in line.counts)
+        return _all({name: there[name] for name in line.counts})
     if line.what == "expect order":
         return _order_of(line, robot)
     if line.what != "expect" or not line.wanted or any(map(line.wanted[0].fits, robot.told)):

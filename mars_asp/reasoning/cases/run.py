@@ -1,6 +1,5 @@
 """Run a case by its stages, whichever form it has."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 from mars_asp.asp import cases
@@ -51,8 +50,5 @@ def tried(path: Path, rulebook: Rulebook) -> Case:
         texts: tuple[str, ...] = (facts_text(project_facts(project)),)
     else:
         texts = tuple(map(rulebook.as_named, cases.case_texts(path)))
-    return Case(path, texts, ("base", *stages_of(path)), _passes(path))
-
-
-def _passes(path: Path) -> Callable[[Rulebook], bool]:
-    return lambda rulebook: run_case(path, rulebook).passed
+    stages = ("base", *stages_of(path))
+    return Case(path, texts, stages, lambda rulebook: run_case(path, rulebook).passed)

@@ -23,7 +23,6 @@ from mars_asp.model.declarations import (
     Mode,
     Module,
     Mount,
-    Name,
     Relationship,
     Service,
     ends_of,
@@ -188,11 +187,6 @@ class Compiler:
 
     def compile(self) -> tuple[Fact, ...]:
         """Return all facts that are wanted."""
-        self.tell()
-        return tuple(self.facts)
-
-    def tell(self) -> None:
-        """Add all facts that are wanted."""
         parts = (
             (self.heading, HEADING),
             (self.each_module, MODULES),
@@ -209,15 +203,14 @@ class Compiler:
         for tell, predicates in parts:
             if self.wanted is None or self.wanted & predicates:
                 tell()
+        return tuple(self.facts)
 
     def heading(self) -> None:
         """Add the architecture, the muxes that there are already and nodes that were not read."""
         configuration = self.configuration
-        if configuration.format is None:
-            self.add(configuration.span, "architecture", Atom(configuration.architecture))
-        else:
-            # No line of theirs states it.
-            self.add(_NOWHERE, "architecture", Atom(configuration.architecture))
+        # No line of a foreign file states it.
+        span = configuration.span if configuration.format is None else _NOWHERE
+        self.add(span, "architecture", Atom(configuration.architecture))
         if configuration.origin is not None:
             self.add(_NOWHERE, "imported", Atom(configuration.origin))
         if configuration.period_ms is not None:
@@ -242,16 +235,12 @@ class Compiler:
     def each_module(self) -> None:
         """Add the modules that the configuration names."""
         for name in self.configuration.modules:
-            self.module(name)
-
-    def module(self, name: Name) -> None:
-        """Add one module that the configuration names."""
-        self.add(name.span, "module", name.text)
-        self.place(name.text, name.span)
-        if self.configuration.kind == "specification":
-            kind = self.configuration.node_kind(name.text)
-            if kind and name.text not in self.described:
-                self.add(name.span, "node", name.text, Atom(kind))
+            self.add(name.span, "module", name.text)
+            self.place(name.text, name.span)
+            if self.configuration.kind == "specification":
+                kind = self.configuration.node_kind(name.text)
+                if kind and name.text not in self.described:
+                    self.add(name.span, "node", name.text, Atom(kind))
 
     def relationships(self) -> None:
         """Add the relationships."""
@@ -303,7 +292,11 @@ class Compiler:
             case Data(client):
                 source = self.ends.source(relationship)
                 self.add(span, "uses_data_from", number, client, source)
-                self.requirement(number, relationship)
+                if relationship.mode is not None:
+                    self.add(span, "required_mode", number, mode_term(relationship.mode))
+                    if relationship.hz is not None:
+                        rate = self.rates.millihertz(relationship.hz)
+                        self.add(span, "required_rate", number, rate)
             case Control(controlled, controller):
                 self.add(span, "is_controlled_by", number, controlled, controller)
                 if relationship.priority is not None:
@@ -319,16 +312,6 @@ class Compiler:
                 at, on = relationship.mounting_vertex or 0, relationship.mounted_vertex or 0
                 self.add(span, "is_mounted_on", number, mounting, at, mounted, on)
         self.place(number, span)
-
-    def requirement(self, number: int, data: Data) -> None:
-        """Add which service a data relationship asks for."""
-        if data.mode is None:
-            return
-        mode = mode_term(data.mode)
-        self.add(data.span, "required_mode", number, mode)
-        if data.hz is None:
-            return
-        self.add(data.span, "required_rate", number, self.rates.millihertz(data.hz))
 
     def words(self) -> None:
         """Add once how each mode with its rate is written."""

@@ -5,7 +5,7 @@ What lines name of a module that nothing describes is taken at its word; of any 
 there, which rules see.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -176,16 +176,9 @@ def _outputs(name: str, module: Module | None, named: Iterable[str]) -> Sequence
 
 
 def _free(taken: set[str], module: str, port: str) -> str:
-    """Return the name of a port that nothing else has, and take it."""
-    for text in _spellings(module, port):
-        if text not in taken:
-            break
+    """Return a name of a port that is not taken, and take it."""
+    text = end(module, port)
+    while text in taken:
+        text += "'"
     taken.add(text)
     return text
-
-
-def _spellings(module: str, port: str) -> Iterator[str]:
-    text = end(module, port)
-    while True:
-        yield text
-        text += "'"

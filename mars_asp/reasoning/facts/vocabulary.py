@@ -52,9 +52,9 @@ def _given(docstrings: "tuple[Docstring, ...]") -> "tuple[Signature, ...]":
 def unbounded(declared: "Iterable[Declaration]") -> "Mapping[Signature, tuple[int, ...]]":
     """Return the positions from 0 of numbers that a user states, however large."""
     given = (each for each in declared if each.origin == "stated")
-    return {each.signature: places for each in given if (places := _unbounded(each))}
-
-
-def _unbounded(each: "Declaration") -> tuple[int, ...]:
-    # Of an attribute of a pack any number may be stated.
-    return each.places(*UNBOUNDED, *(NUMBERS if each.attribution else ()))
+    # Any number may be stated of an attribute of a pack.
+    return {
+        each.signature: places
+        for each in given
+        if (places := each.places(*UNBOUNDED, *(NUMBERS if each.attribution else ())))
+    }

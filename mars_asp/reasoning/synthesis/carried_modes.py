@@ -1,9 +1,11 @@
 """Which of several offered modes a source's link carries, where a specification leaves it open."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import replace
+from typing import NamedTuple
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.model.declarations import Configuration, Data, Module, ends_of
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import analyse
@@ -18,8 +20,8 @@ def state_modes(
 ) -> Configuration:
     """Return the specification with a mode on each line that leaves its source a choice.
 
-    It is the mode that `rules/services.lp` finds for the clients behind the nodes: the first that
-    serves most of them.
+    It is the mode that `rules/services.lp` finds for the clients downstream of the nodes: the first
+    that serves most of them.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -34,21 +36,13 @@ def state_modes(
     }
     if not any(line.mode is None and ends.source(line) in offered for line in lines):
         return specification
-    nodes = data_nodes(specification, known)
-    apart = replace(
-        specification,
-        kind="configuration",
-        modules=tuple(n for n in specification.modules if n.text not in nodes),
-        relationships=tuple(_end_to_end(lines, nodes)),
-    )
-    project = with_brought(Project(apart, modules, ()), rulebook.brought)
-    analysis = analyse(project_facts(project), rulebook, apart.span)
+    grounding = connect_directly(specification, modules, rulebook).grounding
     carried = {
         symbol.arguments[0].string: symbol.arguments[1].number
-        for symbol in analysis.grounding.symbols("favoured", 2)
+        for symbol in grounding.symbols("favoured", 2)
     }
 
-    def stated(line: Data) -> Data:
+    def with_mode(line: Data) -> Data:
         source = ends.source(line)
         if line.mode is not None or source not in carried or source not in offered:
             return line
@@ -57,15 +51,62 @@ def state_modes(
     return replace(
         specification,
         relationships=tuple(
-            stated(line) if isinstance(line, Data) else line for line in specification.relationships
+            with_mode(line) if isinstance(line, Data) else line
+            for line in specification.relationships
         ),
     )
 
 
-def data_nodes(specification: Configuration, known: Mapping[str, Module]) -> frozenset[str]:
-    """Return the nodes that hand on data, those of rule packs among them."""
+class DirectLines(NamedTuple):
+    """The data lines of a specification without nodes, and what rules derive from these lines.
 
-    def hands_on(name: str) -> bool:
+    Each line has the line of the specification into its client.
+    """
+
+    configuration: Configuration
+    lines: Sequence[tuple[Data, Data]]
+    grounding: Grounding
+
+
+def connect_directly(
+    specification: Configuration,
+    modules: Mapping[str, Module],
+    rulebook: Rulebook,
+    clients: Set[str] | None = None,
+) -> DirectLines:
+    """Return the data lines between modules of a specification, or those of some clients.
+
+    Raises:
+        MarsError: clingo refuses the rules.
+    """
+    nodes = _data_nodes(specification, described_modules(specification, modules))
+    data = [line for line in specification.relationships if isinstance(line, Data)]
+    feeds: dict[str, list[Data]] = {}
+    for line in data:
+        if line.client in nodes:
+            feeds.setdefault(line.client, []).append(line)
+    lines = [
+        (direct, line)
+        for line in data
+        if line.client not in nodes and (clients is None or line.client in clients)
+        for direct in _from_sources(line, feeds)
+    ]
+    configuration = replace(
+        specification,
+        kind="configuration",
+        modules=tuple(n for n in specification.modules if n.text not in nodes),
+        relationships=tuple(direct for direct, _ in lines),
+        conversions=(),
+    )
+    project = with_brought(Project(configuration, modules, ()), rulebook.brought)
+    analysis = analyse(project_facts(project), rulebook, configuration.span)
+    return DirectLines(configuration, lines, analysis.grounding)
+
+
+def _data_nodes(specification: Configuration, known: Mapping[str, Module]) -> frozenset[str]:
+    """Return the nodes that forward data, those of rule packs among them."""
+
+    def forwards_data(name: str) -> bool:
         brought = specification.pack_kind(name)
         if brought is not None:
             return brought.carries == "data"
@@ -74,22 +115,11 @@ def data_nodes(specification: Configuration, known: Mapping[str, Module]) -> fro
     ends = {name.text for name in specification.modules}.union(
         *(ends_of(line) for line in specification.relationships)
     )
-    return frozenset(name for name in ends - known.keys() if hands_on(name))
+    return frozenset(name for name in ends - known.keys() if forwards_data(name))
 
 
-def _end_to_end(lines: list[Data], nodes: frozenset[str]) -> Iterator[Data]:
-    """Yield what modules use from modules, the nodes between them left out."""
-    feeds: dict[str, list[Data]] = {}
-    for line in lines:
-        if line.client in nodes:
-            feeds.setdefault(line.client, []).append(line)
-    for line in lines:
-        if line.client not in nodes:
-            yield from from_sources(line, feeds)
-
-
-def from_sources(line: Data, feeds: Mapping[str, list[Data]]) -> Iterator[Data]:
-    """Yield a line of a module for each way from a source; no more of those that state the same."""
+def _from_sources(line: Data, feeds: Mapping[str, list[Data]]) -> Iterator[Data]:
+    """Yield a line of a module for each path from a source; of those that state the same, one."""
     waiting, seen = [line], set()
     while waiting:
         each = waiting.pop()

@@ -72,7 +72,7 @@ class ControlLines:
                     yield line.controlled
 
     def _write_into(self, receiver: TermId) -> None:
-        stack = sorted(self._into.pop(receiver, ()), reverse=True, key=_by_place)
+        stack = sorted(self._into.pop(receiver, ()), reverse=True, key=lambda line: line.place)
         while stack:
             line = stack.pop()
             after = [line]
@@ -89,7 +89,7 @@ class ControlLines:
         if not self._hands_on(node) or node in self._opened:
             return []
         self._opened.add(node)
-        return sorted(self._into.get(node, ()), reverse=True, key=_by_place)
+        return sorted(self._into.get(node, ()), reverse=True, key=lambda line: line.place)
 
     def _hands_on(self, node: TermId) -> bool:
         """Whether something is a node that is written where what it says is heard.
@@ -144,7 +144,3 @@ class ControlLines:
                 topic=relationship.topic if isinstance(relationship, Control) else None,
             )
         )
-
-
-def _by_place(line: _ControlLine) -> int:
-    return line.place
