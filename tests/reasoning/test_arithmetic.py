@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp.lint.arithmetic import risks
+from mars_asp.asp.lint.clauses import clauses_of
 from mars_asp.cli import run_here
 from mars_asp.reasoning.facts.vocabulary import unbounded
 from mars_asp.reasoning.rules import STAGES, load_rulebook
@@ -41,5 +42,5 @@ def test_lint_tells_risks_and_is_content(
 def test_our_own_rules_compute_nothing_that_may_not_fit() -> None:
     rulebook = load_rulebook(stages=STAGES, strict=True)
     large = unbounded(rulebook.declarations.values())
-    found = [each.diagnostic for each in risks(rulebook.rules, large)]
+    found = [each.diagnostic for each in risks(clauses_of(rulebook.rules).values(), large)]
     assert [f"{each.span.path}:{each.span.line}: {each.message}" for each in found] == []

@@ -3,7 +3,7 @@
 Each family of lints has a file; `catalogue` says of each lint what it does and why.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -14,7 +14,7 @@ from mars_asp.asp.lint.bodies import wrong_bodies
 from mars_asp.asp.lint.clauses import Clause, ClauseAtom, clauses_of, name_of
 from mars_asp.asp.lint.copies import superfluous
 from mars_asp.asp.lint.found import LintFinding
-from mars_asp.asp.lint.graph import PredicateGraph
+from mars_asp.asp.lint.graph import recursive_components
 from mars_asp.asp.lint.joins import paired
 from mars_asp.asp.lint.keys import apart_by_keys
 from mars_asp.asp.lint.messages import (
@@ -91,9 +91,14 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
     judged = frozenset(range(after, len(clauses)))
     declared, replaced = rulebook.declarations, rulebook.replaced
     known = KnownValue(clauses, declared, host.forms, replaced, host.kinds)
-    circle = PredicateGraph(clauses).circle
+    circle = recursive_components(clauses)
     functions = MessageFunctions(clauses, declared)
     reported = frozenset({host.finding} if host.finding else ())
+    # The predicates that rules of choosing stages derive, by the stage.
+    decided = {
+        stage: {s.unsigned for rule in rules if rule.stage == stage for s in rule.heads}
+        for stage in host.choosing
+    }
     is_large = partial(_is_large, known=known, things=host.things)
     entries: set[tuple[str, str]] = set()
     for number in range(begin, len(rules)):
@@ -118,17 +123,15 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
             yield from paired(clause, is_large)
             yield from open_messages(clause, reported, functions)
             yield from wrong_holes(clause, known, host.things)
-            yield from out_of_place(clause, known, reported, host.demanding, _decided(rules, host))
+            yield from out_of_place(clause, known, reported, host.demanding, decided)
     yield from rival_messages(clauses, judged, reported)
     yield from mixed_units(clauses, judged, known)
     yield from superfluous(clauses, judged)
     yield from unplaced(clauses, judged, host.placing)
-    own = (
-        rulebook.texts[len(rulebook.texts) - rulebook.packs :] if rulebook.packs else rulebook.texts
-    )
     yield from unused(clauses, judged, _public(rulebook), circle)
     yield from unfounded(clauses, judged, circle)
-    at = declared_in(rulebook, own)
+    # Without packs the slice from 0 has all texts.
+    at = declared_in(rulebook, rulebook.texts[-rulebook.packs :])
     documented = {s for s, each in declared.items() if each.words or each.origin}
     if rulebook.packs:
         files = rulebook.documented[len(rulebook.documented) - rulebook.packs :]
@@ -138,16 +141,8 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
         yield from described_anew(here, rulebook.built_in.declarations)
     attributes = {s for s, each in declared.items() if each.attribution and not each.public}
     yield from undefined(clauses, at, documented, attributes)
-    yield from risks(rules[begin:], host.unbounded)
+    yield from risks([read[number] for number in range(begin, len(rules))], host.unbounded)
     yield from shared_names(rulebook)
-
-
-def _decided(rules: Sequence[Rule], host: Host) -> Mapping[str, set[Signature]]:
-    """Return the predicates that rules of choosing stages derive, by the stage."""
-    return {
-        stage: {s.unsigned for rule in rules if rule.stage == stage for s in rule.heads}
-        for stage in host.choosing
-    }
 
 
 def _expanded_clauses(

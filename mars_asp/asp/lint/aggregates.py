@@ -50,7 +50,7 @@ def _fixed_choice(clause: Clause) -> Iterator[LintFinding]:
         yield found(AGGREGATE, message, clause.place(head.node), clause.rule, advice)
 
 
-def _is_bound_elsewhere(clause: Clause, name: str, others: tuple[Aggregate, ...]) -> bool:
+def _is_bound_elsewhere(clause: Clause, name: str | None, others: tuple[Aggregate, ...]) -> bool:
     atoms = {each for atom in clause.body.positive for one in atom.terms for each in names_in(one)}
     compared = {
         each
@@ -87,14 +87,11 @@ def _element(
         return
     for term in counted:
         name = name_of(term)
-        if name is not None and name in bound and _is_bound(clause, name):
+        is_global = name in bound and _is_bound_elsewhere(clause, name, clause.aggregates)
+        if is_global:
             message = f"`{name}` is bound outside of the aggregate, so it is one value in it"
             advice = "use another variable for what is counted, or leave it out of the tuple"
             yield found(AGGREGATE, message, clause.place(term), clause.rule, advice)
-
-
-def _is_bound(clause: Clause, name: str) -> bool:
-    return _is_bound_elsewhere(clause, name, clause.aggregates)
 
 
 def _lost(element: Element, told: frozenset[str]) -> str:

@@ -1,19 +1,13 @@
 """Arithmetic in rules of which nothing shows that it fits into the 32 bits of clingo's integers."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
-from mars_asp.asp.lint.clauses import Clause, clauses_of, name_of, number_of, placed
+from mars_asp.asp.lint.clauses import Clause, name_of, number_of
 from mars_asp.asp.lint.found import LintFinding, found
-from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import (
-    Number,
-    Operand,
-    Operation,
-    Statement,
-    rule_operands,
-    statements_of,
-)
+from mars_asp.asp.rules.checks import placed
+from mars_asp.asp.rules.statements import Number, Operand, Operation, rule_operands
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, below, names_in
 from mars_asp.asp.signature import Signature
 
 ARITHMETIC = "rule-arithmetic"
@@ -21,30 +15,27 @@ ARITHMETIC = "rule-arithmetic"
 _MOST = 2**31 - 1
 #: Comparisons of a variable, on the left, by which it is no greater than a number plus so much.
 _BOUNDING = {"<": -1, "<=": 0, "=": 0}
-_TURNED = {">": "<", ">=": "<=", "=": "="}
 
 
 def risks(
-    rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]
+    read: Iterable[Sequence[Clause]], unbounded: Mapping[Signature, Iterable[int]]
 ) -> Iterator[LintFinding]:
     """Yield the operations that may not fit: products, and sums of numbers that a user states.
 
-    `unbounded` are the positions from 0 of such numbers in the predicates that hold them, given.
-    A rule that says why what it computes `fits` is taken at its word. So is one whose comparisons
-    bound all that it computes with.
+    `read` are the variants of each rule without pools. `unbounded` are the positions from 0 of such
+    numbers in the given predicates that hold them. A rule is left out if its metadata has `fits`,
+    or if its comparisons bound all its operands.
     """
-    rules = tuple(rules)
-    read = statements_of(rule.text for rule in rules)
-    declared = _unbounded_positions(
-        [statement for variants in read.values() for statement in variants], unbounded
-    )
-    for rule in rules:
-        # What metadata stands for repeats a body of which all is said.
+    read = tuple(read)
+    declared = _unbounded_positions([clause for variants in read for clause in variants], unbounded)
+    for variants in read:
+        rule = variants[0].rule
+        # Rules made from metadata repeat a body that is judged where it is written.
         if rule.fits is not None or rule.listed is not None:
             continue
-        large = frozenset[str]().union(*(_large(each, declared) for each in read[rule.text]))
+        large = frozenset[str]().union(*(_large(each, declared) for each in variants))
         risky = tuple(_risky(rule_operands(rule.text), large))
-        bounds = _upper_bounds(rule) if risky else {}
+        bounds = _upper_bounds(variants) if risky else {}
         for operation in risky:
             if _most(operation, bounds) <= _MOST:
                 continue
@@ -53,7 +44,7 @@ def risks(
             if names:
                 message += f", as `{names[0]}` has no upper bound"
             advice = "compare numbers, or signs, not products; or state in `%! fits:` why it fits"
-            yield found(ARITHMETIC, message, placed(rule, operation.place), rule, advice)
+            yield found(ARITHMETIC, message, placed(rule.span, operation.place), rule, advice)
 
 
 def _risky(read: Iterable[Operand], large: Set[str]) -> Iterator[Operation]:
@@ -77,16 +68,16 @@ def _is_risky(operation: Operation, large: Set[str]) -> bool:
     return sign in ("+", "*", "**") or (sign == "-" and computed)
 
 
-def _upper_bounds(rule: Rule) -> Mapping[str, int]:
-    """Return the numbers that variables of a rule are compared with, and do not exceed."""
-    ways = [dict(_bounded(clause)) for clause in clauses_of([rule])[0]]
+def _upper_bounds(variants: Iterable[Clause]) -> Mapping[str, int]:
+    """Return the upper bounds that comparisons give variables in all variants of a rule."""
+    ways = [dict(_bounded(clause)) for clause in variants]
     shared = set(ways[0]).intersection(*ways) if ways else set()
     return {name: max(way[name] for way in ways) for name in shared}
 
 
 def _bounded(clause: Clause) -> Iterator[tuple[str, int]]:
-    for left, sign, right, _ in clause.body.comparisons:
-        for one, order, other in ((left, sign, right), (right, _TURNED.get(sign, ""), left)):
+    for comparison in clause.body.comparisons:
+        for one, order, other in comparison.sides:
             name, number = name_of(one), number_of(other)
             if name is not None and number is not None and order in _BOUNDING:
                 yield name, number + _BOUNDING[order]
@@ -114,38 +105,50 @@ def _variables(operand: Operand) -> frozenset[str]:
 
 
 def _unbounded_positions(
-    rules: Iterable[Statement], unbounded: Mapping[Signature, Iterable[int]]
+    clauses: Iterable[Clause], unbounded: Mapping[Signature, Iterable[int]]
 ) -> Mapping[Signature, Set[int]]:
-    """Return the positions of numbers that users state, handed on from rule to rule."""
+    """Return the positions of numbers that users state, propagated from rule to rule."""
     found = {signature: set(places) for signature, places in unbounded.items()}
-    reading: dict[Signature, list[Statement]] = {}
-    for statement in rules:
-        for signature in statement.reads:
-            reading.setdefault(signature, []).append(statement)
+    reading: dict[Signature, list[Clause]] = {}
+    for clause in clauses:
+        for signature in {atom.signature for atom in clause.read}:
+            reading.setdefault(signature, []).append(clause)
     waiting = list(found)
     while waiting:
-        for statement in reading.get(waiting.pop(), ()):
-            large = _large(statement, found)
-            for head in statement.heads if large else ():
-                literal = head.literal
-                places = {at for at, term in enumerate(literal.terms) if term.variables & large}
-                known = found.setdefault(literal.signature, set())
+        for clause in reading.get(waiting.pop(), ()):
+            large = _large(clause, found)
+            for head, _ in clause.heads if large else ():
+                places = {at for at, term in enumerate(head.terms) if large & _matched(term)}
+                known = found.setdefault(head.signature, set())
                 if not places <= known:
                     known |= places
-                    waiting.append(literal.signature)
+                    waiting.append(head.signature)
     return found
 
 
-def _large(statement: Statement, stated: Mapping[Signature, Set[int]]) -> frozenset[str]:
-    """Return the variables of a statement that hold numbers that users state."""
+def _large(clause: Clause, stated: Mapping[Signature, Set[int]]) -> frozenset[str]:
+    """Return the variables of a clause that hold numbers that users state."""
     found = {
         name
-        for literal in statement.read
-        if literal.binds
-        for at in stated.get(literal.signature, ())
-        for name in literal.terms[at].variables
+        for scope in (clause.body, *clause.inner)
+        for atom in scope.positive
+        for at in stated.get(atom.signature, ())
+        for name in _matched(atom.terms[at])
     }
-    for variable, firsts in statement.assigned:
-        if not firsts.isdisjoint(found):
-            found.add(variable)
+    for aggregate in clause.aggregates:
+        sign, guard = aggregate.guards[0] if aggregate.guards else ("", None)
+        if sign == "=" and not aggregate.sign and aggregate.function not in ("count", "set"):
+            firsts = {name_of(element.terms[0]) for element in aggregate.elements if element.terms}
+            name = name_of(guard) if guard is not None else None
+            if name is not None and not firsts.isdisjoint(found):
+                found.add(name)
     return frozenset(found)
+
+
+def _matched(term: SyntaxNode) -> frozenset[str]:
+    """Return the variables of a term that computes no value, so that matching it binds them."""
+    kinds = (Kind.Variable, Kind.SymbolicTerm, Kind.Function)
+    computes = any(
+        each.ast_type not in kinds or getattr(each, "external", False) for each in below(term)
+    )
+    return frozenset() if computes else names_in(term)

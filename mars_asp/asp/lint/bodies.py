@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence, Set
 
 from mars_asp.asp.lint.clauses import (
+    OPPOSITE,
     Aggregate,
     Clause,
     ClauseAtom,
@@ -129,7 +130,7 @@ def _needless(
             kept = rest
             why = (
                 "whatever its terms are"
-                if never([_denied(each)], constants)
+                if never([_denied(compared(each))], constants)
                 else ("wherever the other comparisons do")
             )
             message = f"`{each.text}` holds {why}"
@@ -139,9 +140,10 @@ def _needless(
     for at, aggregate in enumerate(clause.aggregates):
         entries = list(_aggregate_bounds(at, aggregate))
         count = len(aggregate.guards)
-        if aggregate.sign == 0 and count and len(entries) > count and not _binds(aggregate):
+        binds = any(sign == "=" for sign, _ in aggregate.guards)
+        if aggregate.sign == 0 and count and len(entries) > count and not binds:
             known = entries[count:]
-            if all(never([*known, _turned(guard)]) for guard in entries[:count]):
+            if all(never([*known, _denied(guard)]) for guard in entries[:count]):
                 message = "this aggregate always has such a value"
                 place = clause.place(aggregate.node)
                 yield found(
@@ -149,26 +151,15 @@ def _needless(
                 )
 
 
-def _binds(aggregate: Aggregate) -> bool:
-    return any(sign == "=" for sign, _ in aggregate.guards)
-
-
 def _holds_anyway(each: Comparison, rest: Sequence[Comparison], constants: Set[str]) -> bool:
     if each.sign == "=" and str(each.left) != str(each.right):
         # It may be what binds a variable.
         return False
-    return never([*map(compared, rest), _denied(each)], constants)
+    return never([*map(compared, rest), _denied(compared(each))], constants)
 
 
-_DENIED = {">": "<=", "<": ">=", "<=": ">", ">=": "<", "!=": "=", "=": "!="}
-
-
-def _denied(each: Comparison) -> Compared:
-    return _turned(compared(each))
-
-
-def _turned(each: Compared) -> Compared:
-    return each._replace(sign=_DENIED[each.sign])
+def _denied(each: Compared) -> Compared:
+    return each._replace(sign=OPPOSITE[each.sign])
 
 
 def _repeated(clause: Clause) -> Iterator[LintFinding]:

@@ -1,17 +1,18 @@
 """Rules as they are written: literals, comparisons and aggregates with their terms and places."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple, TypeAlias
 
 from clingo import SymbolType
 
+from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import places, sign_and_function, variants
-from mars_asp.asp.rules.trees import Kind, SyntaxNode, names_in
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, elements_of, guards_of, names_in
 from mars_asp.asp.signature import Signature
-from mars_asp.diagnostic import Span, point
+from mars_asp.diagnostic import Span
 
 #: A comparison's sign as it is written, by clingo's numbers.
 SIGNS = (">", "<", "<=", ">=", "!=", "=")
@@ -24,6 +25,11 @@ _OPERATIONS = ("^", "?", "&", "+", "-", "*", "/", "\\", "**")
 
 #: What heads are: one atom, some of several atoms, one of several, or none.
 Sort: TypeAlias = Literal["rule", "choice", "disjunction", "constraint", "other"]
+_SORTS: Mapping[Kind, Sort] = {
+    Kind.Aggregate: "choice",
+    Kind.HeadAggregate: "choice",
+    Kind.Disjunction: "disjunction",
+}
 
 
 class ClauseAtom(NamedTuple):
@@ -56,8 +62,21 @@ class Comparison(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Return it as clingo would write it."""
+        """Return the comparison as clingo would write it."""
         return f"{self.left!s} {self.sign} {self.right!s}"
+
+    @property
+    def sides(self) -> tuple[tuple[SyntaxNode, str, SyntaxNode], ...]:
+        """Return the comparison from left to right, and from right to left."""
+        return (
+            (self.left, self.sign, self.right),
+            (self.right, TURNED[self.sign], self.left),
+        )
+
+    @property
+    def equal(self) -> tuple[tuple[SyntaxNode, SyntaxNode], ...]:
+        """Return each side with the other one if the two are equal."""
+        return tuple((one, other) for one, sign, other in self.sides if sign == "=")
 
 
 class ClauseScope(NamedTuple):
@@ -114,8 +133,7 @@ class Clause:
         for each in self.body.comparisons:
             found |= names_in(each.left) | names_in(each.right)
         for aggregate in self.aggregates:
-            for _, guard in aggregate.guards:
-                found |= names_in(guard)
+            found = found.union(*(names_in(guard) for _, guard in aggregate.guards))
         for atom, condition in self.heads:
             if not condition.atoms:
                 found |= {name for each in atom.terms for name in names_in(each)}
@@ -157,22 +175,15 @@ class Clause:
         """Return where a node begins in its file; a rule that metadata stands for is there."""
         if self.rule.listed is not None:
             return self.rule.listed
-        return placed(self.rule, places(self.rule.text)(node))
+        return placed(self.rule.span, places(self.rule.text)(node))
 
     def span(self, node: SyntaxNode) -> Span | None:
         """Return where a node is in its file, so that it can be replaced."""
         if self.rule.listed is not None:
             return None
         where = places(self.rule.text)
-        begin, end = placed(self.rule, where(node)), placed(self.rule, where(node, end=True))
+        begin, end = (placed(self.rule.span, where(node, end)) for end in (False, True))
         return Span(begin.path, begin.line, begin.column, end.line, end.column)
-
-
-def placed(rule: Rule, place: tuple[int, int]) -> Span:
-    """Return where something is in a file that has a place in a rule."""
-    line, column = place
-    begin = rule.span
-    return point(begin.path, begin.line + line - 1, column + (begin.column - 1) * (line == 1))
 
 
 def joined(one: ClauseScope, other: ClauseScope) -> ClauseScope:
@@ -262,43 +273,31 @@ def _clause(rule: Rule, node: SyntaxNode) -> Clause:
 
 
 def _heads(head: SyntaxNode) -> tuple[Sort, list[tuple[ClauseAtom, ClauseScope]]]:
-    kind = head.ast_type
-    if kind is Kind.Literal:
+    if head.ast_type is Kind.Literal:
         if head.atom.ast_type is Kind.SymbolicAtom:
             return ("rule" if head.sign == 0 else "other"), [(_clause_atom(head), ClauseScope())]
         return ("constraint" if str(head) == "#false" else "other"), []
-    if kind not in (Kind.Aggregate, Kind.HeadAggregate, Kind.Disjunction):
-        return "other", []
-    elements = head.elements
-    if kind is Kind.HeadAggregate:
-        elements = [each.condition for each in elements]
     found = [
-        (_clause_atom(each.literal), _scope(each.condition))
-        for each in elements
-        if each.literal.atom.ast_type is Kind.SymbolicAtom
+        (_clause_atom(literal), _scope(condition))
+        for (*_, literal), condition in elements_of(head)
+        if literal.atom.ast_type is Kind.SymbolicAtom
     ]
-    return ("disjunction" if kind is Kind.Disjunction else "choice"), found
+    return _SORTS.get(head.ast_type, "other"), found
 
 
 def _aggregate(literal: SyntaxNode) -> Aggregate:
     atom = literal.atom
-    guards = []
-    if atom.left_guard is not None:
-        # Clingo keeps what stands to the left of an aggregate with its sign.
-        guards.append((SIGNS[atom.left_guard.comparison], atom.left_guard.term))
-    if atom.right_guard is not None:
-        guards.append((TURNED[SIGNS[atom.right_guard.comparison]], atom.right_guard.term))
+    guards = [(SIGNS[each.comparison], each.term) for each in guards_of(atom)]
+    # Clingo writes a single guard to the left, and keeps the sign of a right one.
+    guards[1:] = [(TURNED[sign], term) for sign, term in guards[1:]]
+    elements = zip(atom.elements, elements_of(atom), strict=True)
     if atom.ast_type is Kind.BodyAggregate:
         function = _FUNCTIONS[atom.function]
-        elements = tuple(
-            Element(each.terms, _scope(each.condition), each) for each in atom.elements
-        )
+        found = [Element(terms, _scope(inner), each) for each, (terms, inner) in elements]
     else:
         function = "set"
-        elements = tuple(
-            Element((), _scope((*each.condition, each.literal)), each) for each in atom.elements
-        )
-    return Aggregate(function, tuple(guards), elements, literal.sign, literal)
+        found = [Element((), _scope((*inner, *own)), each) for each, (own, inner) in elements]
+    return Aggregate(function, tuple(guards), tuple(found), literal.sign, literal)
 
 
 def _scope(literals: Iterable[SyntaxNode]) -> ClauseScope:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from mars_asp.asp.lint.clauses import Aggregate, Clause, ClauseAtom, Comparison, name_of
 from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.trees import names_in
+from mars_asp.asp.solve.disjoint_sets import DisjointSets
 
 JOIN = "rule-join"
 
@@ -29,20 +30,9 @@ def _unjoined(
 ) -> Iterator[LintFinding]:
     if len(atoms) < 2:
         return
-    group: dict[str, str] = {}
-
-    def root(name: str) -> str:
-        while group.get(name, name) != name:
-            name = group[name]
-        return name
-
-    def join(names: frozenset[str]) -> None:
-        roots = sorted(map(root, names))
-        for each in roots:
-            group[each] = roots[0]
-
+    group = DisjointSets[str]()
     for atom in atoms:
-        join(names_in(atom.node))
+        group.join(tuple(names_in(atom.node)))
     bound = frozenset[str]().union(*(names_in(atom.node) for atom in atoms))
     nodes = [*(each.node for each in comparisons), *(each.node for each in aggregates)]
     others = [names_in(node) for node in nodes]
@@ -51,17 +41,17 @@ def _unjoined(
         # What only gives a value to a variable asks for nothing.
         given = {name_of(each.left), name_of(each.right)} - bound - {None}
         if each.sign == "=" and not any(sum(one in each for each in others) == 1 for one in given):
-            join(names)
+            group.join(tuple(names))
     for aggregate in aggregates:
         for sign, guard in aggregate.guards:
             if sign == "=":
                 inside = frozenset().union(*(names_in(one.node) for one in aggregate.elements))
-                join(names_in(guard) | (inside & clause.bound))
+                group.join(tuple(names_in(guard) | (inside & clause.bound)))
     first: dict[str, ClauseAtom] = {}
     for atom in atoms:
         names = names_in(atom.node)
         if names and is_large(atom):
-            first.setdefault(root(min(names)), atom)
+            first.setdefault(group.find(min(names)), atom)
     if len(first) > 1:
         one, other, *_ = first.values()
         message = f"each `{one.text}` is paired with each `{other.text}`"

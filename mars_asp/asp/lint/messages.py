@@ -112,8 +112,8 @@ class MessageFunctions:
             for atom in clause.body.positive:
                 more |= self._by_atom(atom, more)
             for each in clause.body.comparisons:
-                for one, other in ((each.left, each.right), (each.right, each.left)):
-                    if each.sign == "=" and names_in(other) <= more:
+                for one, other in each.equal:
+                    if names_in(other) <= more:
                         more |= names_in(one)
             for aggregate in clause.aggregates:
                 inside = frozenset[str]().union(*(names_in(one.node) for one in aggregate.elements))
@@ -125,14 +125,12 @@ class MessageFunctions:
             known = more
 
     def _by_atom(self, atom: ClauseAtom, known: frozenset[str]) -> frozenset[str]:
-        given = frozenset(at for at, term in enumerate(atom.terms) if self._is_known(term, known))
+        terms = enumerate(atom.terms)
+        given = frozenset(at for at, each in terms if str(each) != "_" and names_in(each) <= known)
         if len(given) == len(atom.terms):
             return frozenset()
         settled = self.settled(atom.signature, given)
         return frozenset[str]().union(*(names_in(atom.terms[at]) for at in settled))
-
-    def _is_known(self, term: object, known: frozenset[str]) -> bool:
-        return str(term) != "_" and names_in(term) <= known  # type: ignore[arg-type]
 
     def settled(self, signature: Signature, given: frozenset[int]) -> frozenset[int]:
         """Return the arguments that have one value where those at some positions have."""

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
-from mars_asp.asp.lint.clauses import placed
 from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import defined_at
@@ -90,4 +90,4 @@ def _named_predicates(rule: Rule) -> Iterator[tuple[Signature, Span]]:
         for literal in statement.literals
     }
     for place, signature in sorted(literals):
-        yield signature, rule.listed or placed(rule, place)
+        yield signature, rule.listed or placed(rule.span, place)

@@ -78,12 +78,8 @@ def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, SyntaxNod
     return {
         name: term
         for each in clause.body.comparisons
-        if each.sign == "="
-        for name, term in (
-            (name_of(each.left), each.right),
-            (name_of(each.right), each.left),
-        )
-        if name is not None and name not in carried and not is_constant(term)
+        for variable, term in each.equal
+        if (name := name_of(variable)) is not None and name not in carried and not is_constant(term)
     }
 
 

@@ -38,7 +38,7 @@ def words_as_numbers(clause: Clause, known: KnownValue) -> Iterator[LintFinding]
             (name_of(one), str(other))
             for each in comparisons
             if each.sign == "!="
-            for one, other in ((each.left, each.right), (each.right, each.left))
+            for one, _, other in each.sides
         }
         environment = {**outer, **known.environment(clause, scope)}
         for each in scope.comparisons:

@@ -149,20 +149,15 @@ def _comparison_of_sorts(
         for term, values in ((comparison.left, right), (comparison.right, left)):
             yield from _too_small(clause, term, values)
         return
-    for term, values in ((comparison.left, right), (comparison.right, left)):
+    for (term, _, other_term), values in zip(comparison.sides, (right, left), strict=True):
         if is_constant(term):
-            mistake = _never(clause, term, values, f"`{_other(comparison, term)!s}`", known)
-            yield mistake
+            yield _never(clause, term, values, f"`{other_term!s}`", known)
             return
     always = "not comparable" if is_ordered else "never equal"
     message = (
         f"`{one}` is {_in_words(left)} and `{other}` is {_in_words(right)}, so they are {always}"
     )
     yield found(SORT, message, place, clause.rule, "compare values of one sort")
-
-
-def _other(comparison: Comparison, term: SyntaxNode) -> SyntaxNode:
-    return comparison.right if term is comparison.left else comparison.left
 
 
 def _wrong_constants(

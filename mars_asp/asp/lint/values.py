@@ -155,15 +155,11 @@ class KnownValue:
         for name, values in self._variable_values(scope):
             found[name] = self.meet(found.get(name), values)
         for comparison in scope.comparisons:
-            if comparison.sign == "=":
-                for one, other in (
-                    (comparison.left, comparison.right),
-                    (comparison.right, comparison.left),
-                ):
-                    equal = name_of(one)
-                    # What is never equal is told where the two are compared.
-                    if equal is not None and equal not in found:
-                        found[equal] = self.of(other, found)
+            for one, other in comparison.equal:
+                equal = name_of(one)
+                # Sides that are never equal are reported where the two are compared.
+                if equal is not None and equal not in found:
+                    found[equal] = self.of(other, found)
         for aggregate in clause.aggregates:
             for sign, guard in aggregate.guards:
                 value = name_of(guard)

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
-import clingo
-
 from mars_asp.asp import fragments
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.expansions import Expansions
@@ -19,6 +17,7 @@ from mars_asp.asp.rules.statements import (
     defined,
     head_pool,
     masked,
+    refusals,
     replaced,
 )
 from mars_asp.asp.rules.statements import shown as shows
@@ -127,17 +126,10 @@ class Seal:
 
 def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
     """Yield the errors of clingo about the rules of a text; none of them is grounded here."""
-    notes: list[str] = []
-    control = clingo.Control(["--warn=none"], lambda _, note: notes.append(note))
-    try:
-        # Clingo's columns count bytes, and it cuts what it says of a text between them.
-        control.add("base", [], masked(text))
-        control.ground([("nothing", [])])
-    except RuntimeError:
-        for note in fragments.notes(notes, [Fragment(masked(text), shown)]):
-            yield from fragments.unbound(note)
-            if not note.unsafe and not note.said.startswith(_TWICE):
-                yield Diagnostic("rule-syntax", "error", note.said, note.place)
+    for note in fragments.notes(refusals(text) or (), [Fragment(masked(text), shown)]):
+        yield from fragments.unbound(note)
+        if not note.unsafe and not note.said.startswith(_TWICE):
+            yield Diagnostic("rule-syntax", "error", note.said, note.place)
 
 
 class Reader(NamedTuple):
@@ -235,7 +227,7 @@ def misused_heads(
                 help="write a rule for each, or bind a variable in the body: `X = (a; b)`",
             )
             return
-        if entries and statement.head.is_negated:
+        if entries and not statement.head.signature.positive:
             yield Diagnostic(
                 "rule-head",
                 "error",
@@ -288,7 +280,7 @@ def costs_too_high(
 ) -> Iterator[Diagnostic]:
     """Yield which costs of a file of a pack would outrank those of the built-in rules."""
     for cost in found:
-        level = "" if cost.cost is None else cost.cost.level.partition("/")[0]
+        level = cost.level or ""
         if contract.trusted or (_NUMBER.fullmatch(level) and int(level) < contract.free_below):
             continue
         place = point(shown, *cost.place)

@@ -9,7 +9,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import clingo
 from clingo import ast
 
 from mars_asp.asp.cache import memoized
@@ -19,7 +18,7 @@ from mars_asp.asp.rules.statements import (
     Operand,
     Operation,
     Place,
-    masked,
+    refusals,
     rule_operands,
     variants,
 )
@@ -27,6 +26,7 @@ from mars_asp.asp.rules.trees import (
     WITH_ELEMENTS,
     Kind,
     SyntaxNode,
+    atom_of,
     elements_of,
     guards_of,
     names_in,
@@ -142,7 +142,7 @@ def _sites_in(
     node: SyntaxNode, rest: tuple[_Literal, ...], own: tuple[_Literal, ...]
 ) -> Iterator[_Site]:
     """Yield the guards and the elements of a head or literal, or all of it if it has none."""
-    atom = node.atom if node.ast_type is Kind.Literal else node
+    atom = atom_of(node)
     if atom.ast_type not in WITH_ELEMENTS:
         yield _Site(node, rest, own)
     for guard in guards_of(atom):
@@ -175,7 +175,7 @@ def _beside(rule: SyntaxNode) -> tuple[_Literal, ...]:
 
 def _global_names(node: SyntaxNode) -> frozenset[str]:
     """Return the variables of a head or literal outside of its elements."""
-    atom = node.atom if node.ast_type is Kind.Literal else node
+    atom = atom_of(node)
     if atom.ast_type in WITH_ELEMENTS:
         return _NONE.union(*(names_in(guard) for guard in guards_of(atom)))
     return names_in(node)
@@ -234,13 +234,6 @@ def _written(literals: Iterable[_Literal]) -> str:
 
 def _unbound(values: Sequence[str], literals: Iterable[_Literal]) -> frozenset[str]:
     """Return the variables of values and literals that are unsafe if the literals are a body."""
-    entries: list[str] = []
-    control = clingo.Control(["--warn=none"], lambda _, note: entries.append(note))
-    try:
-        rule = f"_computed({','.join(values)}) :- {_written(literals)}."
-        control.add("base", [], masked(rule))
-        control.ground([("nothing", [])])
-    except RuntimeError:
-        # An anonymous variable can be bound by nothing else.
-        return frozenset({"_"}.union(*map(_UNSAFE.findall, entries)))
-    return frozenset()
+    notes = refusals(f"_computed({','.join(values)}) :- {_written(literals)}.")
+    # An anonymous variable can be bound by nothing else.
+    return _NONE if notes is None else frozenset({"_"}.union(*map(_UNSAFE.findall, notes)))

@@ -1,7 +1,7 @@
 """Files of rules and of cases, read with everything that is wrong with them."""
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence, Set
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import chain
@@ -326,13 +326,11 @@ def told_apart(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> Iterat
             # Many folders can have one name.
             called = (f"{space.name}{number}" for number in ("", *range(2, _MOST_SPACES)))
             named = chain((found,), (_named_by_space(found, name) for name in called))
-            found = next((each for each in named if _is_apart(each, ids)), found)
+            found = next(
+                (each for each in named if ids.isdisjoint(rule.id for rule in each.rules)), found
+            )
         ids |= {rule.id for rule in found.rules}
         yield found
-
-
-def _is_apart(space: NameSpace, ids: Set[str]) -> bool:
-    return ids.isdisjoint(rule.id for rule in space.rules)
 
 
 def _named_by_space(space: NameSpace, name: str) -> NameSpace:

@@ -14,23 +14,32 @@ from pathlib import Path
 from typing import Literal as Choice
 from typing import NamedTuple, Protocol, TypeAlias, TypeVar
 
+import clingo
 from clingo import SymbolType, ast
 
 from mars_asp.asp.cache import memoized
 from mars_asp.asp.rules import trees
-from mars_asp.asp.rules.trees import SyntaxNode, below, extent_of, names_in, plain
+from mars_asp.asp.rules.trees import (
+    WITH_ELEMENTS,
+    SyntaxNode,
+    atom_of,
+    below,
+    elements_of,
+    extent_of,
+    guards_of,
+    names_in,
+    plain,
+)
 from mars_asp.asp.signature import Signature
 
 #: A line and a column in the text of a rule, both from 1; columns count characters.
 Place: TypeAlias = tuple[int, int]
-#: A function by its name and arity.
-Functor: TypeAlias = tuple[str, int]
 
 #: A tree of clingo, for further rules to be made of.
 Tree: TypeAlias = ast.AST
 
 _TYPE = ast.ASTType
-_AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
+_EQUAL = ast.ComparisonOperator.Equal
 _SILENT = (_TYPE.Program, _TYPE.ShowSignature, _TYPE.Defined, _TYPE.Comment)
 _BINARY = {
     ast.BinaryOperator.Plus: "+",
@@ -53,15 +62,13 @@ _OPERANDS = (_TYPE.SymbolicTerm, _TYPE.BinaryOperation, _TYPE.UnaryOperation)
 _COMPOUND = (_TYPE.Function, _TYPE.Pool)
 #: How clingo writes that a literal is not negated, negated once, or twice.
 _SIGNS = ("", "not ", "not not ")
-_NO_PLACE: Place = (1, 1)
 _NONE: frozenset[str] = frozenset()
 #: What stands in any operation, or in any number that does not fit into 32 bits.
 _COMPUTING = re.compile(r"[-+*/\\&?^|~]|[0-9]{10}|0[a-z]")
 #: What stands in any text that minimises or maximises something.
 _COST = re.compile(r"#\s*(?:min|max)[a-z]*mi[sz]e|:~")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
-#: What was read by this process, by the texts of rules; of more than so many none is remembered.
-_read: "dict[str, tuple[Statement, ...]]" = {}
+#: The values of so many rules are kept.
 _MOST = 20_000
 #: What a file of rules is made of: `begin` has no text, it is where each file begins.
 Sort: TypeAlias = Choice[
@@ -120,11 +127,6 @@ class Literal(NamedTuple):
     place: Place
 
     @property
-    def is_negated(self) -> bool:
-        """Whether the predicate is classically negated."""
-        return not self.signature.positive
-
-    @property
     def text(self) -> str:
         """Return it as clingo writes it, without `not`."""
         inside = ",".join([term.text for term in self.terms])
@@ -143,13 +145,6 @@ class Scope(NamedTuple):
         return (*self.positive, *self.others)
 
 
-class Cost(NamedTuple):
-    """The tuple of a cost; equal tuples of one `level`, a priority and a length, count once."""
-
-    terms: tuple[Pattern, ...]
-    level: str
-
-
 class Head(NamedTuple):
     """An atom that a head can give, and the condition under which it does."""
 
@@ -163,10 +158,10 @@ class Statement:
 
     `written` are the texts of the head, or of the weight of a cost, and of each literal of the
     body; `place` is where the head begins. `inner` are the elements of aggregates and conditions in
-    its body; `assigned` are variables with the value of an aggregate, each with the variables that
-    are the first terms of its elements.
+    its body.
 
-    `forces` is whether it forces one atom, `offers` whether it may leave its atoms out.
+    `forces` is whether it forces one atom, `offers` whether it may leave its atoms out. `level` is
+    the priority of a cost, None for rules and constraints.
     """
 
     written: tuple[str, ...]
@@ -174,19 +169,15 @@ class Statement:
     heads: tuple[Head, ...]
     body: Scope
     inner: tuple[Scope, ...]
-    assigned: tuple[tuple[str, frozenset[str]], ...]
     forces: bool
     offers: bool
-    cost: Cost | None
+    level: str | None
 
     @property
     def text(self) -> str:
-        """Return it as clingo writes it."""
-        if self.cost is None:
-            return self.with_body(())
-        weight, *body = self.written
-        terms = "".join(f",{term.text}" for term in self.cost.terms)
-        return f":~ {'; '.join(body)}. [{weight}@{self.cost.level.partition('/')[0]}{terms}]"
+        """Return the text of a rule or constraint as clingo writes it."""
+        head, *body = self.written
+        return f"{head} :- {'; '.join(body)}." if body else f"{head}."
 
     @property
     def head(self) -> Literal:
@@ -213,12 +204,6 @@ class Statement:
     def reads(self) -> frozenset[Signature]:
         """Return the predicates of its body and conditions."""
         return frozenset(literal.signature for literal in self.read)
-
-    def with_body(self, more: Iterable[str]) -> str:
-        """Return the rule with more literals before those of its body."""
-        head, *body = self.written
-        literals = "; ".join((*more, *body))
-        return f"{head} :- {literals}." if literals else f"{head}."
 
 
 class Number(NamedTuple):
@@ -281,26 +266,15 @@ class RuleSyntaxError(Exception):
 # ---- Texts ---------------------------------------------------------------------------------------
 
 
+@lru_cache(maxsize=_MOST)
 def statements(text: str) -> tuple[Statement, ...]:
-    """Return a rule, without its pools."""
-    found = _read.get(text)
-    return statements_of([text])[text] if found is None else found
+    """Return the variants of a rule without pools."""
+    return memoized("statements", _makers(), [text], _statements)[text]
 
 
 def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
-    """Return each of some rules without its pools, by their texts."""
-    asked = tuple(texts)
-    found = {text: _read.get(text) for text in asked}
-    new = [text for text, known in found.items() if known is None]
-    made = memoized("statements", _makers(), new, _statements) if new else {}
-    _remember(made)
-    return {text: made[text] if known is None else known for text, known in found.items()}
-
-
-def _remember(found: Mapping[str, tuple[Statement, ...]]) -> None:
-    if len(_read) > _MOST:
-        _read.clear()
-    _read.update(found)
+    """Return the variants of each of some rules without pools, by their texts."""
+    return {text: statements(text) for text in texts}
 
 
 @cache
@@ -336,15 +310,30 @@ def bound_variables(text: str) -> frozenset[str]:
     """Return the variables outside of aggregates and negated literals of a rule's body."""
     found: set[str] = set()
     for literal in written(text).body:
-        if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+        if literal.ast_type is not _TYPE.Literal or literal.sign != ast.Sign.NoSign:
             continue
-        if literal.atom.ast_type not in _AGGREGATES:
-            found |= variables(literal)
-            continue
-        for guard in (literal.atom.left_guard, literal.atom.right_guard):
-            if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
-                found |= variables(guard.term)
+        if literal.atom.ast_type in WITH_ELEMENTS:
+            guards = guards_of(literal.atom)
+            found.update(*(names_in(each.term) for each in guards if each.comparison == _EQUAL))
+        else:
+            found |= names_in(literal)
     return frozenset(found)
+
+
+def refusals(text: str) -> list[str] | None:
+    """Return clingo's messages about a text that it refuses, or None if it takes all rules.
+
+    Nothing is grounded.
+    """
+    notes: list[str] = []
+    control = clingo.Control(["--warn=none"], lambda _, note: notes.append(note))
+    try:
+        # Clingo's columns count bytes, and it cuts its messages between them.
+        control.add("base", [], masked(text))
+        control.ground([("nothing", [])])
+    except RuntimeError:
+        return notes
+    return None
 
 
 def argument_place(text: str, variant: int, at: int) -> Place:
@@ -395,45 +384,55 @@ def _says(piece: str, node: ast.AST) -> bool:
         return False
 
 
+def _of_kind(text: str, mark: str, kind: ast.ASTType) -> Iterator[ast.AST]:
+    """Yield clingo's trees of the statements of one kind in a text; each of them has the mark."""
+    if mark in text:
+        yield from (node for node in _file(text) if node.ast_type == kind)
+
+
 def defined(text: str) -> set[Signature]:
-    """Return the predicates that a text says are given, by `#defined`, without signs."""
+    """Return the predicates that a text declares as given, by `#defined`, without signs."""
     return {signature for signature, _ in defined_at(text)}
 
 
 def defined_at(text: str) -> Iterator[tuple[Signature, Place]]:
-    """Yield the predicates that a text says are given, and where it does."""
-    if "#defined" in text:
-        place = places(text)
-        for each in parsed(text):
-            if each.ast_type == _TYPE.Defined:
-                yield Signature(each.name, each.arity), place(each)
+    """Yield the predicates that a text declares as given, each with the location."""
+    place = places(text)
+    for each in _of_kind(text, "#defined", _TYPE.Defined):
+        yield Signature(each.name, each.arity), place(each)
 
 
 def shown(text: str) -> tuple[Signature, ...]:
     """Return the predicates that a text shows."""
-    if "#show" not in text:
-        return ()
-    nodes = (node for node in _file(text) if node.ast_type == _TYPE.ShowSignature)
+    nodes = _of_kind(text, "#show", _TYPE.ShowSignature)
     return tuple(Signature(node.name, node.arity, bool(node.positive)) for node in nodes)
 
 
-def read_by_costs(text: str) -> frozenset[Signature]:
-    """Return the predicates, without signs, on which what a text minimises or maximises rests."""
+def costs(text: str) -> tuple[Statement, ...]:
+    """Return the costs that the statements of a text minimise or maximise, with locations."""
     if _COST.search(text) is None:
-        return frozenset()
-    costs = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
-    read = (_statement(plain(each), lambda _: _NO_PLACE) for one in costs for each in one.unpool())
-    return frozenset(signature.unsigned for statement in read for signature in statement.reads)
+        return ()
+    place = places(text)
+    nodes = _of_kind(text, "", _TYPE.Minimize)
+    return tuple(_statement(plain(each), place) for node in nodes for each in node.unpool())
+
+
+def read_by_costs(text: str) -> frozenset[Signature]:
+    """Return the predicates, without signs, that the costs of a text read."""
+    return frozenset(each.unsigned for statement in costs(text) for each in statement.reads)
+
+
+def _named_constants(text: str) -> Iterator[SyntaxNode]:
+    """Yield the nodes of a text that are constants, not numbers or strings."""
+    for one in parsed(text):
+        for node in below(plain(one)):
+            if node.ast_type is _TYPE.SymbolicTerm and node.symbol.type == SymbolType.Function:
+                yield node
 
 
 def constant_names(text: str) -> frozenset[str]:
-    """Return the names in a text that stand for themselves, and which `#const` would replace."""
-    return frozenset(
-        node.symbol.name
-        for one in parsed(text)
-        for node in below(plain(one))
-        if node.ast_type == _TYPE.SymbolicTerm and node.symbol.type == SymbolType.Function
-    )
+    """Return the names of the constants in a text, which `#const` would replace."""
+    return frozenset(node.symbol.name for node in _named_constants(text))
 
 
 def calls(text: str) -> tuple[tuple[Place, str], ...]:
@@ -484,13 +483,6 @@ def _start_of(node: SyntaxNode | ast.AST) -> Place:
     return line, column
 
 
-def costs(text: str) -> tuple[Statement, ...]:
-    """Return the costs that the statements of a text minimise or maximise, with locations."""
-    place = places(text)
-    nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
-    return tuple(_statement(plain(each), place) for node in nodes for each in node.unpool())
-
-
 @lru_cache(maxsize=_MOST)
 def rule_operands(text: str) -> tuple[Operand, ...]:
     """Return `operands` of a rule, memoized for several callers."""
@@ -512,18 +504,14 @@ def operands(text: str) -> tuple[Operand, ...]:
 
 def definitions(text: str) -> dict[str, Operand]:
     """Return the values of the constants that a text replaces by `#const`."""
-    if "#const" not in text:
-        return {}
     reader = ArithmeticReader(text)
-    nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Definition)
+    nodes = _of_kind(text, "#const", _TYPE.Definition)
     return {str(node.name): reader.operand(plain(node.value), []) for node in nodes}
 
 
 def replaced(text: str) -> set[str]:
     """Return the constants that a text replaces by other values, by `#const`."""
-    if "#const" not in text:
-        return set()
-    return {str(node.name) for node in parsed(text) if node.ast_type == _TYPE.Definition}
+    return {str(node.name) for node in _of_kind(text, "#const", _TYPE.Definition)}
 
 
 def part_of(text: str) -> tuple[str, tuple[str, ...]]:
@@ -537,12 +525,8 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
     place = places(text)
     found = {
         (place(node), node.symbol.name)
-        for one in parsed(text)
-        for node in below(plain(one))
-        if node.ast_type == _TYPE.SymbolicTerm
-        and node.symbol.type == SymbolType.Function
-        and not node.symbol.arguments
-        and node.symbol.name in values
+        for node in _named_constants(text)
+        if not node.symbol.arguments and node.symbol.name in values
     }
     lines = text.split("\n")
     for (line, column), name in sorted(found, reverse=True):
@@ -556,9 +540,8 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
 
 def external_of(text: str) -> Iterator[tuple[str, str, str]]:
     """Yield the atoms, the body and the value of each `#external` statement of a text."""
-    for node in parsed(text):
-        if node.ast_type == _TYPE.External:
-            yield str(node.atom), "; ".join(map(str, node.body)), str(node.external_type)
+    for node in _of_kind(text, "#external", _TYPE.External):
+        yield str(node.atom), "; ".join(map(str, node.body)), str(node.external_type)
 
 
 def without_rules(text: str) -> str:
@@ -662,97 +645,57 @@ def _may_compute(text: str) -> bool:
 
 def _statement(node: SyntaxNode, place: Callable[[SyntaxNode], Place]) -> Statement:
     reader = _StatementReader(place)
-    body = [reader.read(literal) for literal in node.body]
-    cost, where = None, node
-    heads: list[Head] = []
-    forces = offers = False
-    if node.ast_type == _TYPE.Minimize:
-        terms = tuple(map(_term, node.terms))
-        cost = Cost(terms, f"{node.priority}/{len(terms)}")
-        head = str(node.weight)
+    read = [(each, reader.literal(each) if _is_symbolic(each) else None) for each in node.body]
+    heads, where, level, forces, offers = list[Head](), node, None, False, False
+    if node.ast_type is _TYPE.Minimize:
+        head, level = str(node.weight), str(node.priority)
     else:
-        where = node.head
-        heads, forces, offers = reader.head(node.head)
-        head = heads[0].literal.text if forces else str(node.head)
+        where, heads = node.head, list(reader.heads(node.head))
+        forces = _is_symbolic(where) and where.sign == ast.Sign.NoSign
+        offers = where.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate)
+        head = heads[0].literal.text if forces else str(where)
+    body = (
+        str(each) if found is None else f"{_SIGNS[each.sign]}{found.text}" for each, found in read
+    )
     return Statement(
         (head, *body),
         place(where),
         tuple(heads),
-        Scope(tuple(reader.positive), tuple(reader.others)),
-        tuple(reader.inner),
-        tuple(reader.assigned),
+        _scope(found for _, found in read if found is not None),
+        tuple(scope for each in node.body for scope in reader.inner(atom_of(each))),
         forces,
         offers,
-        cost,
+        level,
     )
 
 
 class _StatementReader:
-    """Reads one statement, literal by literal."""
+    """Reads the literals of a statement."""
 
     def __init__(self, place: Callable[[SyntaxNode], Place]) -> None:
         self._place = place
-        self.positive: list[Literal] = []
-        self.others: list[Literal] = []
-        self.inner: list[Scope] = []
-        self.assigned: list[tuple[str, frozenset[str]]] = []
 
-    def head(self, head: SyntaxNode) -> tuple[list[Head], bool, bool]:
-        """Return the atoms of a head, and whether it forces one and whether it offers them."""
-        if head.ast_type == _TYPE.Literal:
-            if head.atom.ast_type == _TYPE.BooleanConstant:
-                return [], False, False
-            forces = _is_symbolic(head) and head.sign == ast.Sign.NoSign
-            found = [Head(self.literal(head), Scope(()))] if _is_symbolic(head) else []
-            return found, forces, False
-        elements = getattr(head, "elements", ())
-        if head.ast_type == _TYPE.HeadAggregate:
-            elements = [element.condition for element in elements]
-        elif head.ast_type == _TYPE.TheoryAtom:
-            elements = ()
-        heads = []
-        for element in elements:
-            condition, literal = self._scope(element.condition), element.literal
+    def heads(self, head: SyntaxNode) -> Iterator[Head]:
+        """Yield the atoms of a head."""
+        alone = [((head,), ())] if head.ast_type is _TYPE.Literal else elements_of(head)
+        for (*_, literal), condition in alone:
             if _is_symbolic(literal):
-                heads.append(Head(self.literal(literal), condition))
-        return heads, False, head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate)
+                yield Head(self.literal(literal), self._scope(condition))
 
-    def read(self, literal: SyntaxNode) -> str:
-        """Read a literal of the body, and return its text."""
-        if literal.ast_type == _TYPE.ConditionalLiteral:
-            condition = self._scope(literal.condition)
-            then: tuple[Literal, ...] = ()
-            if _is_symbolic(literal.literal):
-                then = (self.literal(literal.literal)._replace(binds=False),)
-            self.inner.append(Scope(condition.positive, (*condition.others, *then)))
-        elif literal.ast_type == _TYPE.Literal and literal.atom.ast_type in _AGGREGATES:
-            if literal.atom.ast_type == _TYPE.BodyAggregate:
-                self._read_aggregate(literal)
+    def inner(self, atom: SyntaxNode) -> Iterator[Scope]:
+        """Yield the literals of each element of an aggregate, or of a conditional literal."""
+        for entries, condition in elements_of(atom):
+            if atom.ast_type is _TYPE.ConditionalLiteral:
+                scope = self._scope(condition)
+                then = [self.literal(each) for each in entries if _is_symbolic(each)]
+                others = (*scope.others, *(each._replace(binds=False) for each in then))
+                yield Scope(scope.positive, others)
             else:
-                for element in literal.atom.elements:
-                    self.inner.append(self._scope((*element.condition, element.literal)))
-        elif _is_symbolic(literal):
-            found = self.literal(literal)
-            (self.positive if found.binds else self.others).append(found)
-            return f"{_SIGNS[literal.sign]}{found.text}"
-        return str(literal)
-
-    def _read_aggregate(self, literal: SyntaxNode) -> None:
-        elements, guard = literal.atom.elements, literal.atom.left_guard
-        self.inner += (self._scope(element.condition) for element in elements)
-        counts = literal.atom.function == ast.AggregateFunction.Count
-        if literal.sign == ast.Sign.NoSign and guard is not None and not counts:
-            is_equal = guard.comparison == ast.ComparisonOperator.Equal
-            if is_equal and guard.term.ast_type == _TYPE.Variable:
-                firsts = (element.terms[0] for element in elements if element.terms)
-                names = (each.name for each in firsts if each.ast_type == _TYPE.Variable)
-                self.assigned.append((guard.term.name, frozenset(names)))
+                # The terms of a tuple are no literals.
+                yield self._scope((*condition, *entries))
 
     def _scope(self, literals: Iterable[SyntaxNode]) -> Scope:
-        literals = tuple(literals)
-        found = [self.literal(literal) for literal in literals if _is_symbolic(literal)]
-        positive = tuple(literal for literal in found if literal.binds)
-        return Scope(positive, tuple(literal for literal in found if not literal.binds))
+        return _scope(self.literal(literal) for literal in literals if _is_symbolic(literal))
 
     def literal(self, literal: SyntaxNode) -> Literal:
         """Return a literal of a predicate."""
@@ -762,6 +705,12 @@ class _StatementReader:
         return Literal(
             Signature(symbol.name, len(terms), not sign), terms, binds, self._place(symbol)
         )
+
+
+def _scope(literals: Iterable[Literal]) -> Scope:
+    found = tuple(literals)
+    positive = tuple(literal for literal in found if literal.binds)
+    return Scope(positive, tuple(literal for literal in found if not literal.binds))
 
 
 def _is_symbolic(literal: SyntaxNode) -> bool:
@@ -792,11 +741,6 @@ def _variable(name: str) -> Pattern:
     if name == "_":
         return Pattern(name, True, False, _NONE)
     return Pattern(name, True, False, frozenset((name,)))
-
-
-def variables(node: SyntaxNode | ast.AST) -> frozenset[str]:
-    """Return the names of the variables in a tree, but for anonymous ones."""
-    return names_in(node if isinstance(node, SyntaxNode) else plain(node))
 
 
 class ArithmeticReader:

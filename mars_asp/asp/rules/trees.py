@@ -117,13 +117,21 @@ def below(node: SyntaxNode) -> Sequence[SyntaxNode]:
     return node._below
 
 
+def atom_of(node: SyntaxNode) -> SyntaxNode:
+    """Return the atom of a literal; conditional literals and heads of other kinds are their own."""
+    atom: SyntaxNode = node.atom if node.ast_type is Kind.Literal else node
+    return atom
+
+
 def guards_of(node: SyntaxNode) -> list[SyntaxNode]:
     """Return the guards of an aggregate, the left one first; none for other nodes."""
     found = (getattr(node, "left_guard", None), getattr(node, "right_guard", None))
     return [guard for guard in found if guard is not None]
 
 
-def elements_of(node: SyntaxNode) -> list[tuple[Sequence[SyntaxNode], Sequence[SyntaxNode]]]:
+def elements_of(
+    node: SyntaxNode,
+) -> list[tuple[tuple[SyntaxNode, ...], tuple[SyntaxNode, ...]]]:
     """Return the terms and literals of each element of a node, with the condition of the element.
 
     Aggregates and disjunctions have elements, and a conditional literal is one; other nodes have

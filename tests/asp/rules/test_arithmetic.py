@@ -7,6 +7,7 @@ import clingo
 import pytest
 
 from mars_asp.asp.lint.arithmetic import risks
+from mars_asp.asp.lint.clauses import clauses_of
 from mars_asp.asp.rules.arithmetic import LEAST, MOST, Asked, overflows, telling, wrapped
 from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.rule import Rule
@@ -118,9 +119,10 @@ def test_products_and_sums_of_what_users_state_are_risks(text: str, risky: list[
     ]
     found = [
         (each.message.split("`")[1], each.span.column)
-        for each in (one.diagnostic for one in risks(rules, STATED))
+        for each in (one.diagnostic for one in risks(clauses_of(rules).values(), STATED))
     ]
-    assert not list(risks((replace(rule, fits="it does") for rule in rules), STATED))
+    fitting = clauses_of(replace(rule, fits="it does") for rule in rules).values()
+    assert not list(risks(fitting, STATED))
     assert [written for written, _ in found] == risky
     assert all(text.startswith(written, column - 1) for written, column in found)
 
