@@ -199,7 +199,7 @@ def _sums(
             terms = tuple(map(str, element.terms))
             kept = _body(terms, _Site(aggregate, (*rest, *map(_literal, condition))))
             if kept is not None:
-                varying = _unbound(names, [each for each in kept if each in outside])
+                varying = _unsafe_names(names, [each for each in kept if each in outside])
                 shared = tuple(name for name in names if name not in varying)
                 negative = aggregate.function == ast.AggregateFunction.Sum
                 yield Summed(reader.place(aggregate), negative, terms, shared, _written(kept))
@@ -212,7 +212,7 @@ def _body(values: Sequence[str], site: _Site) -> tuple[_Literal, ...] | None:
     """
     kept = site.beside
     for own in ((), site.own):
-        while missing := _unbound(values, (*kept, *own)):
+        while missing := _unsafe_names(values, (*kept, *own)):
             bound = tuple(literal for literal in kept if not literal.names & missing)
             if len(bound) == len(kept):
                 break
@@ -220,7 +220,7 @@ def _body(values: Sequence[str], site: _Site) -> tuple[_Literal, ...] | None:
         else:
             return (*kept, *own)
     whole = (*site.beside, *site.own)
-    return None if _unbound(values, whole) else whole
+    return None if _unsafe_names(values, whole) else whole
 
 
 def _literal(node: SyntaxNode) -> _Literal:
@@ -232,7 +232,7 @@ def _written(literals: Iterable[_Literal]) -> str:
     return "; ".join(literal.text for literal in literals) or "#true"
 
 
-def _unbound(values: Sequence[str], literals: Iterable[_Literal]) -> frozenset[str]:
+def _unsafe_names(values: Sequence[str], literals: Iterable[_Literal]) -> frozenset[str]:
     """Return the variables of values and literals that are unsafe if the literals are a body."""
     notes = refusals(f"_computed({','.join(values)}) :- {_written(literals)}.")
     # An anonymous variable can be bound by nothing else.

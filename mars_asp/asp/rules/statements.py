@@ -662,7 +662,7 @@ def _statement(node: SyntaxNode, place: Callable[[SyntaxNode], Place]) -> Statem
         place(where),
         tuple(heads),
         _scope(found for _, found in read if found is not None),
-        tuple(scope for each in node.body for scope in reader.inner(atom_of(each))),
+        tuple(scope for each in node.body for scope in reader.inner_scopes(atom_of(each))),
         forces,
         offers,
         level,
@@ -682,7 +682,7 @@ class _StatementReader:
             if _is_symbolic(literal):
                 yield Head(self.literal(literal), self._scope(condition))
 
-    def inner(self, atom: SyntaxNode) -> Iterator[Scope]:
+    def inner_scopes(self, atom: SyntaxNode) -> Iterator[Scope]:
         """Yield the literals of each element of an aggregate, or of a conditional literal."""
         for entries, condition in elements_of(atom):
             if atom.ast_type is _TYPE.ConditionalLiteral:
