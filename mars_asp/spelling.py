@@ -3,11 +3,13 @@
 from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from difflib import SequenceMatcher
 
+#: Advice where no known word is alike.
+_Advice = TypeVar("_Advice", str, None)
 #: So many pairs of names are compared at most; a pair takes some 15 microseconds.
 _MOST_COMPARED = 100_000
 
@@ -25,6 +27,14 @@ def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str | Non
     alike = ((_ratio(word, candidate, likeness), candidate) for candidate in words)
     best, candidate = max(alike, default=(0.0, ""))
     return candidate if best >= likeness else None
+
+
+def suggestion(
+    word: str, known: Iterable[str], otherwise: _Advice, likeness: float = 0.6
+) -> str | _Advice:
+    """Return the question for the known word most like `word`, or `otherwise` if none is alike."""
+    near = nearest(word, known, likeness)
+    return f"did you mean `{near}`?" if near else otherwise
 
 
 @lru_cache(maxsize=_MOST_COMPARED)

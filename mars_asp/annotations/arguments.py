@@ -13,7 +13,7 @@ from mars_asp.model.modes import ModeProblem, parse_mode
 from mars_asp.model.ranges import BOUND, COST, FREQUENCY, PERIODS, RATE, VERTEX, NumberProblem
 from mars_asp.model.rates import Rate, every, read_frequency
 from mars_asp.model.transformation import read_transformation
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 _PERIODIC = "NotifyAtFrequency"
@@ -52,8 +52,7 @@ def read_commands(text: str) -> tuple[str, ...] | list[ArgumentProblem]:
     words = list(re.finditer(r"[^,\s]+", text))
     for word in words:
         if word[0] not in FUNCTIONS:
-            near = nearest(word[0], FUNCTIONS, 0.84)
-            expected = f"did you mean `{near}`?" if near else f"one of {', '.join(FUNCTIONS)}"
+            expected = suggestion(word[0], FUNCTIONS, f"one of {', '.join(FUNCTIONS)}", 0.84)
             wrong.append(
                 ArgumentProblem(
                     "MARS114",

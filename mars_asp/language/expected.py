@@ -7,7 +7,7 @@ from lark import UnexpectedInput
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.layout import Layout
 from mars_asp.model.names import UNSEEN
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 KEYWORDS = (
     "@configuration",
@@ -113,9 +113,8 @@ def _hint(piece: str, found: str) -> str | None:
         vocabulary = (*KEYWORDS, *_WORDS) if word == found else KEYWORDS
         if word in vocabulary or len(word) < 3:
             continue
-        near = nearest(word.lower(), vocabulary, 0.75)
-        if near:
-            return f"did you mean `{near}`?"
+        if advice := suggestion(word.lower(), vocabulary, None, 0.75):
+            return advice
     if not piece.lstrip().startswith("@") and not any(word in words for word in KEYWORDS):
         return "a line relates modules by `is_mounted_on`, `is_controlled_by` or `uses_data_from`"
     return None

@@ -29,7 +29,7 @@ from mars_asp.model.graph import LaunchTree
 from mars_asp.model.names import BARE, QUOTED, plain
 from mars_asp.output import visible
 from mars_asp.reading import WallError, overlay_bytes, read_file
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 #: Far above any robot; a larger file is a mistake that would only cost time.
 MOST_BYTES = 64 * 1024 * 1024
@@ -350,13 +350,12 @@ def _about_nobody(
     ]
     for name, sort, span in named:
         if name not in known:
-            near = nearest(name, known)
             yield Diagnostic(
                 "stand-in",
                 "warning",
                 f"the comment names `{name}`, which is not a {sort} of the {configuration.kind}",
                 span,
-                help=f"did you mean `{near}`?" if near else "name one, or drop the comment",
+                help=suggestion(name, known, "name one, or drop the comment"),
             )
 
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from mars_asp.diagnostic import Diagnostic
+from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.scenario.functions import bound_functions, converting
 from mars_asp.execution.scenario.read import Scenario, ScenarioRobot
 from mars_asp.execution.scenario.vary import CHANGED
 from mars_asp.model.declarations import MOTION_FUNCTIONS, node_kind
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 #: Devices that obey commands; the others are read.
 _OBEYING = ("joint", "gripper")
@@ -57,14 +57,14 @@ def _unknown_name(
     if parts := sorted(each for each in modules if each.startswith(f"{name}.")):
         help_text = f"it runs in parts: {', '.join(parts)}"
         return Diagnostic("scenario", "error", message, place, (), help_text)
-    # What is varied is meant for this specification: a slip would vary nothing.
-    varied = place == CHANGED
-    if near := nearest(name, modules if varied else left):
-        return Diagnostic("scenario", "error", message, place, (), f"did you mean `{near}`?")
-    if varied:
-        help_text = f"one of {', '.join(sorted(modules))}"
+    # A varied key is meant for this specification: a slip would vary nothing.
+    if place == CHANGED:
+        help_text = suggestion(name, modules, f"one of {', '.join(sorted(modules))}")
         return Diagnostic("scenario", "error", message, place, (), help_text)
-    return Diagnostic("scenario", "warning", message, place, (), "remove it, or add the module")
+    advice = suggestion(name, left, None)
+    severity: Severity = "error" if advice else "warning"
+    help_text = advice or "remove it, or add the module"
+    return Diagnostic("scenario", severity, message, place, (), help_text)
 
 
 def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[str, str] | None:
@@ -97,8 +97,7 @@ def _unfit(plan: Plan, robot: ScenarioRobot) -> Iterator[Diagnostic]:
     help_text = "name the effector that moves the robot"
     if name not in plan.names:
         message = f"`{name}` is not a module of the specification"
-        near = nearest(name, plan.names)
-        help_text = f"did you mean `{near}`?" if near else help_text
+        help_text = suggestion(name, plan.names, help_text)
     elif kind != "effector":
         message = f"the robot's `module` is an effector, and `{name}` is not ({kind})"
     elif functions and not any(function.name in MOTION_FUNCTIONS for function in functions):
@@ -114,8 +113,7 @@ def _faults(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
     reading = (n for n, d in scenario.devices.items() if d["kind"] not in (*_OBEYING, "platform"))
     able = (able | {*reading}) - {robot.module for robot in scenario.robots}
     for name in sorted(scenario.faults.keys() - able):
-        near = nearest(name, able)
-        hint = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(able))}"
+        hint = suggestion(name, able, f"one of {', '.join(sorted(able))}")
         message = f"`{name}` is not run by a Python function or a sensing device"
         place = scenario.places[f"faults.{name}"]
         yield Diagnostic("scenario", "error", message, place, (), hint)

@@ -21,7 +21,7 @@ from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.scenario.read import Scenario
 from mars_asp.model.declarations import Configuration, Module, Service
 from mars_asp.model.ports import inputs, parameter_names
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 Clock = Callable[[], float]
 
@@ -89,9 +89,9 @@ class Functions:
         context, knows = self._context(name), False
         with folder:
             for part in called.split("."):
-                target, knows = self._part(target, part, name, context, knows)
+                target, knows = self._part(target, part, context, knows)
             if isinstance(target, type):
-                target, knows = self._made(target, name, context)
+                target, knows = self._made(target, context)
                 target = method_of(target, self._annotated(name, target))
             if not callable(target):
                 raise UnfitError(f"`{called}` is not a function", "name a function or a class")
@@ -100,21 +100,19 @@ class Functions:
                 target
             )
 
-    def _part(
-        self, target: Any, part: str, name: str, context: Context, knows: bool
-    ) -> tuple[Any, bool]:
+    def _part(self, target: Any, part: str, context: Context, knows: bool) -> tuple[Any, bool]:
         """Return the attribute of a file, a class or an object by its name."""
         if isinstance(target, type) and not isinstance(getattr(target, part, None), type):
-            made, knows = self._made(target, name, context)
+            made, knows = self._made(target, context)
             return method_of(made, part), knows
         if not hasattr(target, part):
-            near = nearest(part, [n for n in dir(target) if callable(getattr(target, n, None))])
-            what = Path(str(target.__file__)).name if isinstance(target, ModuleType) else "it"
-            help_text = f"did you mean `{near}`?" if near else "name a function or a class of it"
-            raise UnfitError(f"`{what}` defines no function `{part}`", help_text)
+            defined = [n for n in dir(target) if callable(getattr(target, n, None))]
+            owner = Path(str(target.__file__)).name if isinstance(target, ModuleType) else "it"
+            help_text = suggestion(part, defined, "name a function or a class of it")
+            raise UnfitError(f"`{owner}` defines no function `{part}`", help_text)
         return getattr(target, part), knows
 
-    def _made(self, kind: type, name: str, context: Context) -> Made:
+    def _made(self, kind: type, context: Context) -> Made:
         if (context.module, kind) not in self.made:
             self.made[context.module, kind] = made(kind, context)
         return self.made[context.module, kind]

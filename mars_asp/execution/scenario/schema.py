@@ -1,14 +1,14 @@
 """The JSON Schema of scenarios; `docs/reference/scenarios.md` gives the meaning of each key."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
 from jsonschema_rs import Draft4Validator, ValidationError
 from jsonschema_rs import ValidationErrorKind as Kind
 
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 _Schema: TypeAlias = dict[str, Any]
 #: Keys of tables and numbers of entries, from the top of a scenario.
@@ -321,10 +321,8 @@ def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) ->
         yield Mistake(form, f"{owner} must be {_schema(form, tables)['description']}")
     elif isinstance(kind, Kind.Enum) and isinstance(value, str):
         choices = schema["enum"]
-        near = nearest(value, choices)
-        help_text = f"did you mean `{near}`?" if near else None
         message = f"`{key}` must be {', '.join(choices[:-1])} or {choices[-1]}, found `{value}`"
-        yield Mistake(path, message, help_text)
+        yield Mistake(path, message, suggestion(value, choices, None))
     else:
         wanted = schema.get("type", "string")
         yield Mistake(path, f"`{key}` must be {_TYPES[wanted]}")
@@ -346,7 +344,8 @@ def _unknown_key(
     if others and len(own) == 1:
         message = f"`{key}` is not a key of the kind `{own[0]}`"
         return Mistake(path, message, f"it belongs to {', '.join(others)}")
-    return Mistake(path, f"unknown key `{key}`", _hint(key, known))
+    help_text = suggestion(key, known, f"one of {', '.join(known)}")
+    return Mistake(path, f"unknown key `{key}`", help_text)
 
 
 def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
@@ -398,11 +397,6 @@ def _misformed_value(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
         if isinstance(path[count - 1], str):
             return None
     return None
-
-
-def _hint(word: str, choices: Iterable[str]) -> str:
-    near = nearest(word, choices)
-    return f"did you mean `{near}`?" if near else f"one of {', '.join(choices)}"
 
 
 def _is_beyond(kind: Kind, schema: _Schema, value: object) -> bool:

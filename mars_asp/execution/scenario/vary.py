@@ -18,7 +18,7 @@ from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import Mistake, mistakes
 from mars_asp.language.toml_text import unusable_part
 from mars_asp.output import encodable
-from mars_asp.spelling import nearest
+from mars_asp.spelling import nearest, suggestion
 
 #: Values by their dotted keys.
 Changes: TypeAlias = Mapping[str, Any]
@@ -108,14 +108,11 @@ def read_axis(text: str) -> Axis:
     if any(map(_is_endless, values)):
         raise _variation_error(f"`{text}` has a value without an end", "leave out `inf` and `nan`")
     for number, value in enumerate(values):
-        if any(_same(value, other) for other in values[:number]):
+        # 100 and 100.0 are one value, true and 1 are two.
+        kind = isinstance(value, bool)
+        if any(value == each and kind == isinstance(each, bool) for each in values[:number]):
             raise _variation_error(f"`{key}` has the value {written_value(value)} twice", None)
     return Axis(key, tuple(values))
-
-
-def _same(value: Any, other: Any) -> bool:
-    """Whether two values mean the same: 100 and 100.0 do, true and 1 do not."""
-    return value == other and isinstance(value, bool) == isinstance(other, bool)
 
 
 def _is_endless(value: Any) -> bool:
@@ -224,8 +221,7 @@ def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str
         step = _next_key(at, part, found)
         if isinstance(at, dict) and step not in at:
             if found == ["devices"]:
-                near = nearest(part, at)
-                hint = f"did you mean `{near}`?" if near else f"one of {', '.join(at)}"
+                hint = suggestion(part, at, f"one of {', '.join(at)}")
                 raise _NoSuchKeyError(f"the scenario has no device `{part}`", hint if at else None)
             at[step] = {}
         found.append(step)
