@@ -17,6 +17,7 @@ from mars_asp.model.declarations import (
     Mount,
     Relationship,
     Transformation,
+    ends_of,
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.ports import inputs, outputs
@@ -159,13 +160,9 @@ def _node_look(
 
 
 def _relationship_ends(relationship: Relationship) -> tuple[str, str]:
-    match relationship:
-        case Mount(mounting, mounted):
-            return mounting, mounted
-        case Control(controlled, controller):
-            return controller, controlled
-        case Data(client, source):
-            return source, client
+    """Return the tail and the head of the line of a relationship."""
+    left, right = ends_of(relationship)
+    return (left, right) if isinstance(relationship, Mount) else (right, left)
 
 
 def _picture_line(

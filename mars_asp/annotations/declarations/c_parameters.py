@@ -16,6 +16,7 @@ from mars_asp.annotations.declarations.tokens import (
     behind_angle,
     closing,
     is_word,
+    outside,
     split,
     text_at,
     texts,
@@ -23,6 +24,7 @@ from mars_asp.annotations.declarations.tokens import (
 
 #: Signs that stand in expressions and in no parameter, before a default.
 _OF_EXPRESSIONS = frozenset(".+-/!?|%;~")
+_BRACKETS = frozenset("([{<")
 
 
 def declarators(tokens: Sequence[SourceToken]) -> list[Sequence[SourceToken]]:
@@ -33,28 +35,12 @@ def declarators(tokens: Sequence[SourceToken]) -> list[Sequence[SourceToken]]:
 def are_parameters(found: Sequence[Sequence[SourceToken]]) -> bool:
     """Whether declarators can be parameters, and not a call's arguments."""
     for declarator in found:
-        words = _top_level(declarator)
+        words = [text for _, text in outside(declarator) if text not in _BRACKETS]
         if not any(is_word(text) or text == "..." for text in words):
             return False
         if any(text in _OF_EXPRESSIONS or text[0] in '"0123456789' for text in words):
             return False
     return True
-
-
-def _top_level(tokens: Sequence[SourceToken]) -> list[str]:
-    """Return the texts outside of all brackets."""
-    found: list[str] = []
-    at = 0
-    while at < len(tokens):
-        text = tokens[at].text
-        if text in ("(", "[", "{"):
-            at = closing(tokens, at)
-        elif text == "<":
-            at = behind_angle(tokens, at)
-        else:
-            found.append(text)
-            at += 1
-    return found
 
 
 def read_parameter(tokens: Sequence[SourceToken]) -> DeclaredParameter | None:

@@ -19,7 +19,7 @@ def read_python(text: str, code: str, begin: int, end: int) -> SourceDeclaration
     """Read the function behind any decorators."""
     at = begin
     while at < end and code[at] == "@":
-        match = _SOLID.search(code, _line_end(code, at, end), end)
+        match = _SOLID.search(code, _find(code, "\n", at, end), end)
         if match is None:
             return NoFunction(begin, "@")
         at = match.start()
@@ -32,7 +32,7 @@ def read_python(text: str, code: str, begin: int, end: int) -> SourceDeclaration
     if code.startswith("[", opening):
         # Parameters of a generic function, which Python before 3.12 does not know.
         opening = _after_bracket(code, opening, end)
-    stop = _colon(code, opening, end)
+    stop = _find(code, ":", opening, end)
     snippet = f"{text[at : head.end()]}{text[opening:stop]}: pass"
     try:
         with warnings.catch_warnings():
@@ -73,15 +73,14 @@ def _type(node: ast.expr) -> str:
     return ast.unparse(node).replace("'", '"')
 
 
-def _colon(code: str, at: int, end: int) -> int:
-    """Return where the `:` outside of all brackets stands."""
+def _find(code: str, sign: str, at: int, end: int) -> int:
+    """Return the offset of the first `sign` outside of all brackets, or `end` if there is none."""
     depth = 0
-    while at < end:
-        character = code[at]
+    for offset in range(at, end):
+        character = code[offset]
         depth += (character in "([{") - (character in ")]}")
-        if character == ":" and not depth:
-            return at
-        at += 1
+        if character == sign and depth <= 0:
+            return offset
     return end
 
 
@@ -94,15 +93,3 @@ def _after_bracket(code: str, at: int, end: int) -> int:
         if not depth:
             break
     return at
-
-
-def _line_end(code: str, at: int, end: int) -> int:
-    """Return where the line of code ends that `at` is in; brackets hold lines together."""
-    depth = 0
-    while at < end:
-        character = code[at]
-        depth += (character in "([{") - (character in ")]}")
-        if character == "\n" and depth <= 0:
-            return at
-        at += 1
-    return end

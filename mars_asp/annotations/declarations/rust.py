@@ -9,6 +9,7 @@ from mars_asp.annotations.declarations.declaration import (
 )
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
+    before,
     behind_angle,
     closing,
     is_word,
@@ -70,8 +71,8 @@ def _behind_attributes(tokens: Sequence[SourceToken], at: int) -> int:
 def _parameter(group: Sequence[SourceToken]) -> DeclaredParameter | None:
     """Read `pattern: type`; the receiver is no parameter."""
     group = group[_behind_attributes(group, 0) :]
-    pattern, written = _at_colon(group)
-    words = texts(pattern)
+    words = texts(before(group, ":"))
+    written = group[len(words) + 1 :]
     if "self" in words or not written:
         return None
     if len(words) > 1 and words[0] in ("mut", "ref"):
@@ -79,14 +80,3 @@ def _parameter(group: Sequence[SourceToken]) -> DeclaredParameter | None:
     name = words[0] if len(words) == 1 and is_word(words[0]) and words[0] != "_" else None
     kind = texts(written)
     return DeclaredParameter(name, joined(written), kind[:1] == ["&"] and "mut" in kind[:4])
-
-
-def _at_colon(group: Sequence[SourceToken]) -> tuple[Sequence[SourceToken], Sequence[SourceToken]]:
-    """Split a parameter at the `:` outside of all brackets."""
-    index = 0
-    while index < len(group):
-        text = group[index].text
-        if text == ":":
-            return group[:index], group[index + 1 :]
-        index = closing(group, index) if text in ("(", "[", "{") else index + 1
-    return group, ()

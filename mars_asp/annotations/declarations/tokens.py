@@ -4,7 +4,7 @@ Every search is bounded, so that the time stays linear whatever the text holds.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 _TOKEN = re.compile(r"::|->|\.\.\.|&&|\|\||(?:[^\W\d]|\$)[\w$]*|\d[\w.']*|\"[^\"]*\"|\S")
@@ -52,16 +52,12 @@ def joined(tokens: Sequence[SourceToken]) -> str:
     pieces: list[str] = []
     behind_word = False
     for text, _ in tokens:
-        wordlike = _is_wordlike(text)
+        wordlike = text[0].isalnum() or text[0] in "_$"
         if behind_word and wordlike:
             pieces.append(" ")
         pieces.append(text)
         behind_word = wordlike
     return "".join(pieces)
-
-
-def _is_wordlike(text: str) -> bool:
-    return text[0].isalnum() or text[0] in "_$"
 
 
 def closing(tokens: Sequence[SourceToken], at: int) -> int:
@@ -132,15 +128,16 @@ def split(
 
 def before(tokens: Sequence[SourceToken], sign: str) -> Sequence[SourceToken]:
     """Return the tokens before a sign outside of all brackets."""
+    return next((tokens[:at] for at, text in outside(tokens) if text == sign), tokens)
+
+
+def outside(tokens: Sequence[SourceToken]) -> Iterator[tuple[int, str]]:
+    """Yield index and text of each token outside of all brackets, opening brackets included."""
     index = 0
     while index < len(tokens):
         text = tokens[index].text
-        if text == sign:
-            return tokens[:index]
+        yield index, text
         if text in _OPENING:
             index = closing(tokens, index)
-        elif text == "<":
-            index = behind_angle(tokens, index)
         else:
-            index += 1
-    return tokens
+            index = behind_angle(tokens, index) if text == "<" else index + 1

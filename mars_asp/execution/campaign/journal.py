@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import isfinite
+from types import UnionType
 from typing import Any, NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
@@ -119,55 +120,45 @@ def _check_header(line: bytes, header: bytes, path: str) -> None:
 
 def _is_run(found: Mapping[str, Any]) -> bool:
     """Whether an object has what is counted of a run, whatever else it has."""
-    judged = found.get("requirements")
+    robots, warnings = found.get("robots", []), found.get("warnings", [])
     return (
-        isinstance(found.get("seed"), int)
-        and isinstance(found.get("vary"), dict)
+        _has_types(
+            found,
+            seed=int,
+            vary=dict,
+            collisions=int | None,
+            control_time=dict,
+            requirements=list,
+            turn_while_driving_s=int | float | None,
+        )
         and found.get("verdict") in (PASS, FAIL, NOT_DECIDED)
-        and isinstance(found.get("collisions"), int | None)
+        and all(map(_is_finite, found["control_time"].values()))
         and _is_finite(found.get("min_clearance_mm") or 0)
-        and _is_times(found.get("control_time"))
-        and isinstance(judged, list)
-        and all(map(_is_requirement, judged))
-        and isinstance(found.get("turn_while_driving_s"), int | float | None)
-        and isinstance(found.get("robots", []), list)
-        and all(map(_is_robot, found.get("robots", [])))
-        and isinstance(found.get("warnings", []), list)
-        and all(map(_is_warning, found.get("warnings", [])))
+        and all(_has_types(each, name=str, holds=bool | None) for each in found["requirements"])
+        and isinstance(robots, list)
+        and all(
+            _has_types(
+                each,
+                name=str,
+                reached_s=int | float | None,
+                nearest_to_place_mm=int | float | None,
+            )
+            for each in robots
+        )
+        and isinstance(warnings, list)
+        and all(_has_types(each, kind=str, subject=str) for each in warnings)
     )
 
 
-def _is_robot(found: object) -> bool:
-    return (
-        isinstance(found, dict)
-        and isinstance(found.get("name"), str)
-        and isinstance(found.get("reached_s"), int | float | None)
-        and isinstance(found.get("nearest_to_place_mm"), int | float | None)
+def _has_types(found: object, **types: type | UnionType) -> bool:
+    """Whether a value is an object whose keys have values of types; an absent key has None."""
+    return isinstance(found, dict) and all(
+        isinstance(found.get(key), wanted) for key, wanted in types.items()
     )
-
-
-def _is_warning(found: object) -> bool:
-    return (
-        isinstance(found, dict)
-        and isinstance(found.get("kind"), str)
-        and isinstance(found.get("subject"), str)
-    )
-
-
-def _is_times(found: object) -> bool:
-    return isinstance(found, dict) and all(map(_is_finite, found.values()))
 
 
 def _is_finite(found: object) -> bool:
     return isinstance(found, int | float) and isfinite(found)
-
-
-def _is_requirement(found: object) -> bool:
-    return (
-        isinstance(found, dict)
-        and isinstance(found.get("name"), str)
-        and isinstance(found.get("holds"), bool | None)
-    )
 
 
 def _counted_values(whole: Mapping[str, Any]) -> dict[str, Any]:

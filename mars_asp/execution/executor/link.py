@@ -1,7 +1,7 @@
 """Messages, and the links that carry and count them."""
 
 from collections import Counter, deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -142,3 +142,16 @@ class Link:
         if self.observe is not None:
             name = type(error).__name__
             self.observe(self.schedule.now, "failed", f"{self.source} -> {self.client}", name)
+
+
+def fail(
+    failures: Failures,
+    links: Iterable[Link],
+    error: Exception,
+    now: int,
+    inputs: Sequence[object] = (),
+) -> None:
+    """Count an exception, and on every link the message that is lost by it."""
+    failures.note(error, now, inputs)
+    for link in links:
+        link.drop(error)

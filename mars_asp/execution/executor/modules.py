@@ -1,6 +1,6 @@
 """Modules at work: what triggers them, and what becomes of their results."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -8,7 +8,7 @@ from mars_asp.behaviour.command import command_of
 from mars_asp.behaviour.values import copied
 from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import Offer
-from mars_asp.execution.executor.link import Failures, Link, Message, message_of
+from mars_asp.execution.executor.link import Failures, Link, Message, fail, message_of
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND, SENSORS, Schedule
 
 COMMAND_TIMEOUT = 500 * MILLISECOND
@@ -247,16 +247,3 @@ def offer_all(offers: list[Offer], message: Message) -> None:
     """Offer a message to every output."""
     for offer in offers:
         offer(message)
-
-
-def fail(
-    failures: Failures,
-    links: list[Link],
-    error: Exception,
-    now: int,
-    inputs: Sequence[object] = (),
-) -> None:
-    """Count an exception, and on every link the message that it lost by it."""
-    failures.note(error, now, inputs)
-    for link in links:
-        link.drop(error)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from mars_asp.behaviour.values import copied
 from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import Offer
-from mars_asp.execution.executor.link import Failures, Link, Message
+from mars_asp.execution.executor.link import Failures, Link, Message, fail
 from mars_asp.execution.executor.schedule import Schedule
 from mars_asp.model.declarations import GRASP, TAKING
 
@@ -39,9 +39,7 @@ class DataTransformer:
         try:
             value = copied(self.convert(copied(message.value)))
         except Exception as error:  # a converter's fault must not end the run
-            self.failures.note(error, self.schedule.now, (message.value,))
-            for link in self.outputs:
-                link.drop(error)
+            fail(self.failures, self.outputs, error, self.schedule.now, (message.value,))
             return
         for offer in self.offers:
             offer(message._replace(value=value))

@@ -8,7 +8,7 @@ import numpy as np
 
 from mars_asp.execution.simulator.body import THING, Body
 from mars_asp.execution.simulator.motion import MotionSegment, Point, Pose
-from mars_asp.execution.simulator.world import World
+from mars_asp.execution.simulator.world import World, nearest_points
 
 #: So much nearer (mm) than found it may have been.
 _EXACT = 0.01
@@ -88,10 +88,7 @@ def _nearest(world: World, point: Point, seconds: float) -> Point:
     """Return the point of walls and rims that is nearest to a point at a time."""
     found: list[Point] = []
     if len(world.segments):
-        start, along = world.segments[:, :2], world.segments[:, 2:] - world.segments[:, :2]
-        squared = np.maximum((along * along).sum(axis=1), 1e-300)
-        share = np.clip(((np.array(point) - start) * along).sum(axis=1) / squared, 0.0, 1.0)
-        places = start + share[:, None] * along
+        places = nearest_points(np.array(point), world.segments)
         x, y = places[np.hypot(*(places - np.array(point)).T).argmin()].tolist()
         found.append((x, y))
     circles = [*world.circles.tolist(), *((*c.at(seconds), c.radius) for c in world.moving)]

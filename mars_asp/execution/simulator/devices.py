@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from mars_asp.execution.simulator.body import Body
-from mars_asp.execution.simulator.motion import Pose
+from mars_asp.execution.simulator.motion import Floats, Pose
 
 #: From a time in seconds to where a device is; the body has moved on to that time.
 Place: TypeAlias = Callable[[float], Pose]
@@ -94,16 +94,8 @@ def sonar(
     A cone's range is the least over `rays` sub-rays spread over it.
     """
     spread = np.linspace(-cone / 2, cone / 2, rays) if rays > 1 else np.zeros(1)
-    bearings = np.radians((np.arange(beams) * 360.0 / beams)[:, None] + spread).ravel()
-
-    def read(seconds: float) -> list[float]:
-        pose = place(seconds)
-        angles = bearings + radians(pose.heading)
-        hits = body.rays((pose.forward, pose.side), angles, reach)
-        nearest = hits.reshape(beams, rays).min(axis=1)
-        return [_noisy(float(hit), noise, sigma) for hit in nearest]
-
-    return read
+    bearings = np.radians((np.arange(beams) * 360.0 / beams)[:, None] + spread)
+    return _ranges(body, place, noise, bearings, reach, sigma)
 
 
 def lidar(
@@ -117,13 +109,23 @@ def lidar(
     sigma: float = 0.0,
 ) -> Callable[[float], list[float]]:
     """Return a scan's reading: `beams` single rays spread over `view` degrees, from the right."""
-    bearings = np.radians(np.linspace(-view / 2, view / 2, beams))
+    bearings = np.radians(np.linspace(-view / 2, view / 2, beams))[:, None]
+    return _ranges(body, place, noise, bearings, reach, sigma)
+
+
+def _ranges(
+    body: Body, place: Place, noise: Random, bearings: Floats, reach: float, sigma: float
+) -> Callable[[float], list[float]]:
+    """Return a reading of beams (n, k): of each the range of the shortest of its k rays."""
+    flat, rays = bearings.ravel(), bearings.shape[-1]
 
     def read(seconds: float) -> list[float]:
         pose = place(seconds)
-        angles = bearings + radians(pose.heading)
+        angles = flat + radians(pose.heading)
         hits = body.rays((pose.forward, pose.side), angles, reach)
-        return [_noisy(float(hit), noise, sigma) for hit in hits]
+        # A single ray has no other to be compared with.
+        nearest = hits if rays == 1 else hits.reshape(-1, rays).min(axis=1)
+        return [_noisy(float(hit), noise, sigma) for hit in nearest]
 
     return read
 

@@ -222,7 +222,7 @@ class World:
         """
         near, here = self._around(point, seconds), np.array(point)
         segments = near.segments[_segment_distances(point, near.segments) <= reach]
-        away = [here - _nearest_points(here, segments)]
+        away = [here - nearest_points(here, segments)]
         ways: list[Floats] = [np.zeros((len(segments), 2))]
         for circles, moved in (
             (near.circles, np.zeros((len(near.circles), 2))),
@@ -311,12 +311,12 @@ def _segment_distances(point: Point, segments: Floats) -> Floats:
 
 def origin_distances(segments: Floats) -> Floats:
     """Return how far segments (..., 4) are from the origin."""
-    nearest = _nearest_points(np.zeros(2), segments)
+    nearest = nearest_points(np.zeros(2), segments)
     distances: Floats = np.hypot(nearest[..., 0], nearest[..., 1])
     return distances
 
 
-def _nearest_points(point: Floats, segments: Floats) -> Floats:
+def nearest_points(point: Floats, segments: Floats) -> Floats:
     """Return the points (..., 2) of segments (..., 4) that are nearest to a point."""
     start, along = segments[..., :2], segments[..., 2:] - segments[..., :2]
     squared = np.maximum((along * along).sum(axis=-1), 1e-300)
