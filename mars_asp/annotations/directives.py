@@ -103,7 +103,9 @@ def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
         if match is None:
             continue
         written, meant = match[1] + match[2], words.meant[match[1]]
-        if not (inside or written == meant or _is_plain(meant, match[3])):
+        # No other use of comments has such a line, however its word is spelt.
+        plain = "_" in meant or _DELIVERY.match(match[3])
+        if not (inside or written == meant or plain):
             continue
         # Pieces are joined once: a comment may go on for very many lines.
         texts = [_without_remark(match[3])]
@@ -133,11 +135,6 @@ def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
             inside = meant == "module_start"
     if words.uncompared is not None:
         yield words.uncompared
-
-
-def _is_plain(word: str, rest: str) -> bool:
-    """Whether no other use of comments writes such a line, however its word is spelt."""
-    return "_" in word or _DELIVERY.match(rest) is not None
 
 
 def _without_remark(text: str) -> str:

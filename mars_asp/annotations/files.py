@@ -294,7 +294,7 @@ def _read_source(
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
         return (), (_file_diagnostic(shown, "MARS300", "error", reason, "make it readable"),)
-    if not _is_marked(raw):
+    if not (_MARK.search(raw) or (b"\0" in raw and _MARK_16.search(raw))):
         return (), ()
     data, encoding, notes = _normalised(raw, shown)
     # Of a large file there is never more than one copy beside the one that is made.
@@ -334,10 +334,6 @@ def reread(found: Extraction, path: str, text: str) -> Extraction:
     kept = [module for module in found.modules if module.span.path != path]
     others = [problem for problem in found.diagnostics if problem.span.path != path]
     return Extraction((*kept, *modules), by_place([*others, *problems]))
-
-
-def _is_marked(raw: bytes) -> bool:
-    return _MARK.search(raw) is not None or (b"\0" in raw and _MARK_16.search(raw) is not None)
 
 
 def _normalised(raw: bytes, shown: str) -> tuple[bytes | None, str, tuple[Diagnostic, ...]]:

@@ -63,15 +63,12 @@ def following(source: Source, begin: int, end: int) -> Following:
         if whole:
             break
     found: Found = read
-    if read is not None and not whole and not _begins_otherwise(read):
+    # Other words begin no function, whatever follows.
+    is_other = isinstance(read, NoFunction) and read.found not in ("def", "async", "@")
+    if read is not None and not whole and not is_other:
         found = Endless(read.offset)
     over = found is not None or stretch.cut
     return Following(found, partial(source.within, begin, stretch.text), over)
-
-
-def _begins_otherwise(read: SourceDeclaration | NoFunction) -> bool:
-    """Whether what stands there is no function, however it goes on."""
-    return isinstance(read, NoFunction) and read.found not in ("def", "async", "@")
 
 
 def _is_whole(

@@ -150,18 +150,14 @@ def _swap(
             if moved and moved[-1] == index - 1:
                 continue  # what came from there has its turn in the next round
             u, v = layer[index : index + 2]
-            if sum(_excess(side[u], side[v]) for side in ends) > 0:
+            pairs = ((a, b) for side in ends for a in side[u] for b in side[v])
+            if sum((a > b) - (a < b) for a, b in pairs) > 0:
                 layer[index : index + 2] = [v, u]
                 place[u], place[v] = index + 1, index
                 moved.append(index)
         # The layers on both sides stand still, so only new neighbours can be out of order.
         near_moved = {other for index in moved for other in (index - 1, index + 1)}
         due = sorted(near_moved.intersection(range(len(layer) - 1)))
-
-
-def _excess(left: Sequence[int], right: Sequence[int]) -> int:
-    """Return how many crossings swapping two neighbours takes away on the side of these ends."""
-    return sum((a > b) - (a < b) for a in left for b in right)
 
 
 def _crossings(

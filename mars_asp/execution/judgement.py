@@ -149,17 +149,13 @@ def _stated_in(rulebook: Rulebook) -> frozenset[Signature]:
     return frozenset((*GIVEN_TO_RUNS, *own))
 
 
-def _configuration_facts(trial: Trial, rulebook: Rulebook) -> tuple[Fact, ...]:
-    """Return the facts of the configuration that rules on a run are given."""
-    plan = trial.executor.plan
-    project = with_brought(Project(plan.configuration, plan.modules, ()), rulebook.brought)
-    return project_facts(project, wanted=frozenset(each.name for each in _stated_in(rulebook)))
-
-
 def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
     """Return every requirement with its verdict."""
     rulebook = rulebook or run_rulebook()
-    facts = (*run_facts(trial), *_configuration_facts(trial, rulebook))
+    plan = trial.executor.plan
+    project = with_brought(Project(plan.configuration, plan.modules, ()), rulebook.brought)
+    wanted = frozenset(each.name for each in _stated_in(rulebook))
+    facts = (*run_facts(trial), *project_facts(project, wanted=wanted))
     return judge_facts(facts, tuple(_judged_parts(trial)), rulebook, trial.scenario.span)
 
 

@@ -17,7 +17,6 @@ from mars_asp.model.declarations import (
     Relationship,
     Service,
     Transformation,
-    Vertex,
     ends_of,
 )
 from mars_asp.model.names import end, quoted, written
@@ -190,7 +189,7 @@ def _block(module: Module) -> Iterator[str]:
     for function in module.functions:
         yield _function_line(function)
     for vertex in module.vertices:
-        yield _vertex(vertex)
+        yield f"@Vertex {vertex.number} {print_transformation(vertex.transformation)}"
     for service in module.services:
         yield from _service(service)
     yield "@module_end"
@@ -204,10 +203,6 @@ def _function_line(function: Function) -> str:
     while words and words[-1] == "_":
         words.pop()
     return " ".join([f"@{function.name}", *words, *(["_"] if len(words) == 1 else ())])
-
-
-def _vertex(vertex: Vertex) -> str:
-    return f"@Vertex {vertex.number} {print_transformation(vertex.transformation)}"
 
 
 def _service(service: Service) -> Iterator[str]:

@@ -23,7 +23,6 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
-    Hold,
     Include,
     Mode,
     Mount,
@@ -270,7 +269,7 @@ class Builder:
                     str(name),
                     self._span(begin, last),
                     rank,
-                    self._hold(hold),
+                    FOREVER if hold == FOREVER else self._read_integer(hold, HOLD),
                     None if allocation is None else cast("Allocation", str(allocation)),
                     len(controllers) > 1,
                 )
@@ -290,7 +289,8 @@ class Builder:
         elif written is not None:
             read = parse_mode(str(written))
             if isinstance(read, ModeProblem):
-                self._note_offset(written, read)
+                begin = self._base + written.begin + read.offset
+                self._note_problem(begin, self._base + written.end, read.message, read.help)
             else:
                 mode = read
         hz, declared = self._read_rate(number)
@@ -340,9 +340,6 @@ class Builder:
             return None
         return found
 
-    def _hold(self, word: "Word | Raw | None") -> Hold | None:
-        return FOREVER if word == FOREVER else self._read_integer(word, HOLD)
-
     def _read_integer(self, word: "Word | Raw | None", wanted: NumberRange) -> int | None:
         found = self._read_number(word, wanted)
         return None if found is None else int(found)
@@ -353,10 +350,6 @@ class Builder:
     def _note_word(self, word: Word, message: str, help_text: str) -> None:
         begin, end = word.begin, word.end
         self._note_problem(self._base + begin, self._base + end, message, help_text)
-
-    def _note_offset(self, word: Word, problem: ModeProblem) -> None:
-        begin = self._base + word.begin + problem.offset
-        self._note_problem(begin, self._base + word.end, problem.message, problem.help)
 
     def _note_problem(self, begin: int, end: int, message: str, help_text: str) -> None:
         span = self.layout.span(begin, end)

@@ -131,7 +131,9 @@ class Draft:
         for number, others in after.items():
             if others:
                 self._inserted.setdefault((number, "behind"), [])[:0] = others
-        return tuple(sorted(self._with_inserted(edits), key=_edit_order))
+        sides = "before", None, "behind"
+        edited = self._with_inserted(edits)
+        return tuple(sorted(edited, key=lambda edit: (edit.line, sides.index(edit.where))))
 
     def _pieces(self) -> dict[int, list[tuple[int, int, str]]]:
         """Return for each line the columns, from 0, that are put otherwise, in their order."""
@@ -223,7 +225,3 @@ def _codec(raw: bytes) -> str:
     except UnicodeDecodeError:
         return "latin-1"
     return "utf-8"
-
-
-def _edit_order(edit: LineEdit) -> tuple[int, int]:
-    return edit.line, ("before", None, "behind").index(edit.where)

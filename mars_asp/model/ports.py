@@ -36,7 +36,8 @@ class Input(NamedTuple):
 def outputs(module: Module) -> dict[str, int]:
     """Return the numbers of the services that deliver data, by the names of their outputs."""
     delivering = [n for n, each in enumerate(module.services) if each.kind in DELIVERING]
-    names = (_output(module.services[number]) for number in delivering)
+    services = (module.services[number] for number in delivering)
+    names = (each.port or each.function or each.output or "output" for each in services)
     return dict(zip(_told_apart(names), delivering, strict=True))
 
 
@@ -84,10 +85,6 @@ def free_positions(ports: Iterable[str | None]) -> Iterator[int]:
     """Yield the positions, from 1, of lines without a port: those that no port of others states."""
     taken = {input_position(port) for port in ports if port is not None}
     return (number for number in count(1) if number not in taken)
-
-
-def _output(service: Service) -> str:
-    return service.port or service.function or service.output or "output"
 
 
 def _told_apart(names: Iterable[str]) -> Iterator[str]:

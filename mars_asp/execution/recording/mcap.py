@@ -15,7 +15,7 @@ from mars_asp import __version__
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import SECOND
 from mars_asp.execution.recording.record import Event, plain
-from mars_asp.execution.simulator import Pose, World
+from mars_asp.execution.simulator import Pose
 from mars_asp.execution.trial import Trial
 
 _json = JSONEncoder(allow_nan=False).encode
@@ -176,7 +176,8 @@ def _log_entry(event: Event) -> Entry:
 def _motion(trial: Trial) -> Iterator[Entry]:
     world = trial.bodies[0].world
     fixed = [_cylinder(x, y, radius, _GREY) for x, y, radius in world.circles.tolist()]
-    yield _scene(0, "/world", "world", cylinders=fixed, lines=[_walls(world)])
+    ends = [end for a, b, c, d in world.segments.tolist() for end in ((a, b), (c, d))]
+    yield _scene(0, "/world", "world", cylinders=fixed, lines=[_line_entity(ends, 0.0)])
     for body in trial.bodies:
         rim = _cylinder(0.0, 0.0, body.radius, _BLUE)
         nose = _line_entity([(0.0, 0.0), (body.radius, 0.0)], _HEIGHT + 0.01)
@@ -227,11 +228,6 @@ def _cylinder(x: float, y: float, radius: float, colour: tuple[float, float, flo
         "top_scale": 1,
         "color": _colour(*colour),
     }
-
-
-def _walls(world: World) -> dict[str, Any]:
-    ends = [end for a, b, c, d in world.segments.tolist() for end in ((a, b), (c, d))]
-    return _line_entity(ends, 0.0)
 
 
 def _line_entity(ends: list[tuple[float, float]], height: float) -> dict[str, Any]:

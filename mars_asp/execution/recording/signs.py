@@ -151,7 +151,8 @@ class Signs:
 
     def listed(self, scale: float) -> list[tuple[float, int, str, str]]:
         """Return items by x and line, with a bar of a round length at a scale (pixels per mm)."""
-        length = _round_below(SIZE / 4 / scale)
+        # 1, 2 or 5 times a power of ten, and at most a quarter of the picture.
+        length = 1.0 / round_step(1.0 / (SIZE / 4 / scale))
         wide = length * scale
         bar = f'<path d="M-8 -4v8M-8 0h{wide:.1f}m0 -4v8" stroke="{_INK}" fill="none"/>'
         x, line, found = MARGIN + 8, 0, []
@@ -234,11 +235,6 @@ def _ring(radius: float) -> str:
         f'<circle r="{radius:.1f}" fill="{_GOAL}" fill-opacity="0.12" stroke="{_GOAL}" '
         'stroke-dasharray="4 2"/>'
     )
-
-
-def _round_below(most: float) -> float:
-    """Return the greatest of 1, 2 and 5 times powers of ten that is not above a number."""
-    return 1.0 / round_step(1.0 / most)
 
 
 def _contacts(count: int) -> str:
