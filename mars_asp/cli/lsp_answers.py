@@ -30,11 +30,11 @@ from mars_asp.cli.results import Result
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.format import format_text
 from mars_asp.language.parse import parse_text, plain_lines
-from mars_asp.lsp.actions import Action, line_edits
+from mars_asp.lsp.actions import QuickFix, line_edits
 from mars_asp.lsp.occurrences import outline
 from mars_asp.lsp.places import START, Place
 from mars_asp.lsp.questions import CheckedFile, Failed, Question, Sort, Survey
-from mars_asp.lsp.robot import Described, EditorRobot, OpenFile, behind
+from mars_asp.lsp.robot import Described, EditorRobot, OpenFile, prefixed_name
 from mars_asp.model.declarations import Module
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.reading import overlay
@@ -163,7 +163,9 @@ def _configurations(path: str, prefix: str, files: EditorFiles) -> Iterator[Open
     yield OpenFile(text.path, prefix, outline(text.path, text.written).mentions)
     for each in parse_text(text.plain, path).configuration.includes:
         inner = os.path.abspath(Path(path).parent / each.path)  # noqa: PTH100
-        yield from _configurations(inner, behind(prefix, each.name) if each.name else prefix, files)
+        yield from _configurations(
+            inner, prefixed_name(prefix, each.name) if each.name else prefix, files
+        )
 
 
 def _module_description(module: Module, files: EditorFiles) -> Described:
@@ -257,7 +259,7 @@ def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
     return "\n".join(lines).replace(home, "").strip("\n")
 
 
-def _repairs(question: Question, options: argparse.Namespace) -> tuple[Action, ...]:
+def _repairs(question: Question, options: argparse.Namespace) -> tuple[QuickFix, ...]:
     """Answer the edits that remove findings, each of them tried."""
     query = _EditorQuery(question, options)
     try:
@@ -270,7 +272,7 @@ def _repairs(question: Question, options: argparse.Namespace) -> tuple[Action, .
     return tuple(each for repair in found for each in _actions(repair, files))
 
 
-def _actions(repair: "Repair", files: EditorFiles) -> Iterator[Action]:
+def _actions(repair: "Repair", files: EditorFiles) -> Iterator[QuickFix]:
     for mend in repair.mends:
         texts = {each.path: files.text(each.path) for each in mend.lines}
         known = {path: text for path, text in texts.items() if text is not None}
@@ -278,7 +280,7 @@ def _actions(repair: "Repair", files: EditorFiles) -> Iterator[Action]:
             message = "; ".join(edit.message for edit in mend.edits)
             is_sole = repair.complete and len(repair.mends) == 1
             edits = tuple(line_edits(known, mend.lines))
-            yield Action(message, edits, _title(repair.consequence), is_sole)
+            yield QuickFix(message, edits, _title(repair.consequence), is_sole)
 
 
 def _title(consequence: Consequence) -> str:

@@ -15,7 +15,7 @@ _ALIKE = 0.6
 _LONGEST = 100
 
 
-class Action(NamedTuple):
+class QuickFix(NamedTuple):
     """A change that removes findings: what it does, and its edits.
 
     `removes` is the title of the finding; `is_sole` is whether that has no other repair.
@@ -28,10 +28,10 @@ class Action(NamedTuple):
 
 
 def actions_at(
-    actions: Iterable[Action], found: Iterable[EditorFinding]
-) -> Iterator[tuple[EditorFinding, Action]]:
+    actions: Iterable[QuickFix], found: Iterable[EditorFinding]
+) -> Iterator[tuple[EditorFinding, QuickFix]]:
     """Yield the changes that remove findings, each with its finding."""
-    by_title: dict[str, list[Action]] = {}
+    by_title: dict[str, list[QuickFix]] = {}
     for action in actions:
         by_title.setdefault(action.removes, []).append(action)
     for finding in found:
@@ -39,16 +39,18 @@ def actions_at(
             yield finding, action
 
 
-def mended(found: Iterable[EditorFinding]) -> Iterator[tuple[EditorFinding, Action]]:
+def fix_actions(found: Iterable[EditorFinding]) -> Iterator[tuple[EditorFinding, QuickFix]]:
     """Yield the changes that are known to mend findings, such as `rules lint --fix` makes."""
     for finding in found:
         if finding.fixes:
             written = " and ".join(f"`{each.text}`" for each in finding.fixes if each.text)
             title = f"Write {written}" if written else "Leave it out"
-            yield finding, Action(title, finding.fixes, finding.code, True)
+            yield finding, QuickFix(title, finding.fixes, finding.code, True)
 
 
-def respelt(text: Text, found: Iterable[EditorFinding]) -> Iterator[tuple[EditorFinding, Action]]:
+def spelling_actions(
+    text: Text, found: Iterable[EditorFinding]
+) -> Iterator[tuple[EditorFinding, QuickFix]]:
     """Yield the changes of a word into the one that is meant, where a finding stands at it."""
     for finding in found:
         match = _MEANT.search(finding.help or "")
@@ -61,7 +63,7 @@ def respelt(text: Text, found: Iterable[EditorFinding]) -> Iterator[tuple[Editor
         is_word = 0 < len(word) <= _LONGEST and word != match[1]
         if is_word and nearest(word, [match[1]], _ALIKE) is not None:
             edit = TextEdit(finding.place, match[1])
-            yield finding, Action(f"Write `{match[1]}`", (edit,), finding.code, True)
+            yield finding, QuickFix(f"Write `{match[1]}`", (edit,), finding.code, True)
 
 
 def line_edits(texts: dict[str, Text], lines: Iterable[LineEdit]) -> Iterator[TextEdit]:

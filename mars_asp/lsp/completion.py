@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple, TypeAlias
 from mars_asp.lsp.keyword_docs import ANNOTATIONS, METADATA, MODES, STATEMENTS
 from mars_asp.lsp.occurrences import VERBS, is_configuration
 from mars_asp.lsp.places import Position, Range, Text
-from mars_asp.lsp.robot import DocumentContext, behind
+from mars_asp.lsp.robot import DocumentContext, prefixed_name
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
@@ -187,7 +187,7 @@ def _modules(scene: DocumentContext) -> Iterator[Completion]:
     for robot in scene.robots:
         own = next(file for file in robot.files if file.path == scene.here.text.path)
         listed = {
-            behind(file.prefix, each.name)
+            prefixed_name(file.prefix, each.name)
             for file in robot.files
             for each in file.mentions
             if each.role != "line" and file.path != own.path
@@ -213,7 +213,7 @@ def _within(prefix: str, name: str) -> str | None:
 
 def _port_items(scene: DocumentContext, module: str, is_output: bool) -> Iterator[Completion]:
     for robot, file in scene.own_files():
-        described = robot.modules.get(behind(file.prefix, module))
+        described = robot.modules.get(prefixed_name(file.prefix, module))
         if described is not None:
             for name in described.outputs if is_output else described.inputs:
                 yield Completion(name, "port", f"of {module}", written(name))

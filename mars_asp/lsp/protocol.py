@@ -7,7 +7,7 @@ from typing import Any
 from lsprotocol import types
 from pygls.uris import to_fs_path
 
-from mars_asp.lsp.actions import Action
+from mars_asp.lsp.actions import QuickFix
 from mars_asp.lsp.completion import Completions
 from mars_asp.lsp.hover import Hover
 from mars_asp.lsp.places import Place, Position, Range, TextEdit
@@ -64,7 +64,7 @@ class Protocol:
             ],
         )
 
-    def action(self, finding: EditorFinding, action: Action) -> types.CodeAction:
+    def action(self, finding: EditorFinding, action: QuickFix) -> types.CodeAction:
         """Return the change that an editor offers for a finding."""
         return types.CodeAction(
             action.title,

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from mars_asp.lsp.occurrences import Occurrence, is_configuration
 from mars_asp.lsp.places import START, Place, Position
-from mars_asp.lsp.robot import DocumentContext, EditorRobot, OpenFile, behind
+from mars_asp.lsp.robot import DocumentContext, EditorRobot, OpenFile, prefixed_name
 
 #: What several mentions have in common: a robot and a name in it, or the module of a source.
 _Key: TypeAlias = tuple[str, str]
@@ -82,7 +82,7 @@ def _keys(
     if not is_configuration(file.path) or (mention.role == "describing" and name not in blocks):
         yield _SOURCES, name
     else:
-        yield robot.path, behind(file.prefix, name)
+        yield robot.path, prefixed_name(file.prefix, name)
         if mention.described is None and name in annotated and name not in blocks:
             yield _SOURCES, name
 
@@ -90,7 +90,7 @@ def _keys(
 def _port_places(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]:
     assert mention.port is not None
     for robot, file in scene.own_files():
-        described = robot.modules.get(behind(file.prefix, mention.name))
+        described = robot.modules.get(prefixed_name(file.prefix, mention.name))
         if described is not None:
             ports = described.outputs if mention.port.is_output else described.inputs
             yield from filter(None, (ports.get(mention.port.name),))

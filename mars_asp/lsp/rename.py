@@ -2,7 +2,7 @@
 
 from mars_asp.lsp.places import Position, Range, TextEdit
 from mars_asp.lsp.references import same_module
-from mars_asp.lsp.robot import DocumentContext, behind
+from mars_asp.lsp.robot import DocumentContext, prefixed_name
 from mars_asp.model.names import read_name, written
 
 
@@ -47,7 +47,7 @@ def rename(scene: DocumentContext, position: Position, name: str) -> tuple[TextE
             for each in file.mentions:
                 wanted = {each.name.removesuffix(own) + new for _, each in same}
                 if each.name in wanted and (file.path, each.range) not in places:
-                    result = behind(file.prefix, each.name)
+                    result = prefixed_name(file.prefix, each.name)
                     raise RefusedError(f"`{result}` is a module already")
     return tuple(
         TextEdit(place, written(each.name.removesuffix(own) + new)) for place, each in same

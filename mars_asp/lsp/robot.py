@@ -54,7 +54,11 @@ class OpenFile(NamedTuple):
 
     def name_of(self, mention: Occurrence) -> str:
         """Return the name that the robot gives to a module of the file."""
-        return behind(self.prefix, mention.name) if is_configuration(self.path) else mention.name
+        return (
+            prefixed_name(self.prefix, mention.name)
+            if is_configuration(self.path)
+            else mention.name
+        )
 
 
 class EditorRobot(NamedTuple):
@@ -104,7 +108,7 @@ class DocumentContext:
         return (each for each in self.findings if each.place.range.holds(position))
 
 
-def behind(prefix: str, name: str) -> str:
+def prefixed_name(prefix: str, name: str) -> str:
     """Return the name that a name of an included file has behind the include's."""
     if not prefix:
         return name

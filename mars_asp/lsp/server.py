@@ -19,7 +19,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path
 
 from mars_asp import __version__
-from mars_asp.lsp.actions import Action, actions_at, mended, respelt
+from mars_asp.lsp.actions import QuickFix, actions_at, fix_actions, spelling_actions
 from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError, strict_converter
 from mars_asp.lsp.completion import Completions, completion, rule_completion
 from mars_asp.lsp.hover import hover, hover_rules
@@ -105,16 +105,16 @@ class _Server(LanguageServer):
             converter_factory=strict_converter,
         )
         self._workers = workers
-        self._desk = EditorWorkspace()
+        self._workspace = EditorWorkspace()
         self._uris: dict[str, str] = {}
-        self._told = Protocol(self._uri)
+        self._protocol = Protocol(self._uri)
         self._versions: dict[str, int] = {}
         #: Analyses that go on, by the file that is asked about.
-        self._going: dict[str, asyncio.Task[None]] = {}
+        self._running: dict[str, asyncio.Task[None]] = {}
         #: The files of which what was found is about an older text.
         self._stale: set[str] = set()
         #: Questions that go on, of those that several requests may wait for.
-        self._asking: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
+        self._pending: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
 
     def handlers(self) -> dict[str, Callable[[Any], Any]]:
         """Return what answers each message of the protocol."""
@@ -186,69 +186,69 @@ class _Server(LanguageServer):
     def changed(self, params: types.DidChangeTextDocumentParams) -> None:
         """Take what a text is now."""
         path = path_of(params.text_document.uri)
-        if path in self._desk.texts and params.content_changes:
+        if path in self._workspace.texts and params.content_changes:
             text = params.content_changes[-1].text
             self._take(path, params.text_document.version, text, PAUSE)
 
     def closed(self, params: types.DidCloseTextDocumentParams) -> None:
         """Forget a text, and what was found of robots of which no file is open any more."""
         path = path_of(params.text_document.uri)
-        if path not in self._desk.texts:
+        if path not in self._workspace.texts:
             return
         self._overtake(path)
-        del self._desk.texts[path]
-        gone = set(self._desk.idle())
-        for asked in gone:
-            self._stop(asked)
-            self._publish(self._desk.drop(asked) | {asked})
-        for asked in self._desk.asked_for(path):
-            if asked in self._desk.found:
-                self._analyse(asked, PAUSE)
-        self._desk.owners.pop(path, None)
+        del self._workspace.texts[path]
+        gone = set(self._workspace.idle())
+        for queried in gone:
+            self._stop(queried)
+            self._publish(self._workspace.evict(queried) | {queried})
+        for queried in self._workspace.queried_files(path):
+            if queried in self._workspace.found:
+                self._analyse(queried, PAUSE)
+        self._workspace.owners.pop(path, None)
         self._uris.pop(path, None)
 
     def saved(self, params: types.DidSaveTextDocumentParams) -> None:
         """Analyse what is saved where its text alone does not tell all: other files may be new."""
         path = path_of(params.text_document.uri)
-        if path in self._desk.texts:
+        if path in self._workspace.texts:
             # Rules that are saved may be those of any robot.
-            self._again(tuple(self._desk.texts) if is_rules(path) else (path,))
+            self._again(tuple(self._workspace.texts) if is_rules(path) else (path,))
 
     def changed_elsewhere(self, params: types.DidChangeWatchedFilesParams) -> None:
         """Analyse everything that is open: files on the disk are other ones."""
-        self._again(tuple(self._desk.texts))
+        self._again(tuple(self._workspace.texts))
 
     def _again(self, paths: Iterable[str]) -> None:
-        asked = {each for path in paths for each in self._desk.asked_for(path)}
+        queried = {each for path in paths for each in self._workspace.queried_files(path)}
         for path in paths:
             self._overtake(path)
-        for each in sorted(asked):
+        for each in sorted(queried):
             self._analyse(each, PAUSE)
 
     def _take(self, path: str, version: int, text: str, delay: float) -> None:
-        self._desk.texts[path] = text
+        self._workspace.texts[path] = text
         self._versions[path] = version
         self._overtake(path)
-        needs_owners = language_of(path) is not None and path not in self._desk.owners
-        if needs_owners and not any(r.path != path for r in self._desk.robots_of(path)):
+        needs_owners = language_of(path) is not None and path not in self._workspace.owners
+        if needs_owners and not any(r.path != path for r in self._workspace.robots_of(path)):
             self._start_analysis(path, self._find_owners(path, delay))
             return
-        for asked in self._desk.asked_for(path):
-            self._analyse(asked, delay)
+        for queried in self._workspace.queried_files(path):
+            self._analyse(queried, delay)
 
     # ---- Analyses --------------------------------------------------------------------------------
 
-    def _analyse(self, asked: str, delay: float) -> None:
-        self._start_analysis(asked, self._analysed(asked, delay))
+    def _analyse(self, queried: str, delay: float) -> None:
+        self._start_analysis(queried, self._analysed(queried, delay))
 
-    def _start_analysis(self, asked: str, work: Coroutine[Any, Any, None]) -> None:
+    def _start_analysis(self, queried: str, work: Coroutine[Any, Any, None]) -> None:
         """Begin an analysis in the place of the one that goes on."""
-        self._stop(asked)
-        self._stale.add(asked)
-        self._going[asked] = asyncio.get_running_loop().create_task(work)
+        self._stop(queried)
+        self._stale.add(queried)
+        self._running[queried] = asyncio.get_running_loop().create_task(work)
 
-    def _stop(self, asked: str) -> None:
-        before = self._going.pop(asked, None)
+    def _stop(self, queried: str) -> None:
+        before = self._running.pop(queried, None)
         if before is not None:
             before.cancel()
 
@@ -258,34 +258,36 @@ class _Server(LanguageServer):
         folders = [path_of(each.uri) or "" for each in self.workspace.folders.values()]
         inside = [each for each in folders if path.startswith(f"{each}/")]
         limit = max(inside, key=len, default="")
-        found = await self._workers.ask(Question("owners", path, self._desk.unsaved(), limit))
-        self._desk.owners[path] = () if isinstance(found, Failed) else found
-        for asked in self._desk.asked_for(path):
-            if asked != path:
-                self._analyse(asked, 0.0)
+        found = await self._workers.ask(Question("owners", path, self._workspace.overlay(), limit))
+        self._workspace.owners[path] = () if isinstance(found, Failed) else found
+        for queried in self._workspace.queried_files(path):
+            if queried != path:
+                self._analyse(queried, 0.0)
             else:
-                await self._analysed(asked, 0.0)
+                await self._analysed(queried, 0.0)
 
-    async def _analysed(self, asked: str, delay: float) -> None:
+    async def _analysed(self, queried: str, delay: float) -> None:
         """Ask what is found in a robot, a source or rules, and tell the editor."""
         await asyncio.sleep(delay)
-        sort: Sort = "check" if is_configuration(asked) else "lint" if is_rules(asked) else "source"
-        answer = await self._workers.ask(Question(sort, asked, self._desk.unsaved()))
+        sort: Sort = (
+            "check" if is_configuration(queried) else "lint" if is_rules(queried) else "source"
+        )
+        answer = await self._workers.ask(Question(sort, queried, self._workspace.overlay()))
         robot: EditorRobot | None = None
         match answer:
             case CheckedFile():
                 found, robot = answer
             case LintedFile():
-                found, self._desk.rules[asked] = answer
+                found, self._workspace.rules[queried] = answer
             case _:
                 text = f"this was not analysed: {getattr(answer, 'reason', answer)}"
-                found = (EditorFinding(Place(asked, START), "warning", "lsp", text),)
-        self._stale.discard(asked)
-        self._publish(self._desk.take(asked, found, robot))
+                found = (EditorFinding(Place(queried, START), "warning", "lsp", text),)
+        self._stale.discard(queried)
+        self._publish(self._workspace.store(queried, found, robot))
         if robot is not None and sort == "check":
-            survey = await self._workers.ask(Question("survey", asked, self._desk.unsaved()))
+            survey = await self._workers.ask(Question("survey", queried, self._workspace.overlay()))
             if isinstance(survey, Survey):
-                self._desk.learn(asked, survey)
+                self._workspace.update(queried, survey)
                 await self._refresh_lenses()
 
     async def _refresh_lenses(self) -> None:
@@ -297,18 +299,18 @@ class _Server(LanguageServer):
 
     def _publish(self, paths: Iterable[str]) -> None:
         for path in sorted(paths):
-            found = [self._told.diagnostic(each) for each in self._desk.findings(path)]
-            version = self._versions.get(path) if path in self._desk.texts else None
+            found = [self._protocol.diagnostic(each) for each in self._workspace.findings(path)]
+            version = self._versions.get(path) if path in self._workspace.texts else None
             result = types.PublishDiagnosticsParams(self._uri(path), found, version)
             self.text_document_publish_diagnostics(result)
 
-    async def _asked(self, question: Question) -> Any:
+    async def _shared_answer(self, question: Question) -> Any:
         """Return an answer that several requests may wait for, whichever of them is cancelled."""
         key = question.sort, question.path, question.about
-        task = self._asking.get(key)
+        task = self._pending.get(key)
         if task is None:
             task = asyncio.get_running_loop().create_task(self._workers.ask(question))
-            self._asking[key] = task
+            self._pending[key] = task
             task.add_done_callback(lambda done: self._answered(key, done))
         try:
             return await asyncio.shield(task)
@@ -318,21 +320,21 @@ class _Server(LanguageServer):
             raise
 
     def _answered(self, key: tuple[str, str, str], done: asyncio.Task[Any]) -> None:
-        if self._asking.get(key) is not done:
+        if self._pending.get(key) is not done:
             return
-        del self._asking[key]
+        del self._pending[key]
         sort, path, about = key
         answer = None if done.cancelled() or done.exception() else done.result()
         if sort == "trace" and isinstance(answer, str):
             # Who asked may wait no more, and asks again.
-            self._desk.traces.setdefault(path, {})[about] = answer
+            self._workspace.traces.setdefault(path, {})[about] = answer
 
     def _overtake(self, path: str) -> None:
         """Forget what an edit of a file has overtaken, and end what is asked about it."""
-        asked = self._desk.forget(path)
-        for key, task in tuple(self._asking.items()):
-            if key[1] in asked:
-                del self._asking[key]
+        queried = self._workspace.invalidate(path)
+        for key, task in tuple(self._pending.items()):
+            if key[1] in queried:
+                del self._pending[key]
                 task.cancel()
 
     # ---- Questions of the editor -----------------------------------------------------------------
@@ -340,11 +342,11 @@ class _Server(LanguageServer):
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         """Tell what there is to say of a place."""
         path, position = self._request_place(params)
-        rules_here = self._desk.rule_text(path)
+        rules_here = self._workspace.rule_text(path)
         if rules_here is not None:
-            found = [f for f in self._desk.findings(path) if f.place.range.holds(position)]
+            found = [f for f in self._workspace.findings(path) if f.place.range.holds(position)]
             return hover_of(hover_rules(rules_here, self._rules(path), position, found))
-        scene = self._desk.scene(path)
+        scene = self._workspace.context(path)
         if scene is None:
             return None
         traces: dict[str, str] = {}
@@ -355,13 +357,13 @@ class _Server(LanguageServer):
 
     async def _trace(self, path: str, title: str) -> dict[str, str]:
         """Return the trace of a finding by its title; nothing while a newer analysis goes on."""
-        for robot in self._desk.robots_of(path):
-            known = self._desk.traces.setdefault(robot.path, {})
+        for robot in self._workspace.robots_of(path):
+            known = self._workspace.traces.setdefault(robot.path, {})
             if title not in known and robot.path not in self._stale:
-                question = Question("trace", robot.path, self._desk.unsaved(), title)
+                question = Question("trace", robot.path, self._workspace.overlay(), title)
                 with suppress(TimeoutError):
-                    await asyncio.wait_for(self._asked(question), _TRACE_SECONDS)
-                known = self._desk.traces.get(robot.path, {})
+                    await asyncio.wait_for(self._shared_answer(question), _TRACE_SECONDS)
+                known = self._workspace.traces.get(robot.path, {})
             if title in known:
                 return {title: known[title]}
         return {}
@@ -369,73 +371,77 @@ class _Server(LanguageServer):
     def definition(self, params: types.DefinitionParams) -> list[types.Location]:
         """Tell where something is defined."""
         path, position = self._request_place(params)
-        rules_here = self._desk.rule_text(path)
+        rules_here = self._workspace.rule_text(path)
         if rules_here is not None:
-            found = predicate_definition(rules_here, self._rules(path), self._desk.texts, position)
-            return self._told.locations(found)
-        scene = self._desk.scene(path)
-        return [] if scene is None else self._told.locations(definition(scene, position))
+            found = predicate_definition(
+                rules_here, self._rules(path), self._workspace.texts, position
+            )
+            return self._protocol.locations(found)
+        scene = self._workspace.context(path)
+        return [] if scene is None else self._protocol.locations(definition(scene, position))
 
     def references(self, params: types.ReferenceParams) -> list[types.Location]:
         """Tell where something is named."""
         path, position = self._request_place(params)
         with_own = params.context.include_declaration
-        rules_here = self._desk.rule_text(path)
+        rules_here = self._workspace.rule_text(path)
         if rules_here is not None:
             mention = rules_here.at(position)
             if mention is None:
                 return []
-            named = predicate_mentions(rules_here, self._rules(path), self._desk.texts, mention.key)
-            return self._told.locations(
+            named = predicate_mentions(
+                rules_here, self._rules(path), self._workspace.texts, mention.key
+            )
+            return self._protocol.locations(
                 place for place, each in named if with_own or not each.is_head
             )
-        scene = self._desk.scene(path)
+        scene = self._workspace.context(path)
         found = () if scene is None else references(scene, position)
-        return self._told.locations(
+        return self._protocol.locations(
             place for place, each in found if with_own or each.role != "annotated"
         )
 
     def symbols(self, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
         """Tell what a text declares."""
         path = path_of(params.text_document.uri) or ""
-        rules_here = self._desk.rule_text(path)
+        rules_here = self._workspace.rule_text(path)
         if rules_here is not None:
             return [symbol_of(each) for each in predicate_symbols(rules_here)]
-        scene = self._desk.scene(path)
+        scene = self._workspace.context(path)
         return [] if scene is None else [symbol_of(each) for each in module_symbols(scene.here)]
 
     def workspace_symbols(
         self, params: types.WorkspaceSymbolParams
     ) -> list[types.SymbolInformation]:
         """Return the modules of open robots and the predicates of open rules by their names."""
-        scenes = filter(None, map(self._desk.scene, self._desk.texts))
-        rules = filter(None, map(self._desk.rule_text, self._desk.texts))
+        scenes = filter(None, map(self._workspace.context, self._workspace.texts))
+        rules = filter(None, map(self._workspace.rule_text, self._workspace.texts))
         found = workspace_symbols(scenes, rules, params.query)
-        return [self._told.symbol(*each) for each in found]
+        return [self._protocol.symbol(*each) for each in found]
 
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
         """Tell what can have another name at a place."""
         path, position = self._request_place(params)
-        scene = self._desk.scene(path)
+        scene = self._workspace.context(path)
         found = None if scene is None else renamed_range(scene, position)
         return None if found is None else range_of(found)
 
     def rename(self, params: types.RenameParams) -> types.WorkspaceEdit | None:
         """Give a module another name."""
         path, position = self._request_place(params)
-        scene = self._desk.scene(path)
+        scene = self._workspace.context(path)
         if scene is None:
             return None
         try:
-            return self._told.workspace_edit(rename(scene, position, params.new_name))
+            return self._protocol.workspace_edit(rename(scene, position, params.new_name))
         except RefusedError as refused:
             raise JsonRpcException(str(refused), types.LSPErrorCodes.RequestFailed) from None
 
     def completion(self, params: types.CompletionParams) -> types.CompletionList:
         """Tell what may stand at a place."""
         path, position = self._request_place(params)
-        rules_here = self._desk.rule_text(path)
-        scene = self._desk.scene(path)
+        rules_here = self._workspace.rule_text(path)
+        scene = self._workspace.context(path)
         if rules_here is not None:
             return items_of(rule_completion(rules_here, self._rules(path), position))
         found = _NOTHING if scene is None else completion(scene, position)
@@ -443,7 +449,7 @@ class _Server(LanguageServer):
 
     def lenses(self, params: types.CodeLensParams) -> list[types.CodeLens]:
         """Tell what stands above modules."""
-        scene = self._desk.scene(path_of(params.text_document.uri) or "")
+        scene = self._workspace.context(path_of(params.text_document.uri) or "")
         return [
             types.CodeLens(
                 range_of(each.range),
@@ -455,46 +461,50 @@ class _Server(LanguageServer):
     async def actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
         """Tell the repairs of the findings at a place."""
         path = path_of(params.text_document.uri) or ""
-        text = self._desk.texts.get(path)
+        text = self._workspace.texts.get(path)
         if text is None:
             return []
         ends = map(position_of, (params.range.start, params.range.end))
         stretch = Range(*map(Text(path, text).clamp, ends))
-        found = [each for each in self._desk.findings(path) if each.place.range.meets(stretch)]
-        scene = self._desk.scene(path)
-        here = self._desk.rule_text(path) if scene is None else scene.here
-        chosen = [] if here is None else [*mended(found), *respelt(here.text, found)]
+        found = [each for each in self._workspace.findings(path) if each.place.range.meets(stretch)]
+        scene = self._workspace.context(path)
+        here = self._workspace.rule_text(path) if scene is None else scene.here
+        chosen = [] if here is None else [*fix_actions(found), *spelling_actions(here.text, found)]
         if any(each.title for each in found):
-            for robot in self._desk.robots_of(path):
+            for robot in self._workspace.robots_of(path):
                 chosen += actions_at(await self._repaired(robot.path), found)
-        if self._desk.texts.get(path) != text:
+        if self._workspace.texts.get(path) != text:
             return []
-        return [self._told.action(*each) for each in chosen]
+        return [self._protocol.action(*each) for each in chosen]
 
-    async def _repaired(self, asked: str) -> tuple[Action, ...]:
-        if asked not in self._desk.repairs:
-            texts = self._desk.unsaved()
-            answer = await self._asked(Question("repairs", asked, texts))
-            if isinstance(answer, Failed) or texts != self._desk.unsaved():
+    async def _repaired(self, queried: str) -> tuple[QuickFix, ...]:
+        if queried not in self._workspace.repairs:
+            texts = self._workspace.overlay()
+            answer = await self._shared_answer(Question("repairs", queried, texts))
+            if isinstance(answer, Failed) or texts != self._workspace.overlay():
                 return ()
-            self._desk.repairs[asked] = answer
-        return self._desk.repairs[asked]
+            self._workspace.repairs[queried] = answer
+        return self._workspace.repairs[queried]
 
     async def format(self, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
         """Return the edit of the whole text that `mars-asp fmt` makes, if there is one."""
         path = path_of(params.text_document.uri) or ""
-        written = self._desk.texts.get(path)
+        written = self._workspace.texts.get(path)
         if written is None or not is_configuration(path):
             return []
-        answer = await self._asked(Question("format", path, self._desk.unsaved()))
-        if isinstance(answer, Failed) or answer == written or self._desk.texts.get(path) != written:
+        answer = await self._shared_answer(Question("format", path, self._workspace.overlay()))
+        if (
+            isinstance(answer, Failed)
+            or answer == written
+            or self._workspace.texts.get(path) != written
+        ):
             return []
         end = Text(path, written).last_position
         return [types.TextEdit(range_of(Range(Position(0, 0), end)), answer)]
 
     async def explain(self, robot: str, module: str | None) -> str:
         """Tell what is found about a module, as the title above it counts it."""
-        known = self._desk.robots.get(robot)
+        known = self._workspace.robots.get(robot)
         if known is None:
             return ""
         names = known.consequences.keys() if module is None else (module,)
@@ -510,10 +520,10 @@ class _Server(LanguageServer):
     ) -> tuple[str, Position]:
         """Return the path of a request and the nearest position of its text."""
         path, position = place_of(params)
-        return path, Text(path, self._desk.texts.get(path, "")).clamp(position)
+        return path, Text(path, self._workspace.texts.get(path, "")).clamp(position)
 
     def _rules(self, path: str) -> Rules:
-        return self._desk.rules.get(path, Rules())
+        return self._workspace.rules.get(path, Rules())
 
     def _uri(self, path: str) -> str:
         return self._uris.get(path) or from_fs_path(path) or path

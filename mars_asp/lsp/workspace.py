@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from mars_asp.lsp.actions import Action
+from mars_asp.lsp.actions import QuickFix
 from mars_asp.lsp.occurrences import is_configuration, outline
 from mars_asp.lsp.places import Place, changed_lines
 from mars_asp.lsp.questions import Survey
@@ -25,16 +25,16 @@ class EditorWorkspace:
         #: The findings of the last analysis that could read a robot, and the texts at that time.
         self.readable: dict[str, tuple[tuple[EditorFinding, ...], dict[str, str]]] = {}
         #: Repairs of robots, and traces of their findings, as long as nothing is changed.
-        self.repairs: dict[str, tuple[Action, ...]] = {}
+        self.repairs: dict[str, tuple[QuickFix, ...]] = {}
         self.traces: dict[str, dict[str, str]] = {}
         #: Configurations that sources belong to, as far as it was looked for.
         self.owners: dict[str, tuple[str, ...]] = {}
 
-    def unsaved(self) -> Mapping[str, str]:
+    def overlay(self) -> Mapping[str, str]:
         """Return the open texts that are not what the disk has."""
         return {path: text for path, text in self.texts.items() if not _is_saved(path, text)}
 
-    def scene(self, path: str) -> DocumentContext | None:
+    def context(self, path: str) -> DocumentContext | None:
         """Return what a question about a `.mars` file or a source is about."""
         text = self.texts.get(path)
         if text is None or is_rules(path):
@@ -58,7 +58,7 @@ class EditorWorkspace:
         every = (each for found in self.found.values() for each in found)
         return tuple(dict.fromkeys(each for each in every if each.place.path == path))
 
-    def asked_for(self, path: str) -> tuple[str, ...]:
+    def queried_files(self, path: str) -> tuple[str, ...]:
         """Return the files to be asked about when one changes: robots, else itself."""
         robots = [robot.path for robot in self.robots_of(path)]
         if is_configuration(path) or is_rules(path):
@@ -66,47 +66,47 @@ class EditorWorkspace:
         owners = [each for each in robots if each != path] or list(self.owners.get(path, ()))
         return tuple(owners) or (path,)
 
-    def forget(self, path: str) -> frozenset[str]:
+    def invalidate(self, path: str) -> frozenset[str]:
         """Forget what no longer holds when a file changes; return what it was asked about."""
-        asked = frozenset({path, *(robot.path for robot in self.robots_of(path))})
-        for each in asked:
+        queried = frozenset({path, *(robot.path for robot in self.robots_of(path))})
+        for each in queried:
             self.repairs.pop(each, None)
             self.traces.pop(each, None)
-        return asked
+        return queried
 
-    def take(
-        self, asked: str, found: tuple[EditorFinding, ...], robot: EditorRobot | None
+    def store(
+        self, queried: str, found: tuple[EditorFinding, ...], robot: EditorRobot | None
     ) -> set[str]:
         """Keep what was found when a file was asked about; return the files to be told of it.
 
         They are those with findings, now or before, and those of the robot that are open.
         """
         if robot is not None:
-            self.readable[asked] = found, dict(self.texts)
+            self.readable[queried] = found, dict(self.texts)
         elif found and all(map(_is_of_syntax, found)):
-            found += tuple(self._kept_findings(asked))
-        changed = {each.place.path for each in (*self.found.get(asked, ()), *found)}
-        self.found[asked] = found
+            found += tuple(self._kept_findings(queried))
+        changed = {each.place.path for each in (*self.found.get(queried, ()), *found)}
+        self.found[queried] = found
         if robot is not None:
-            before = self.robots.get(asked)
+            before = self.robots.get(queried)
             if before is not None:
                 robot = robot._replace(consequences=before.consequences, nodes=before.nodes)
-            self.robots[asked] = robot
-            for path in robot.paths - {asked}:
+            self.robots[queried] = robot
+            for path in robot.paths - {queried}:
                 # What was found in a source alone, the robot has, too.
                 if not is_configuration(path) and path in self.found:
-                    changed |= self.drop(path)
+                    changed |= self.evict(path)
         for path, owners in self.owners.items():
             # A source may be in no file of a robot that cannot be read.
-            changed |= {path} if asked in owners else set()
-        known = self.robots.get(asked)
+            changed |= {path} if queried in owners else set()
+        known = self.robots.get(queried)
         if known is not None:
             changed |= known.paths & self.texts.keys()
-        return changed | {asked}
+        return changed | {queried}
 
-    def _kept_findings(self, asked: str) -> Iterator[EditorFinding]:
+    def _kept_findings(self, queried: str) -> Iterator[EditorFinding]:
         """Yield the findings of the last readable texts at lines that are the same now."""
-        findings, texts = self.readable.get(asked, ((), {}))
+        findings, texts = self.readable.get(queried, ((), {}))
         for each in findings:
             place = self._place_now(each.place, texts)
             if place is not None and not _is_of_syntax(each):
@@ -125,28 +125,28 @@ class EditorWorkspace:
         found = changed_lines(before, now).moved(place.range)
         return None if found is None else Place(place.path, found)
 
-    def learn(self, asked: str, survey: Survey) -> None:
+    def update(self, queried: str, survey: Survey) -> None:
         """Keep which consequences and nodes there are for the modules of a robot."""
-        robot = self.robots.get(asked)
+        robot = self.robots.get(queried)
         if robot is not None:
             result = robot._replace(consequences=survey.consequences, nodes=survey.nodes)
-            self.robots[asked] = result
+            self.robots[queried] = result
 
-    def drop(self, asked: str) -> set[str]:
+    def evict(self, queried: str) -> set[str]:
         """Forget what was found when a file was asked about; return the files with findings."""
-        self.robots.pop(asked, None)
-        self.rules.pop(asked, None)
-        self.readable.pop(asked, None)
-        return {each.place.path for each in self.found.pop(asked, ())}
+        self.robots.pop(queried, None)
+        self.rules.pop(queried, None)
+        self.readable.pop(queried, None)
+        return {each.place.path for each in self.found.pop(queried, ())}
 
     def idle(self) -> Iterator[str]:
         """Yield the files that were asked about and of which nothing is open any more."""
-        for asked in tuple(self.found):
-            robot = self.robots.get(asked)
-            paths = {asked} if robot is None else {asked, *robot.paths}
-            paths |= {path for path, owners in self.owners.items() if asked in owners}
+        for queried in tuple(self.found):
+            robot = self.robots.get(queried)
+            paths = {queried} if robot is None else {queried, *robot.paths}
+            paths |= {path for path, owners in self.owners.items() if queried in owners}
             if paths.isdisjoint(self.texts):
-                yield asked
+                yield queried
 
 
 def _is_of_syntax(finding: EditorFinding) -> bool:

@@ -37,7 +37,7 @@ def desk_of(folder: Path, texts: Mapping[str, str], robot: str = "robot.mars") -
     found = asked("check", folder / robot)
     assert isinstance(found, CheckedFile)
     assert found.robot is not None, found.findings
-    desk.take(str(folder / robot), *found)
+    desk.store(str(folder / robot), *found)
     return desk
 
 
@@ -167,7 +167,7 @@ def test_a_module_is_renamed_wherever_it_is_named(
     desk = desk_of(tmp_path, TEXTS)
     assert at.replace("¦", "") in TEXTS[file]
     _, position = marked(TEXTS[file].replace(at.replace("¦", ""), at, 1))
-    scene = desk.scene(str(tmp_path / file))
+    scene = desk.context(str(tmp_path / file))
     assert scene is not None
     after = edited(TEXTS, rename(scene, position, new))
     changed = {
@@ -197,7 +197,7 @@ def test_a_module_is_renamed_wherever_it_is_named(
 def test_what_cannot_be_renamed_is_refused(at: str, new: str, why: str, tmp_path: Path) -> None:
     desk = desk_of(tmp_path, TEXTS)
     _, position = marked(ROBOT.replace(at.replace("¦", ""), at, 1))
-    scene = desk.scene(str(tmp_path / "robot.mars"))
+    scene = desk.context(str(tmp_path / "robot.mars"))
     assert scene is not None
     with pytest.raises(RefusedError, match=re.escape(why)):
         rename(scene, position, new)
@@ -211,7 +211,7 @@ def test_the_comments_of_nodes_name_modules(tmp_path: Path) -> None:
     desk = EditorWorkspace()
     path = str(tmp_path / "spec.mars")
     desk.texts[path] = text
-    scene = desk.scene(path)
+    scene = desk.context(path)
     assert scene is not None
     places = [place.range.start for place, _ in references(scene, Position(1, 9))]
     assert places == [Position(1, 9), Position(2, 21)]
@@ -219,7 +219,7 @@ def test_the_comments_of_nodes_name_modules(tmp_path: Path) -> None:
 
 def test_a_path_leads_to_its_file(tmp_path: Path) -> None:
     desk = desk_of(tmp_path, TEXTS)
-    scene = desk.scene(str(tmp_path / "robot.mars"))
+    scene = desk.context(str(tmp_path / "robot.mars"))
     assert scene is not None
     for line, name in ((1, "code.py"), (2, "arm.mars")):
         (found,) = definition(scene, Position(line, 11))
@@ -250,7 +250,7 @@ def test_a_line_is_completed(line: str, has: set[str], lacks: set[str], tmp_path
     desk = desk_of(tmp_path, TEXTS)
     path = str(tmp_path / "robot.mars")
     desk.texts[path], position = marked(f"{ROBOT}{line}\n")
-    scene = desk.scene(path)
+    scene = desk.context(path)
     assert scene is not None
     found = {each.label for each in completion(scene, position).items}
     assert has <= found
@@ -269,7 +269,7 @@ def test_a_line_is_completed(line: str, has: set[str], lacks: set[str], tmp_path
 def test_annotations_are_completed(line: str, has: set[str]) -> None:
     desk = EditorWorkspace()
     desk.texts["/a.cpp"], position = marked(line)
-    scene = desk.scene("/a.cpp")
+    scene = desk.context("/a.cpp")
     assert scene is not None
     found = {each.label for each in completion(scene, position).items}
     assert has <= found
@@ -279,7 +279,7 @@ def test_annotations_are_completed(line: str, has: set[str]) -> None:
 def test_what_is_typed_is_replaced() -> None:
     desk = EditorWorkspace()
     desk.texts["/a.mars"], position = marked('@modules "😀 eye", Base\n"😀 e¦')
-    scene = desk.scene("/a.mars")
+    scene = desk.context("/a.mars")
     assert scene is not None
     found = completion(scene, position)
     assert found.typed.start == Position(1, 0)
@@ -321,8 +321,8 @@ def test_a_hover_begins_with_the_module(
     whole = Range(Position(6, 0), Position(6, 40))
     finding = EditorFinding(Place(path, whole), "warning", "tied", "tied", title="tie(Camera)")
     desk.found[path] = (finding,)
-    desk.learn(path, Survey({"Camera": ("data_divergence(Camera): two modules use it",)}, {}))
-    scene = desk.scene(path)
+    desk.update(path, Survey({"Camera": ("data_divergence(Camera): two modules use it",)}, {}))
+    scene = desk.context(path)
     assert scene is not None
     found = hover(scene, Position(line, at), {"tie(Camera)": "the trace"})
     assert found is not None
@@ -391,7 +391,7 @@ def test_each_word_has_its_meaning() -> None:
 def test_symbols_span_their_blocks() -> None:
     desk = EditorWorkspace()
     desk.texts["/a.mars"] = "@modules A\n@module_start\n@module_name B\n@Grasp 0 1\n@module_end\n"
-    scene = desk.scene("/a.mars")
+    scene = desk.context("/a.mars")
     assert scene is not None
     found = [(each.name, each.whole) for each in module_symbols(scene.here)]
     assert found == [
@@ -417,7 +417,7 @@ def test_symbols_of_all_open_files_are_found_by_part_of_their_name(
     del desk.texts[str(tmp_path / "code.py")]
     desk.texts[str(tmp_path / "unread.mars")] = "@modules New\n@modules"
     desk.texts[str(tmp_path / "own.lp")] = "new(M) :- module(M).\nold(M) :- new(M).\n"
-    scenes = filter(None, map(desk.scene, desk.texts))
+    scenes = filter(None, map(desk.context, desk.texts))
     rules = filter(None, map(desk.rule_text, desk.texts))
     assert [
         f"{name} {Path(place.path).name}:{place.range.start.line}"

@@ -146,7 +146,7 @@ def test_open_texts_are_compared_with_regular_files_of_their_size(tmp_path: Path
     desk = EditorWorkspace()
     paths = ["/dev/zero", "/proc/self/environ", *(str(each) for each in tmp_path.iterdir())]
     desk.texts |= dict.fromkeys(paths, "text")
-    assert sorted(desk.unsaved()) == sorted(
+    assert sorted(desk.overlay()) == sorted(
         each for each in paths if not each.endswith("same.mars")
     )
 

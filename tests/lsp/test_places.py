@@ -90,7 +90,7 @@ def test_answers_survive_edits_at_random() -> None:
         path = rng.choice(list(originals))
         text = desk.texts[path] = edited(desk.texts[path], rng)
         position = Position(rng.randrange(text.count("\n") + 3), rng.randrange(60))
-        scene, rules = desk.scene(path), desk.rule_text(path)
+        scene, rules = desk.context(path), desk.rule_text(path)
         if rules is not None:
             predicate_definition(rules, Rules(), desk.texts, position)
             hover_rules(rules, Rules(), position, [])
@@ -138,7 +138,7 @@ def test_no_text_takes_long_to_read() -> None:
                 desk = EditorWorkspace()
                 desk.texts[name] = text
                 position = Position(0, len(text))
-                scene, rules = desk.scene(name), desk.rule_text(name)
+                scene, rules = desk.context(name), desk.rule_text(name)
                 if scene is not None:
                     completion(scene, position)
                     hover(scene, position, {})
