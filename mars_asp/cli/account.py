@@ -17,13 +17,13 @@ _GAP = "   "
 def account_lines(topic: Topic, account: Account, width: int) -> Iterator[str]:
     """Yield the lines of an account, its title first."""
     severity = f", {topic.severity}" if topic.severity in ("warning", "error") else ""
-    yield from told_lines(f"{topic.name}{severity}:", account, topic.rule, width)
+    yield from explanation_lines(f"{topic.name}{severity}:", account, topic.rule, width)
     if topic.resolves:
         resolves = f"Resolves {', '.join(topic.resolves)}."
         yield from wrapped(resolves, width, BELOW, BELOW + FURTHER)
 
 
-def told_lines(of: str, account: Account, rule: str | None, width: int) -> Iterator[str]:
+def explanation_lines(of: str, account: Account, rule: str | None, width: int) -> Iterator[str]:
     """Yield the lines of an explanation: the answer with its rule, lines of files, and notes."""
     ending = f"  [{rule}]" if rule else ""
     answer = (account.answer or "").rstrip(".")

@@ -227,16 +227,16 @@ def _example(found: Alternatives, arguments: argparse.Namespace, width: int) -> 
         for reason in need.reasons:
             if reason.why is not None and reason.lines and need.names:
                 path = found.analysis.configuration.path
-                asked = command_on_one("verify", arguments, "--without", need.names[0])
-                if asked is None:
+                shown_command = command_on_one("verify", arguments, "--without", need.names[0])
+                if shown_command is None:
                     return
-                asked = f"See it break: {asked}"
+                shown_command = f"See it break: {shown_command}"
                 text = f"->  clause {reason.clause} at {places(reason.lines, path)}"
                 # A command is not broken.
-                if cells(asked) + len(_GAP) + cells(text) <= width:
-                    yield f"{asked}{_GAP}{text}"
+                if cells(shown_command) + len(_GAP) + cells(text) <= width:
+                    yield f"{shown_command}{_GAP}{text}"
                 else:
-                    yield asked
+                    yield shown_command
                     yield from wrapped(text, width, _GAP, _GAP * 3)
                 return
 

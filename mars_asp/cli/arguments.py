@@ -179,7 +179,7 @@ class Parser(argparse.ArgumentParser):
         return {**found, **self._defaults}
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong with the words, and what may have been meant; end with status 2."""
+        """Print an error of the command line, with a similar word if there is one; exit with 2."""
         from mars_asp.cli.wrapping import columns, wrapped
         from mars_asp.output import visible
 

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator
 
 from mars_asp.asp.trace.document import TraceDocument
-from mars_asp.cli.account import account_json, told_lines
+from mars_asp.cli.account import account_json, explanation_lines
 from mars_asp.cli.diagnostic_text import colours, paint
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.inputs import add_file, read_project, rulebook_for
@@ -57,7 +57,7 @@ def capability_lines(answer: CapabilityAnswer, coloured: bool = False) -> Iterat
     yield paint("yes" if answer.able else "no", "strong", coloured)
     for verdict in answer.verdicts:
         demand = f"{verdict.demand.function} of {written(verdict.demand.module)}"
-        title, *others = told_lines(
+        title, *others = explanation_lines(
             f"{demand}:", verdict.account, verdict.rule, columns(sys.stdout)
         )
         yield ""

@@ -30,7 +30,7 @@ class Measured(NamedTuple):
 def measured(
     found: Sequence[FoundCase], books: Mapping[Path | None, Rulebook], arguments: argparse.Namespace
 ) -> Measured:
-    """Return what is asked for of coverage and mutants of the rules of each pack."""
+    """Return the requested coverage and mutants of the rules of each pack."""
     lines: list[str] = []
     result: dict[str, object] = {}
     coverage: list[dict[str, object]] = []

@@ -140,10 +140,10 @@ def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str |
 
 
 def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
-    """Return what is asked for of a picture, with a remark on what is left out.
+    """Return the requested part of a picture, with a remark on the parts left out.
 
     Raises:
-        MarsError: it is asked for what is near a module that is not there.
+        MarsError: `--about` names no module.
     """
     from mars_asp.draw import depict
     from mars_asp.draw.marks import marked, number_findings

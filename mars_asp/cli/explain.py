@@ -453,12 +453,12 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     return int(selection.has_errors(project, answer.analysis))
 
 
-def _of_line(answer: str, asked: StatedRelationship) -> str:
+def _of_line(answer: str, relationship: StatedRelationship) -> str:
     """Return an answer about an atom as one about the line that says the same."""
-    reason = answer.removeprefix(f"No {asked.atom}: ")
+    reason = answer.removeprefix(f"No {relationship.atom}: ")
     if reason != answer:
         return f"{reason[:1].upper()}{reason[1:]}"
-    return answer.replace(asked.atom, f"`{asked.line}`")
+    return answer.replace(relationship.atom, f"`{relationship.line}`")
 
 
 def why_not_paragraphs(

@@ -83,7 +83,7 @@ def explanation_page(
     drawn = with_own_muxes(specification or project.configuration)
     picture = marked(depict(drawn, project.modules), findings)
     modules = dict.fromkeys(each.module for each in absent)
-    asked = {module: number for number, module in enumerate(modules)}
+    module_numbers = {module: number for number, module in enumerate(modules)}
     data = {**_traces(topics, sources), **_answers(project, absent, numbers, sources)}
     title = sources.name(project.configuration.path)
     body = Template(_part("html")).substitute(
@@ -91,8 +91,8 @@ def explanation_page(
         summary="\n".join(f"<p>{_code_html(line)}</p>" for line in closing),
         counts=_counts(Counter(severities)),
         findings="\n".join((*page.sections(_SORTS), *_messages("About the files", grave, sources))),
-        picture=_figure(picture, drawn.kind, _targets(picture, page, asked)),
-        absences=_question(absent, asked),
+        picture=_figure(picture, drawn.kind, _targets(picture, page, module_numbers)),
+        absences=_question(absent, module_numbers),
         topics="\n".join(
             (*page.sections(_FURTHER_SORTS), *_messages("Notes on the files", notes, sources))
         ),
@@ -311,7 +311,7 @@ def _is_untraced(topic: Topic) -> bool:
 # ---- What is absent ------------------------------------------------------------------------------
 
 
-def _question(absent: Sequence[Absence], asked: Mapping[str, int]) -> str:
+def _question(absent: Sequence[Absence], module_numbers: Mapping[str, int]) -> str:
     """Return where somebody asks why something is absent; a script answers."""
     if not absent:
         return ""
@@ -329,7 +329,7 @@ def _question(absent: Sequence[Absence], asked: Mapping[str, int]) -> str:
     )
     names = "".join(
         f'<option id="n{number}" value="{escape(visible(name))}"></option>'
-        for name, number in asked.items()
+        for name, number in module_numbers.items()
     )
     return f"""<section id="why-not" aria-labelledby="why-not-heading" hidden>
 <h2 id="why-not-heading">Why not?</h2>
@@ -399,7 +399,9 @@ def _figure(picture: Picture, kind: str, targets: Mapping[str | int, str]) -> st
     )
 
 
-def _targets(picture: Picture, page: _Topics, asked: Mapping[str, int]) -> dict[str | int, str]:
+def _targets(
+    picture: Picture, page: _Topics, module_numbers: Mapping[str, int]
+) -> dict[str | int, str]:
     """Return the links of findings by their numbers, and of boxes by their names.
 
     A box leads to its first finding, else to the node that it is or to the gravest topic about it.
@@ -424,6 +426,6 @@ def _targets(picture: Picture, page: _Topics, asked: Mapping[str, int]) -> dict[
             # A topic about a port is about its module.
             name = subject if subject in shown else subject.partition(".")[0]
         found.setdefault(name, f"#t{number}")
-    for module, number in asked.items():
+    for module, number in module_numbers.items():
         found.setdefault(visible(module), f"#n{number}")
     return found

@@ -170,16 +170,16 @@ def _with_kinds(parsed: Parsed, arguments: argparse.Namespace) -> Parsed:
     return parsed._replace(configuration=with_kinds(parsed.configuration, kinds))
 
 
-def _brought(arguments: argparse.Namespace, is_asked: bool) -> tuple[object, ...]:
-    """Return the content of packs besides rules: kinds of nodes, and attributes if `is_asked`.
+def _brought(arguments: argparse.Namespace, with_attributes: bool) -> tuple[object, ...]:
+    """Return the content of packs besides rules: kinds of nodes, and attributes if requested.
 
-    Otherwise no rules are read here, and the faults of packs come later.
+    Without attributes no rules are read, and errors of packs are raised later.
 
     Raises:
-        MarsError: what is wrong with packs, where it is asked.
+        MarsError: packs are wrong, if attributes are requested.
     """
     packs = packs_of(arguments)
-    return brought_by(packs) if is_asked else kinds_of(find_packs(packs, []))
+    return brought_by(packs) if with_attributes else kinds_of(find_packs(packs, []))
 
 
 def _parse(
@@ -417,8 +417,8 @@ def load(
     with stage(arguments, f"reading {visible(path)}"):
         parsed, text, foreign = _parse(arguments, path, text, further)
         project = described(parsed, text, arguments.sources, foreign)
-        is_asked = has_attributes(project) or bool(project.configuration.pack_nodes)
-        project = with_brought(project, _brought(arguments, is_asked))
+        with_attributes = has_attributes(project) or bool(project.configuration.pack_nodes)
+        project = with_brought(project, _brought(arguments, with_attributes))
     for tree in project.trees:
         detail(arguments, f"launch file {tree.path}")
     return project

@@ -49,7 +49,7 @@ class EditorFiles:
     def finding(
         self, found: Diagnostic, title: str | None = None, fixes: Iterable[tuple[Span, str]] = ()
     ) -> EditorFinding:
-        """Return what is told of a diagnostic; `fixes` are texts for stretches of files."""
+        """Return a diagnostic as a finding of an editor; `fixes` are texts for spans."""
         short = brief(found)
         edits = [(self.place(span), text) for span, text in fixes]
         known = tuple(TextEdit(place, text) for place, text in edits if place is not None)

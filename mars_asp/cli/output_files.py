@@ -32,7 +32,7 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
 
 
 def ending(*endings: str) -> Callable[[str], str]:
-    """Return what refuses a file's name that does not say what to write.
+    """Return a check that a file name has one of some endings, which give the format.
 
     `-` among the endings allows standard output.
     """

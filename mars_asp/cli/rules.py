@@ -169,7 +169,7 @@ def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
 
 
 def _suggestions(found: LintResult, arguments: argparse.Namespace) -> dict[Diagnostic, Suggestion]:
-    """Return what `--fix` would write, for programs; people read it in the advice."""
+    """Return the edits of `--fix` as suggestions for JSON; text has them in the help."""
     if arguments.format != "json":
         return {}
     drafts: dict[str, str] = {}

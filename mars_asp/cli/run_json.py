@@ -76,7 +76,7 @@ def _robot_json(trial: "Trial", robot: "ScenarioRobot", body: "Body") -> dict[st
 
 
 def links_json(trial: "Trial") -> list[dict[str, Any]]:
-    """Return what each link asked for and got; rates in Hz, ages in ms."""
+    """Return the required and the actual rate of each link; rates in Hz, ages in ms."""
     from mars_asp.execution.promises import promises
 
     rates = {each.number: each.hz for each in promises(trial)}
@@ -88,11 +88,11 @@ def links_json(trial: "Trial") -> list[dict[str, Any]]:
 
 
 def _link_json(trial: "Trial", link: "Link", hz: float) -> dict[str, Any]:
-    asked = trial.executor.plan.carried(link)[1] if link.kind == "data" else None
+    required = trial.executor.plan.carried(link)[1] if link.kind == "data" else None
     return {
         "source": link.source,
         "client": link.client,
-        "asked_hz": None if asked is None else float(asked),
+        "asked_hz": None if required is None else float(required),
         "got_hz": round(hz, 6),
         "oldest_ms": link.oldest / 1e6,
         "delivered": link.delivered,

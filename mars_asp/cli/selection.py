@@ -173,7 +173,7 @@ class Selection:
         Raises:
             MarsError: what is wrong with the settings of its folder, or with their baseline.
         """
-        choice, ignores = self._said_of(project)
+        choice, ignores = self._choice_and_ignores(project)
         if not (notes or any(choice[::2]) or ignores) and self._arguments.format != "sarif":
             # Many robots have thousands of notes, and warnings are printed without participants.
             with_participants |= self._arguments.write_baseline is not None
@@ -194,7 +194,7 @@ class Selection:
         Raises:
             MarsError: the settings of its folder, or their baseline, are wrong.
         """
-        choice, ignores = self._said_of(project)
+        choice, ignores = self._choice_and_ignores(project)
         commented = {(span.path, span.line, name) for each in ignores for name, span in each.kinds}
         shown: list[Diagnostic] = []
         hidden: Counter[str] = Counter()
@@ -225,7 +225,7 @@ class Selection:
         Raises:
             MarsError: what is wrong with the settings of its folder, or with their baseline.
         """
-        choice, ignores = self._said_of(project)
+        choice, ignores = self._choice_and_ignores(project)
         return self._selected(project, choice, ignores, found)._replace(remarks=())
 
     def has_errors(self, project: Project, analysis: Analysis) -> bool:
@@ -244,11 +244,11 @@ class Selection:
         Raises:
             MarsError: what is wrong with the settings of its folder, or with their baseline.
         """
-        choice, ignores = self._said_of(project)
+        choice, ignores = self._choice_and_ignores(project)
         return not ignores and choice == _Choice(None, frozenset(), None)
 
-    def _said_of(self, project: Project) -> tuple[_Choice, tuple[Ignore, ...]]:
-        """Return the selection for the folder of a file, and the comments of its robot.
+    def _choice_and_ignores(self, project: Project) -> tuple[_Choice, tuple[Ignore, ...]]:
+        """Return the selection for the folder of a file, and the ignore comments of its robot.
 
         Raises:
             MarsError: what is wrong with the settings, or with their baseline.

@@ -160,14 +160,14 @@ class _Answer(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Send the page, or what is shown as it changes."""
-        asked = self.path.encode("utf-8", "replace")
+        path = self.path.encode("utf-8", "replace")
         host = self.server.host
         ours = self.headers.get("Host") == host
         ours = ours and self.headers.get("Origin", f"http://{host}") == f"http://{host}"
-        if ours and secrets.compare_digest(asked, self.server.path.encode()):
+        if ours and secrets.compare_digest(path, self.server.path.encode()):
             self._begin_response("text/html; charset=utf-8", len(self.server.page))
             self.wfile.write(self.server.page)
-        elif ours and secrets.compare_digest(asked, f"{self.server.path}events".encode()):
+        elif ours and secrets.compare_digest(path, f"{self.server.path}events".encode()):
             with self.server.stage.watched() as room:
                 if not room:
                     self.send_error(503)

@@ -1,4 +1,4 @@
-"""Repairs of findings: edits that an analysis has tried, and words that are nearly right."""
+"""Quick fixes of findings: edits that an analysis has tried, and corrections of spelling."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -16,9 +16,9 @@ _LONGEST = 100
 
 
 class QuickFix(NamedTuple):
-    """A change that removes findings: what it does, and its edits.
+    """A change that removes findings: its title and its edits.
 
-    `removes` is the title of the finding; `is_sole` is whether that has no other repair.
+    `removes` is the title of the finding; `is_sole` is whether the finding has no other repair.
     """
 
     title: str
@@ -40,7 +40,7 @@ def actions_at(
 
 
 def fix_actions(found: Iterable[EditorFinding]) -> Iterator[tuple[EditorFinding, QuickFix]]:
-    """Yield the changes that are known to mend findings, such as `rules lint --fix` makes."""
+    """Yield the safe fixes of findings, which `rules lint --fix` makes, each with its finding."""
     for finding in found:
         if finding.fixes:
             written = " and ".join(f"`{each.text}`" for each in finding.fixes if each.text)
@@ -51,7 +51,7 @@ def fix_actions(found: Iterable[EditorFinding]) -> Iterator[tuple[EditorFinding,
 def spelling_actions(
     text: Text, found: Iterable[EditorFinding]
 ) -> Iterator[tuple[EditorFinding, QuickFix]]:
-    """Yield the changes of a word into the one that is meant, where a finding stands at it."""
+    """Yield corrections of misspelt words at findings, each with its finding."""
     for finding in found:
         match = _MEANT.search(finding.help or "")
         if match is None or finding.fixes or finding.place.path != text.path:
@@ -67,7 +67,7 @@ def spelling_actions(
 
 
 def line_edits(texts: dict[str, Text], lines: Iterable[LineEdit]) -> Iterator[TextEdit]:
-    """Yield edits of lines as edits of stretches, by the texts that the lines are those of."""
+    """Yield edits of lines as edits of ranges; `texts` has the text of each path."""
     for each in lines:
         text = texts[each.path]
         if each.old is None:

@@ -1,4 +1,4 @@
-"""What is told of a place: the finding, the module, the port, the predicate or the word there.
+"""Hover texts: the finding, the module, the port, the predicate or the keyword at a location.
 
 Answers are Markdown.
 """
@@ -20,14 +20,14 @@ _METADATA = re.compile(r"\s*%!\s*([a-z]+)\s*:")
 
 
 class Hover(NamedTuple):
-    """What is told of a place, and the stretch that it is about."""
+    """The text about a location, and its range."""
 
     markdown: str
     range: Range | None
 
 
 def hover(scene: DocumentContext, position: Position, traces: Mapping[str, str]) -> Hover | None:
-    """Return what is told of a place in a `.mars` file or a source.
+    """Return the hover text at a location of a `.mars` file or a source, or None.
 
     `traces` are short explanations of findings, by their titles, as far as they are there.
     """
@@ -50,7 +50,7 @@ def hover(scene: DocumentContext, position: Position, traces: Mapping[str, str])
 def hover_rules(
     here: RuleText, rules: Rules, position: Position, found: list[EditorFinding]
 ) -> Hover | None:
-    """Return what is told of a place in a file of rules."""
+    """Return the hover text at a location of a file of rules, or None."""
     parts = [finding_text(each, {}) for each in found]
     mention = here.at(position)
     place = None
@@ -68,7 +68,7 @@ def hover_rules(
 
 
 def word_text(word: KeywordDoc) -> str:
-    """Return what there is to say of a word."""
+    """Return the documentation of a keyword."""
     return f"{fenced(word.written, 'text')}\n\n{word.meaning}"
 
 

@@ -1,4 +1,4 @@
-"""What stands above modules: how many consequences are about each, and the nodes that it needs."""
+"""Lenses above modules: the number of consequences about each, and the nodes that it needs."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -12,7 +12,7 @@ _MOST_NAMED = 3
 
 
 class Lens(NamedTuple):
-    """What stands above a line, and the module that it is about; `None` of the whole robot."""
+    """The text above a line, and its module; `None` for the whole robot."""
 
     title: str
     range: Range
@@ -21,7 +21,7 @@ class Lens(NamedTuple):
 
 
 def lenses(scene: DocumentContext) -> Iterator[Lens]:
-    """Yield what is told of the modules that a text lists or annotates, and of its robot."""
+    """Yield the lenses of the modules that a text lists or annotates, and of its robot."""
     path = scene.here.text.path
     for robot in scene.robots:
         if robot.path == path and scene.here.header is not None:

@@ -150,7 +150,7 @@ def _of_configuration(text: Text) -> DocumentOutline:
 
 
 def _mention(text: Text, layout: Layout, at: int, named: _Named) -> Occurrence:
-    """Return what a statement names that stands at an offset."""
+    """Return the occurrence of a module in a statement that begins at an offset."""
     port = None
     if named.port is not None:
         place = _range(text, layout, at + named.port_begin, at + named.port_end)

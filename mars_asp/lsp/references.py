@@ -9,14 +9,14 @@ from mars_asp.lsp.occurrences import Occurrence, is_configuration
 from mars_asp.lsp.places import START, Place, Position
 from mars_asp.lsp.robot import DocumentContext, EditorRobot, OpenFile, prefixed_name
 
-#: What several mentions have in common: a robot and a name in it, or the module of a source.
+#: The key of a module's occurrences: a robot and a name in it, or the module of a source.
 _Key: TypeAlias = tuple[str, str]
 _SOURCES = ""
 _PATHS = re.compile(r"[ \t]*@(sources|include)[ \t]+(.*)")
 
 
 def definition(scene: DocumentContext, position: Position) -> tuple[Place, ...]:
-    """Return where what stands at a position is defined: annotated, else listed."""
+    """Return the definitions of the name at a position: annotated, else listed."""
     mention = scene.here.at(position)
     if mention is None:
         return tuple(_file_at(scene, position))
@@ -77,7 +77,7 @@ def same_module(
 def _keys(
     robot: EditorRobot, file: OpenFile, mention: Occurrence, annotated: set[str], blocks: set[str]
 ) -> Iterator[_Key]:
-    """Yield what a mention has in common with others."""
+    """Yield the keys that an occurrence shares with others of its module."""
     name = mention.name
     if not is_configuration(file.path) or (mention.role == "describing" and name not in blocks):
         yield _SOURCES, name

@@ -109,7 +109,7 @@ class DocumentContext:
 
 
 def prefixed_name(prefix: str, name: str) -> str:
-    """Return the name that a name of an included file has behind the include's."""
+    """Return the name of an included file's module in the robot: the include's name before it."""
     if not prefix:
         return name
     return f"/{prefix}{name}" if name.startswith("/") else f"{prefix}/{name}"

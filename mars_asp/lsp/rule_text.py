@@ -42,7 +42,7 @@ class PredicateMention(NamedTuple):
 
     @property
     def key(self) -> tuple[str, int]:
-        """Return what it has in common with others of the same predicate."""
+        """Return the name and arity, the key of all mentions of the predicate."""
         return self.name, self.arity
 
     @property

@@ -1,7 +1,7 @@
-"""The language server: what editors ask over stdio, handed to functions that know no protocol.
+"""The language server: requests of editors over stdio, passed to functions without the protocol.
 
-Places in open texts are answered at once. What has to be analysed is asked of workers, so the
-server goes on answering, and what an edit has overtaken is dropped.
+Requests about locations in open texts are answered at once. Workers analyse, so the server keeps
+answering; a result that an edit has overtaken is dropped.
 """
 
 import asyncio
@@ -58,11 +58,11 @@ _Found = TypeVar("_Found")
 def serve(workers: Workers) -> None:
     """Answer an editor over standard input and output until it is gone."""
     given, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
-    # What anything else reads or prints is no part of the conversation.
+    # Other code that reads or prints must not touch the protocol.
     nothing = os.open(os.devnull, os.O_RDWR)
     os.dup2(nothing, 0)
     os.dup2(nothing, 1)
-    # What goes wrong with a client's message is no business of the terminal.
+    # Errors in messages of the client are reported to the client, not the terminal.
     logging.getLogger("pygls").setLevel(logging.CRITICAL)
     server = _Server(workers)
     for method, handler in server.handlers().items():
@@ -94,7 +94,7 @@ def _unmarked(method: Callable[..., Any]) -> Callable[..., Any]:
 
 
 class _Server(LanguageServer):
-    """Wires the protocol to the desk, and keeps one analysis of each file going at most."""
+    """Connects the protocol to the workspace, and runs at most one analysis of each file."""
 
     def __init__(self, workers: Workers) -> None:
         super().__init__(
@@ -109,15 +109,15 @@ class _Server(LanguageServer):
         self._uris: dict[str, str] = {}
         self._protocol = Protocol(self._uri)
         self._versions: dict[str, int] = {}
-        #: Analyses that go on, by the file that is asked about.
+        #: Running analyses by their files.
         self._running: dict[str, asyncio.Task[None]] = {}
-        #: The files of which what was found is about an older text.
+        #: Files whose findings are about an older text.
         self._stale: set[str] = set()
-        #: Questions that go on, of those that several requests may wait for.
+        #: Pending questions that several requests may wait for.
         self._pending: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
 
     def handlers(self) -> dict[str, Callable[[Any], Any]]:
-        """Return what answers each message of the protocol."""
+        """Return the handler of each message of the protocol."""
         return {
             types.INITIALIZED: self.begin,
             types.TEXT_DOCUMENT_DID_OPEN: self.opened,
@@ -136,7 +136,7 @@ class _Server(LanguageServer):
         }
 
     def handlers_with_options(self) -> list[tuple[str, Callable[[Any], Any], Any]]:
-        """Return those that tell the editor more of what they answer."""
+        """Return the handlers that are registered with options."""
         triggers = types.CompletionOptions(trigger_characters=["@", ".", " ", ","])
         kinds = types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix])
         return [
@@ -155,13 +155,13 @@ class _Server(LanguageServer):
         elif source is JsonRpcException and isinstance(error, ValueError):
             message = f"a message is not JSON: {error!s:.200}"
             self._refuse(ClientError(None, types.ErrorCodes.ParseError, message))
-        # Where a request is refused, it was answered so.
+        # A refused request was answered with its error.
         elif not isinstance(error, JsonRpcException):
             text = f"internal error, please report it: {error!r:.300}"
             print(f"mars-asp lsp: {text}", file=sys.stderr, flush=True)
 
     def _refuse(self, error: ClientError) -> None:
-        """Report what is wrong with a message: to its request, and else as a line of the log."""
+        """Report an error of a message: in reply to its request, or else as a line of the log."""
         if error.request is None:
             about = types.LogMessageParams(types.MessageType.Error, f"mars-asp: {error.message}")
             self.window_log_message(about)
@@ -172,11 +172,11 @@ class _Server(LanguageServer):
     # ---- What is open ----------------------------------------------------------------------------
 
     async def begin(self, params: types.InitializedParams) -> None:
-        """Start what will be asked."""
+        """Start the workers."""
         self._workers.warm_up()
 
     def opened(self, params: types.DidOpenTextDocumentParams) -> None:
-        """Take a text that is opened."""
+        """Store an opened text."""
         document = params.text_document
         path = path_of(document.uri)
         if path is not None:
@@ -184,14 +184,14 @@ class _Server(LanguageServer):
             self._take(path, document.version, document.text, 0.0)
 
     def changed(self, params: types.DidChangeTextDocumentParams) -> None:
-        """Take what a text is now."""
+        """Store a changed text."""
         path = path_of(params.text_document.uri)
         if path in self._workspace.texts and params.content_changes:
             text = params.content_changes[-1].text
             self._take(path, params.text_document.version, text, PAUSE)
 
     def closed(self, params: types.DidCloseTextDocumentParams) -> None:
-        """Forget a text, and what was found of robots of which no file is open any more."""
+        """Delete a closed text, and the results of robots without an open file."""
         path = path_of(params.text_document.uri)
         if path not in self._workspace.texts:
             return
@@ -208,14 +208,14 @@ class _Server(LanguageServer):
         self._uris.pop(path, None)
 
     def saved(self, params: types.DidSaveTextDocumentParams) -> None:
-        """Analyse what is saved where its text alone does not tell all: other files may be new."""
+        """Analyse a saved file: other files may have changed with it."""
         path = path_of(params.text_document.uri)
         if path in self._workspace.texts:
             # Rules that are saved may be those of any robot.
             self._again(tuple(self._workspace.texts) if is_rules(path) else (path,))
 
     def changed_elsewhere(self, params: types.DidChangeWatchedFilesParams) -> None:
-        """Analyse everything that is open: files on the disk are other ones."""
+        """Analyse all open files, as files on the disk have changed."""
         self._again(tuple(self._workspace.texts))
 
     def _again(self, paths: Iterable[str]) -> None:
@@ -242,7 +242,7 @@ class _Server(LanguageServer):
         self._start_analysis(queried, self._analysed(queried, delay))
 
     def _start_analysis(self, queried: str, work: Coroutine[Any, Any, None]) -> None:
-        """Begin an analysis in the place of the one that goes on."""
+        """Begin an analysis, which replaces a running one of the file."""
         self._stop(queried)
         self._stale.add(queried)
         self._running[queried] = asyncio.get_running_loop().create_task(work)
@@ -253,7 +253,7 @@ class _Server(LanguageServer):
             before.cancel()
 
     async def _find_owners(self, path: str, delay: float) -> None:
-        """Look for the configurations that a source belongs to, and analyse these or the source."""
+        """Look for the configurations that have a source; analyse these, or else the source."""
         await asyncio.sleep(delay)
         folders = [path_of(each.uri) or "" for each in self.workspace.folders.values()]
         inside = [each for each in folders if path.startswith(f"{each}/")]
@@ -267,7 +267,7 @@ class _Server(LanguageServer):
                 await self._analysed(queried, 0.0)
 
     async def _analysed(self, queried: str, delay: float) -> None:
-        """Ask what is found in a robot, a source or rules, and tell the editor."""
+        """Analyse a robot, a source or rules, and publish the findings."""
         await asyncio.sleep(delay)
         sort: Sort = (
             "check" if is_configuration(queried) else "lint" if is_rules(queried) else "source"
@@ -326,11 +326,11 @@ class _Server(LanguageServer):
         sort, path, about = key
         answer = None if done.cancelled() or done.exception() else done.result()
         if sort == "trace" and isinstance(answer, str):
-            # Who asked may wait no more, and asks again.
+            # The first request may be cancelled, and a later one needs the trace.
             self._workspace.traces.setdefault(path, {})[about] = answer
 
     def _overtake(self, path: str) -> None:
-        """Forget what an edit of a file has overtaken, and end what is asked about it."""
+        """Invalidate the results that an edit has overtaken, and cancel pending questions."""
         queried = self._workspace.invalidate(path)
         for key, task in tuple(self._pending.items()):
             if key[1] in queried:
@@ -340,7 +340,7 @@ class _Server(LanguageServer):
     # ---- Questions of the editor -----------------------------------------------------------------
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
-        """Tell what there is to say of a place."""
+        """Return the hover text at a location."""
         path, position = self._request_place(params)
         rules_here = self._workspace.rule_text(path)
         if rules_here is not None:
@@ -356,7 +356,7 @@ class _Server(LanguageServer):
         return hover_of(hover(scene, position, traces))
 
     async def _trace(self, path: str, title: str) -> dict[str, str]:
-        """Return the trace of a finding by its title; nothing while a newer analysis goes on."""
+        """Return the trace of a finding by its title; none while a newer analysis is running."""
         for robot in self._workspace.robots_of(path):
             known = self._workspace.traces.setdefault(robot.path, {})
             if title not in known and robot.path not in self._stale:
@@ -369,7 +369,7 @@ class _Server(LanguageServer):
         return {}
 
     def definition(self, params: types.DefinitionParams) -> list[types.Location]:
-        """Tell where something is defined."""
+        """Return the definitions of the name at a location."""
         path, position = self._request_place(params)
         rules_here = self._workspace.rule_text(path)
         if rules_here is not None:
@@ -381,7 +381,7 @@ class _Server(LanguageServer):
         return [] if scene is None else self._protocol.locations(definition(scene, position))
 
     def references(self, params: types.ReferenceParams) -> list[types.Location]:
-        """Tell where something is named."""
+        """Return the locations that have the name at a location."""
         path, position = self._request_place(params)
         with_own = params.context.include_declaration
         rules_here = self._workspace.rule_text(path)
@@ -402,7 +402,7 @@ class _Server(LanguageServer):
         )
 
     def symbols(self, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
-        """Tell what a text declares."""
+        """Return the symbols that a text declares."""
         path = path_of(params.text_document.uri) or ""
         rules_here = self._workspace.rule_text(path)
         if rules_here is not None:
@@ -420,14 +420,14 @@ class _Server(LanguageServer):
         return [self._protocol.symbol(*each) for each in found]
 
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
-        """Tell what can have another name at a place."""
+        """Return the range of the name at a location that can be renamed."""
         path, position = self._request_place(params)
         scene = self._workspace.context(path)
         found = None if scene is None else renamed_range(scene, position)
         return None if found is None else range_of(found)
 
     def rename(self, params: types.RenameParams) -> types.WorkspaceEdit | None:
-        """Give a module another name."""
+        """Return the edits that rename a module."""
         path, position = self._request_place(params)
         scene = self._workspace.context(path)
         if scene is None:
@@ -438,7 +438,7 @@ class _Server(LanguageServer):
             raise JsonRpcException(str(refused), types.LSPErrorCodes.RequestFailed) from None
 
     def completion(self, params: types.CompletionParams) -> types.CompletionList:
-        """Tell what may stand at a place."""
+        """Return the completion items at a location."""
         path, position = self._request_place(params)
         rules_here = self._workspace.rule_text(path)
         scene = self._workspace.context(path)
@@ -448,7 +448,7 @@ class _Server(LanguageServer):
         return items_of(found)
 
     def lenses(self, params: types.CodeLensParams) -> list[types.CodeLens]:
-        """Tell what stands above modules."""
+        """Return the lenses above modules."""
         scene = self._workspace.context(path_of(params.text_document.uri) or "")
         return [
             types.CodeLens(
@@ -459,7 +459,7 @@ class _Server(LanguageServer):
         ]
 
     async def actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
-        """Tell the repairs of the findings at a place."""
+        """Return the quick fixes of the findings in a range."""
         path = path_of(params.text_document.uri) or ""
         text = self._workspace.texts.get(path)
         if text is None:
@@ -503,7 +503,7 @@ class _Server(LanguageServer):
         return [types.TextEdit(range_of(Range(Position(0, 0), end)), answer)]
 
     async def explain(self, robot: str, module: str | None) -> str:
-        """Tell what is found about a module, as the title above it counts it."""
+        """Show the findings and nodes of a module that its lens counts."""
         known = self._workspace.robots.get(robot)
         if known is None:
             return ""

@@ -1,4 +1,4 @@
-"""What an editor has open, and what is known of it: texts, robots, findings, rules."""
+"""The open texts of an editor, and their robots, findings and rules."""
 
 from collections.abc import Iterator, Mapping
 
@@ -15,7 +15,7 @@ _ENCODINGS = ("utf-8-sig", "latin-1")
 
 
 class EditorWorkspace:
-    """The open texts by their paths and, by the file that it was asked about, what was found."""
+    """The open texts by their paths, and the findings by the file that a worker analysed."""
 
     def __init__(self) -> None:
         self.texts: dict[str, str] = {}
@@ -27,15 +27,15 @@ class EditorWorkspace:
         #: Repairs of robots, and traces of their findings, as long as nothing is changed.
         self.repairs: dict[str, tuple[QuickFix, ...]] = {}
         self.traces: dict[str, dict[str, str]] = {}
-        #: Configurations that sources belong to, as far as it was looked for.
+        #: The configurations of sources, as far as they were looked for.
         self.owners: dict[str, tuple[str, ...]] = {}
 
     def overlay(self) -> Mapping[str, str]:
-        """Return the open texts that are not what the disk has."""
+        """Return the open texts that differ from the files on the disk."""
         return {path: text for path, text in self.texts.items() if not _is_saved(path, text)}
 
     def context(self, path: str) -> DocumentContext | None:
-        """Return what a question about a `.mars` file or a source is about."""
+        """Return the context of a `.mars` file or a source, or None if it is not open."""
         text = self.texts.get(path)
         if text is None or is_rules(path):
             return None
@@ -44,12 +44,12 @@ class EditorWorkspace:
         )
 
     def rule_text(self, path: str) -> RuleText | None:
-        """Return an open file of rules."""
+        """Return an open file of rules, or None if it is not open."""
         text = self.texts.get(path)
         return None if text is None or not is_rules(path) else rule_text(path, text)
 
     def robots_of(self, path: str) -> tuple[EditorRobot, ...]:
-        """Return the robots that a file is part of, its own first."""
+        """Return the robots that have a file, its own first."""
         found = [robot for robot in self.robots.values() if path in robot.paths]
         return tuple(sorted(found, key=lambda robot: robot.path != path))
 
@@ -59,7 +59,7 @@ class EditorWorkspace:
         return tuple(dict.fromkeys(each for each in every if each.place.path == path))
 
     def queried_files(self, path: str) -> tuple[str, ...]:
-        """Return the files to be asked about when one changes: robots, else itself."""
+        """Return the files to analyse if one changes: those of its robots, else itself."""
         robots = [robot.path for robot in self.robots_of(path)]
         if is_configuration(path) or is_rules(path):
             return tuple(dict.fromkeys((path, *robots)))
@@ -67,7 +67,7 @@ class EditorWorkspace:
         return tuple(owners) or (path,)
 
     def invalidate(self, path: str) -> frozenset[str]:
-        """Forget what no longer holds when a file changes; return what it was asked about."""
+        """Delete the repairs and traces of a changed file's robots; return the analysed files."""
         queried = frozenset({path, *(robot.path for robot in self.robots_of(path))})
         for each in queried:
             self.repairs.pop(each, None)
@@ -77,9 +77,9 @@ class EditorWorkspace:
     def store(
         self, queried: str, found: tuple[EditorFinding, ...], robot: EditorRobot | None
     ) -> set[str]:
-        """Keep what was found when a file was asked about; return the files to be told of it.
+        """Store the findings and the robot of an analysed file; return the files to publish.
 
-        They are those with findings, now or before, and those of the robot that are open.
+        These are the files with findings, now or before, and the open files of the robot.
         """
         if robot is not None:
             self.readable[queried] = found, dict(self.texts)
@@ -93,7 +93,7 @@ class EditorWorkspace:
                 robot = robot._replace(consequences=before.consequences, nodes=before.nodes)
             self.robots[queried] = robot
             for path in robot.paths - {queried}:
-                # What was found in a source alone, the robot has, too.
+                # The robot has the findings of the source alone as well.
                 if not is_configuration(path) and path in self.found:
                     changed |= self.evict(path)
         for path, owners in self.owners.items():
@@ -126,21 +126,21 @@ class EditorWorkspace:
         return None if found is None else Place(place.path, found)
 
     def update(self, queried: str, survey: Survey) -> None:
-        """Keep which consequences and nodes there are for the modules of a robot."""
+        """Update a robot with the consequences and nodes of its modules."""
         robot = self.robots.get(queried)
         if robot is not None:
             result = robot._replace(consequences=survey.consequences, nodes=survey.nodes)
             self.robots[queried] = result
 
     def evict(self, queried: str) -> set[str]:
-        """Forget what was found when a file was asked about; return the files with findings."""
+        """Delete the results of an analysed file; return the files that had findings."""
         self.robots.pop(queried, None)
         self.rules.pop(queried, None)
         self.readable.pop(queried, None)
         return {each.place.path for each in self.found.pop(queried, ())}
 
     def idle(self) -> Iterator[str]:
-        """Yield the files that were asked about and of which nothing is open any more."""
+        """Yield the analysed files that have no open file any more."""
         for queried in tuple(self.found):
             robot = self.robots.get(queried)
             paths = {queried} if robot is None else {queried, *robot.paths}
