@@ -112,7 +112,9 @@ def read_specification(arguments: argparse.Namespace, path: str) -> Project:
             path = SHOWN_INPUT
             text = read_input(path)
         parsed, text, foreign = _parse(arguments, only_robot(arguments, path), text)
-        parsed = _with_kinds(parsed, arguments)
+        brought = _brought(arguments, bool(parsed.configuration.pack_nodes))
+        kinds = tuple(each for each in brought if isinstance(each, PackKind))
+        parsed = parsed._replace(configuration=with_kinds(parsed.configuration, kinds))
         if foreign is None:
             return described(parsed, text, optional=True)
     from mars_asp.exchange.lift import lifted
@@ -157,17 +159,6 @@ def one_of_several(project: Project) -> Iterator[Diagnostic]:
         help_text = "`--launch LAUNCHFILE` takes one of them; `check -v` lists them"
         span = whole_file(project.configuration.path)
         yield Diagnostic("launch", "note", message, span, help=help_text, excerpt="", kind="launch")
-
-
-def _with_kinds(parsed: Parsed, arguments: argparse.Namespace) -> Parsed:
-    """Return a parsed file with the kinds of nodes that packs bring.
-
-    Raises:
-        MarsError: it names nodes of packs that are not given.
-    """
-    brought = _brought(arguments, bool(parsed.configuration.pack_nodes))
-    kinds = tuple(each for each in brought if isinstance(each, PackKind))
-    return parsed._replace(configuration=with_kinds(parsed.configuration, kinds))
 
 
 def _brought(arguments: argparse.Namespace, with_attributes: bool) -> tuple[object, ...]:

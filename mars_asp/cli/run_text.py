@@ -3,7 +3,6 @@
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from mars_asp.cli.run_json import links_json, speakers
@@ -131,10 +130,13 @@ def _links(trial: "Trial") -> "Table":
 
 
 def _controllers(trial: "Trial") -> "Table":
-    # One that never said anything has a row, too.
+    from mars_asp.execution.executor.arbitration import HierarchicalArbitration
+
+    # A controller that sent nothing has a row as well.
     suppressed = Counter(dict.fromkeys(speakers(trial), 0))
     for arbiter in trial.executor.arbiters.values():
-        suppressed.update(_suppressed(arbiter))
+        if isinstance(arbiter, HierarchicalArbitration):
+            suppressed.update(arbiter.suppressed)
     times, duration = trial.control_time, trial.scenario.duration
     rows = (
         (name, f"{100 * times.get(name, 0.0) / duration:.1f} %", str(suppressed[name]))
@@ -153,9 +155,3 @@ def _text_table(heads: tuple[str, ...], rows: Any) -> "Table":
     for row in rows:
         table.add_row(*(Text(visible(cell)) for cell in row))
     return table
-
-
-def _suppressed(arbiter: object) -> Mapping[str, int]:
-    from mars_asp.execution.executor.arbitration import HierarchicalArbitration
-
-    return arbiter.suppressed if isinstance(arbiter, HierarchicalArbitration) else {}

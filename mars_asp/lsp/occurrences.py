@@ -16,14 +16,12 @@ from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Span
 from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.tokens import Token, tokens_of
-from mars_asp.lsp.places import Position, Range, Text
+from mars_asp.lsp.places import MOST_CHARACTERS, Position, Range, Text
 from mars_asp.model.names import BARE, QUOTED, plain, read_name
 
 #: Where a module is named: in `@modules`, behind a `:` there, in `@module_name`, or in a line.
 Role: TypeAlias = Literal["listed", "describing", "annotated", "line"]
 VERBS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
-#: A larger text is analysed, but answers about places in it would come too late.
-MOST_CHARACTERS = 1_000_000
 _END = re.compile(rf"({BARE}|{QUOTED})(?:\.({BARE}|{QUOTED})?)?")
 _HEADER = re.compile(r"\s*(@(?:configuration|specification))(?!\w)")
 _NAMED = re.compile(rf"(?i)^[ \t]*@module_name[ \t]+({BARE}|{QUOTED})")

@@ -12,6 +12,8 @@ from mars_asp.diagnostic import Span
 from mars_asp.language.parse import plain_lines
 
 _MARK = "\ufeff"
+#: A larger text is analysed, but answers about its locations would be too slow.
+MOST_CHARACTERS = 1_000_000
 
 
 class Position(NamedTuple):

@@ -9,10 +9,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from mars_asp.asp.signature import Signature
-from mars_asp.lsp.places import Position, Range, Text
+from mars_asp.lsp.places import MOST_CHARACTERS, Position, Range, Text
 
-#: A larger text is linted, but answers about places in it would come too late.
-MOST_CHARACTERS = 1_000_000
 _TOKEN = re.compile(
     r"(?P<comment>%\*.*?(?:\*%|\Z)|%[^\n]*+)"
     r'|(?P<string>"(?:\\.|[^"\\\n])*+"?)'
