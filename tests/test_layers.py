@@ -40,7 +40,7 @@ FILES = {
         "recursion joins predicates copies messages roles arithmetic names allow"
     ),
     "asp/trace": (
-        "firings scope sentences tree absence_text counted counting_rules given heights "
+        "firings scope sentences tree counted counting_rules given heights "
         "literal_order patterns premise_order dominators firing_rules text document "
         "near_misses conflicts proofs explainer absence"
     ),

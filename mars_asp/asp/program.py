@@ -22,8 +22,8 @@ from mars_asp.asp.rules.read import NameSpace, RuleFile, told_apart
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import without_rules
-from mars_asp.asp.rules.symbols import symbol_in, term_of
-from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.rules.symbols import symbol_in
+from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding, Lack, Resolution
 from mars_asp.asp.solve.optimum import TooCostlyError, UnsatisfiableError
 from mars_asp.asp.solve.term_ids import as_symbol, text
@@ -41,7 +41,7 @@ from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.patterns import fits, pattern_in
 from mars_asp.asp.trace.text import WIDTH, Chosen, leaves_of, traces_text
-from mars_asp.asp.trace.tree import Derived, Given, Trace
+from mars_asp.asp.trace.tree import Derived, Given, Trace, atom_of
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 
 #: The stage of a program whose rules stand in no folder.
@@ -497,7 +497,7 @@ class Answer:
         external = self._externals
         spans = {**self.spans, **{each: at for each, at in external.items() if self.holds(each)}}
         symbols = ((clingo.parse_term(text), span) for text, span in spans.items())
-        facts = [Fact(_atom_of(symbol), span) for symbol, span in symbols]
+        facts = [Fact(atom_of(symbol), span) for symbol, span in symbols]
         control, opened = self.grounding.control, self.resolution.answer.true
         given = GivenFacts(facts, self.program.explained.declarations, external)
         return Explainer(self.program.explained, control, given, opened)
@@ -519,12 +519,6 @@ class Answer:
 
     def _line_at(self, span: Span) -> str:
         return self.program.line_at(span)
-
-
-def _atom_of(symbol: clingo.Symbol) -> Atom:
-    """Return an atom of clingo's; what is classically negated has the sign in its name."""
-    sign = "" if symbol.positive else "-"
-    return Atom(f"{sign}{symbol.name}", tuple(map(term_of, symbol.arguments)))
 
 
 def _definitions(constants: Constants) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """Ground atoms and facts, apart from clingo's own symbols."""
 
+from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.diagnostic import Span
@@ -18,12 +19,15 @@ class Atom(NamedTuple):
 
     def __str__(self) -> str:
         """Return the atom as clingo reads it."""
-        if not self.arguments and self.name:
-            return self.name
-        inside = ",".join(map(term_text, self.arguments))
-        if not self.name and len(self.arguments) == 1:
-            inside += ","
-        return f"{self.name}({inside})"
+        return function_text(self.name, [term_text(each) for each in self.arguments])
+
+
+def function_text(name: str, arguments: Sequence[str]) -> str:
+    """Return a constant, function or tuple as clingo reads it; a tuple has no name."""
+    if not arguments and name:
+        return name
+    comma = "," if not name and len(arguments) == 1 else ""
+    return f"{name}({','.join(arguments)}{comma})"
 
 
 def term_text(term: Term) -> str:

@@ -6,7 +6,6 @@ from typing import TypeAlias
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.signature import plain
-from mars_asp.asp.trace.absence_text import attempt_text
 from mars_asp.asp.trace.premise_order import PremiseOrder
 from mars_asp.asp.trace.tree import (
     Absent,
@@ -257,12 +256,10 @@ def _message(step: _Step) -> str | None:
     match step:
         case Absent(_, _, external) if external is not None:
             return plain(step.message)
-        case Absent() | Underivable():
+        case Absent() | Underivable() | NearMiss():
             return None if step.sentence is None else plain(step.sentence)
         case Unexplained():
             return step.reason
-        case NearMiss():
-            return plain(attempt_text(step))
         case _:
             return step.message
 

@@ -37,7 +37,7 @@ from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.solve.atoms import term_text
+from mars_asp.asp.solve.atoms import function_text, term_text
 from mars_asp.asp.trace import counting_rules, scope
 from mars_asp.asp.trace.counting_rules import elements_of, group_key, needed_of
 from mars_asp.asp.trace.scope import (
@@ -78,7 +78,13 @@ class Rewriter:
         What a rule is rewritten into depends on its text and on which of its predicates are open,
         so that of our own rules is made when the package is built.
         """
-        keys = {number: self._firing_key(rules[number]) for number in numbers}
+        keys = {
+            number: (
+                rules[number].text,
+                frozenset(s for s in self.open if s[0] in rules[number].text),
+            )
+            for number in numbers
+        }
         first = {key: number for number, key in reversed(keys.items())}
         makers = (
             __file__,
@@ -101,9 +107,6 @@ class Rewriter:
                 self.unsupported[number] = unsupported
         return _answered("\n".join(parts))
 
-    def _firing_key(self, rule: Rule) -> "_Key":
-        return rule.text, frozenset(s for s in self.open if s[0] in rule.text)
-
     def _explanation_rules(self, number: int, rules: Sequence[Rule]) -> "_Written":
         """Return the explanation rules of a rule, and the construct that cannot be traced."""
         # Variants of a statement that differ in a pool share what they count over.
@@ -117,15 +120,12 @@ class Rewriter:
             self.unsupported[number] = str(statement.head.ast_type)
             return
         for head, condition in atoms_of_head(statement):
-            yield from self._firing(number, head, (*statement.body, *condition))
-
-    def _firing(self, number: int, head: ast.AST, literals: Sequence[ast.AST]) -> Iterator[str]:
-        terms = Terms()
-        shown = terms.atom(head.atom.symbol, fresh_complex=True)
-        query = asking(shown)
-        found = variables_of((head, *Terms.definitions_of(literals)))
-        names = {name for name in found if not name.startswith(OWN)}
-        yield from self.instance(number, _NUMBER, shown, [query], literals, terms, names)
+            terms, literals = Terms(), (*statement.body, *condition)
+            shown = terms.atom(head.atom.symbol, fresh_complex=True)
+            found = variables_of((head, *Terms.definitions_of(literals)))
+            names = {name for name in found if not name.startswith(OWN)}
+            query = [asking(shown)]
+            yield from self.instance(number, _NUMBER, shown, query, literals, terms, names)
 
     def instance(
         self,
@@ -296,18 +296,15 @@ class Terms:
     def atom(self, symbol: ast.AST, fresh_complex: bool = False) -> str:
         """Return an atom's text with every argument a term that matches as it evaluates."""
         sign, symbol = sign_and_function(symbol)
-        return _literal_text(
-            sign, symbol, [self._matching_term(a, fresh_complex) for a in symbol.arguments]
-        )
+        found = [self._matching_term(argument, fresh_complex) for argument in symbol.arguments]
+        return function_text(f"{sign}{symbol.name}", found)
 
     def negated(self, symbol: ast.AST) -> tuple[str, str]:
         """Return a negated atom's text for a body and as a term; what is anonymous stays so."""
         sign, symbol = sign_and_function(symbol)
         named = [self.named(argument) for argument in symbol.arguments]
-        pattern = [_anonymous(argument) for argument in named]
-        return _literal_text(sign, symbol, list(map(str, named))), _literal_text(
-            sign, symbol, pattern
-        )
+        name, pattern = f"{sign}{symbol.name}", [_anonymous(argument) for argument in named]
+        return function_text(name, list(map(str, named))), function_text(name, pattern)
 
     def named(self, term: ast.AST) -> ast.AST:
         """Return a term, an interval by a name of its own."""
@@ -327,8 +324,7 @@ class Terms:
             return name
         if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
             inner = [self._matching_term(argument, fresh_complex) for argument in term.arguments]
-            comma = "," if not term.name and len(inner) == 1 else ""
-            return f"{term.name}({','.join(inner)}{comma})"
+            return function_text(term.name, inner)
         return str(term)
 
     @staticmethod
@@ -349,10 +345,6 @@ class Terms:
 def _signature(symbol: ast.AST) -> Signature:
     _, symbol = sign_and_function(symbol)
     return Signature(symbol.name, len(symbol.arguments))
-
-
-def _literal_text(sign: str, symbol: ast.AST, arguments: Sequence[str]) -> str:
-    return f"{sign}{symbol.name}({','.join(arguments)})" if arguments else f"{sign}{symbol.name}"
 
 
 def asking(shown: str) -> str:
@@ -383,9 +375,7 @@ def _anonymous(term: ast.AST) -> str:
     if text == "_":
         return "_any"
     if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
-        inner = [_anonymous(argument) for argument in term.arguments]
-        comma = "," if not term.name and len(inner) == 1 else ""
-        return f"{term.name}({','.join(inner)}{comma})"
+        return function_text(term.name, list(map(_anonymous, term.arguments)))
     return str(term)
 
 

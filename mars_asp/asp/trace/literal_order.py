@@ -10,6 +10,7 @@ from functools import partial
 import clingo
 from clingo import ast
 
+from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.asp.trace.scope import AGGREGATES, guards, variables_of
 
 _TYPE = ast.ASTType
@@ -44,8 +45,6 @@ def needs(literal: ast.AST, shared: Set[str]) -> set[str]:
 
 def provided(term: ast.AST) -> set[str]:
     """Return the variables that a match of the term binds."""
-    if term.ast_type == _TYPE.Variable:
-        return set() if term.name == "_" else {term.name}
     if term.ast_type == _TYPE.Function:
         return {name for argument in term.arguments for name in provided(argument)}
     return _inverted(term)
@@ -87,24 +86,20 @@ def _turn(names: Set[str], turn: tuple[ast.AST, set[str]]) -> tuple[bool, bool]:
 
 def _provides(literal: ast.AST, bound: Set[str], shared: Set[str]) -> set[str] | None:
     """Return the variables that a literal binds, or `None` while its turn has not come."""
-    if literal.ast_type == _TYPE.ConditionalLiteral or literal.sign != ast.Sign.NoSign:
-        return set() if needs(literal, shared) <= bound else None
-    atom = literal.atom
-    if atom.ast_type == _TYPE.SymbolicAtom:
-        symbol = atom.symbol
-        while symbol.ast_type == _TYPE.UnaryOperation:
-            symbol = symbol.argument
-        new = provided(symbol)
-        return new if variables_of((atom,)) <= bound | new else None
-    if atom.ast_type == _TYPE.Comparison:
-        return _equated(atom, bound)
-    if atom.ast_type in AGGREGATES:
-        new = set()
-        for guard in (atom.left_guard, atom.right_guard):
-            if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
-                new |= provided(guard.term)
-        inside = variables_of(tuple(atom.elements)) & shared
-        return new if inside <= bound and variables_of(guards(atom)) <= bound | new else None
+    if literal.ast_type == _TYPE.Literal and literal.sign == ast.Sign.NoSign:
+        atom = literal.atom
+        if atom.ast_type == _TYPE.SymbolicAtom:
+            new = provided(sign_and_function(atom.symbol)[1])
+            return new if variables_of((atom,)) <= bound | new else None
+        if atom.ast_type == _TYPE.Comparison:
+            return _equated(atom, bound)
+        if atom.ast_type in AGGREGATES:
+            new = set()
+            for guard in (atom.left_guard, atom.right_guard):
+                if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
+                    new |= provided(guard.term)
+            inside = variables_of(tuple(atom.elements)) & shared
+            return new if inside <= bound and variables_of(guards(atom)) <= bound | new else None
     return set() if needs(literal, shared) <= bound else None
 
 

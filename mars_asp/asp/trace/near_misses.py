@@ -30,11 +30,13 @@ from clingo import ast
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.asp.signature import Signature, signature_of
+from mars_asp.asp.solve.atoms import function_text
 from mars_asp.asp.trace.firing_rules import OPERATOR, QUESTION, Rewriter, Terms
 from mars_asp.asp.trace.literal_order import in_order, needs, provided
 from mars_asp.asp.trace.patterns import has_holes, is_hole, pattern_term
 from mars_asp.asp.trace.scope import (
     AGGREGATES,
+    Renamed,
     atoms_of_head,
     bare,
     global_variables,
@@ -73,7 +75,7 @@ class Candidate:
 class NearMisses:
     """Writes the rules that find near misses; `candidates` says what their numbers stand for."""
 
-    def __init__(self, rewriter: Rewriter, derived: Set[Signature] = frozenset()) -> None:
+    def __init__(self, rewriter: Rewriter, derived: Set[Signature]) -> None:
         """Write with the rewriter's open predicates; rules give those that are `derived`."""
         self._rewriter = rewriter
         self._derived = derived
@@ -114,19 +116,16 @@ class NearMisses:
         )
         order = list(in_order(literals, match.bound, shared))
         matched = [test for test, _ in in_order(tests, match.bound, shared)]
+        bound = match.bound.union(*(needs(test, shared) for test in matched))
         for before_it, literal in enumerate(literals):
-            if self._is_given(literal) and literal.sign == ast.Sign.NoSign:
-                bound = match.bound.union(*(needs(test, shared) for test in matched))
-                without = _Projected(bound)(literal).update(sign=ast.Sign.Negation)
-                if OPERATOR.search(bare(literal)) is None:
-                    # No value at all satisfies it, whatever the other literals are.
-                    candidate = Candidate(
-                        index, number, match.shown(literal), 2 * len(literals) - before_it, True
-                    )
-                    test = self._rewriter.renamed(without)
-                    yield from self._candidate(
-                        candidate, literal, query, matched, bound, shared, test
-                    )
+            is_positive = self._is_given(literal) and literal.sign == ast.Sign.NoSign
+            if is_positive and OPERATOR.search(bare(literal)) is None:
+                # No value at all satisfies it, whatever the other literals are.
+                kept = 2 * len(literals) - before_it
+                candidate = Candidate(index, number, match.shown(literal), kept, True)
+                any_value = Renamed(dict.fromkeys(variables_of((literal,)) - bound, "_"))
+                test = self._rewriter.renamed(any_value(literal).update(sign=ast.Sign.Negation))
+                yield from self._candidate(candidate, literal, query, matched, bound, shared, test)
         for place, (literal, before) in enumerate(order):
             first = [other for other, _ in order[:place]]
             fails = match.shown(literal)
@@ -140,8 +139,8 @@ class NearMisses:
             bound = match.bound.union(*(needs(other, shared) for other in others))
             if len(around) == len(literals) - 1 and needs(literal, shared) <= bound:
                 candidate = Candidate(index, number, fails, place, True)
-                kept = [other for other, _ in around]
-                yield from self._candidate(candidate, literal, query, kept, bound, shared)
+                rest = [other for other, _ in around]
+                yield from self._candidate(candidate, literal, query, rest, bound, shared)
         offers = rule.is_choice or rule.ast.head.ast_type == _TYPE.Disjunction
         if offers and len(order) == len(literals):
             candidate = Candidate(index, number, None, len(order), True)
@@ -187,7 +186,7 @@ class NearMisses:
             return False
         _, function = sign_and_function(literal.atom.symbol)
         signature = Signature(function.name, len(function.arguments))
-        return bool(self._derived) and signature not in self._derived
+        return signature not in self._derived
 
     def _counted_apart(
         self, asked: str, literals: Sequence[ast.AST], shared: Set[str]
@@ -251,24 +250,13 @@ class NearMisses:
             named = [terms.named(argument) for argument in function.arguments]
             bound |= variables_of(named) - variables_of(function.arguments)
             parts = [pattern_term(argument, bound) for argument in named]
-            inside = f"({','.join(parts)})" if parts else ""
-            return (), f"no({sign}{function.name}{inside})", []
+            return (), f"no({function_text(f'{sign}{function.name}', parts)})", []
         if literal.atom.ast_type not in AGGREGATES:
             return (), "test", []
         value = ast.Variable(literal.location, _VALUE)
         guard = ast.Guard(ast.ComparisonOperator.Equal, value)
         atom = literal.atom.update(left_guard=guard, right_guard=None)
         return (literal.update(atom=atom, sign=ast.Sign.NoSign),), f"value({_VALUE})", []
-
-
-class _Projected(ast.Transformer):
-    """Puts any value for variables that are not bound."""
-
-    def __init__(self, bound: Set[str]) -> None:
-        self._bound = bound
-
-    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        return node if node.name in self._bound else node.update(name="_")
 
 
 class _Match:
@@ -338,9 +326,7 @@ class _Match:
             self.arguments.append(name)
             self.bound.add(name)
             return name
-        inside = ",".join(map(self._skeleton, pattern.arguments))
-        comma = "," if not pattern.name and len(pattern.arguments) == 1 else ""
-        return f"{pattern.name}({inside}{comma})"
+        return function_text(pattern.name, list(map(self._skeleton, pattern.arguments)))
 
 
 def _literal(text: str) -> ast.AST:

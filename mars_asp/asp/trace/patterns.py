@@ -7,6 +7,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.asp.rules.statements import parsed
+from mars_asp.asp.solve.atoms import function_text
 from mars_asp.asp.trace.scope import variables_of
 
 _HOLE = "_any"
@@ -55,9 +56,8 @@ def shown_pattern(symbol: clingo.Symbol) -> str:
         return str(symbol)
     if is_hole(symbol):
         return symbol.arguments[0].string
-    inside = ",".join(map(shown_pattern, symbol.arguments))
-    comma = "," if not symbol.name and len(symbol.arguments) == 1 else ""
-    return f"{'' if symbol.positive else '-'}{symbol.name}({inside}{comma})"
+    name = symbol.name if symbol.positive else f"-{symbol.name}"
+    return function_text(name, list(map(shown_pattern, symbol.arguments)))
 
 
 def fits(
@@ -86,9 +86,7 @@ def pattern_term(term: ast.AST, bound: set[str]) -> str:
     if names <= bound and not anonymous:
         return str(term)
     if term.ast_type == ast.ASTType.Function:
-        inside = [pattern_term(argument, bound) for argument in term.arguments]
-        comma = "," if not term.name and len(inside) == 1 else ""
-        return f"{term.name}({','.join(inside)}{comma})"
+        return function_text(term.name, [pattern_term(each, bound) for each in term.arguments])
     return f"{_HOLE}({clingo.String(str(term))})"
 
 

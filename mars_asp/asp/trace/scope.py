@@ -5,7 +5,7 @@ mean something in their own element alone (ASP-Core-2, section 2.1; gringo's loc
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from clingo import ast
 
@@ -72,18 +72,17 @@ def atoms_of_head(statement: ast.AST) -> Iterator[tuple[ast.AST, Sequence[ast.AS
     for literal, condition in found:
         if literal.atom.ast_type == _TYPE.SymbolicAtom:
             clashing = shared & variables_of((literal, *condition))
-            own = Renamed(clashing, OWN)
+            own = Renamed({name: f"{OWN}{name}" for name in clashing})
             yield (own(literal), tuple(map(own, condition))) if clashing else (literal, condition)
 
 
 class Renamed(ast.Transformer):
-    """Gives local variables names that no other literal has."""
+    """Renames variables of a tree."""
 
-    def __init__(self, names: Set[str], before: str) -> None:
-        """Rename variables with these names, by putting a text before them."""
+    def __init__(self, names: Mapping[str, str]) -> None:
+        """Map the names of variables to new ones; others keep theirs."""
         self._names = names
-        self._before = before
 
     def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        """Return a variable, renamed where it is to be."""
-        return node.update(name=f"{self._before}{node.name}") if node.name in self._names else node
+        """Return a variable with its new name."""
+        return node.update(name=self._names[node.name]) if node.name in self._names else node

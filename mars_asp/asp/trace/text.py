@@ -11,7 +11,6 @@ from mars_asp.asp.messages import shown
 from mars_asp.asp.signature import plain
 from mars_asp.asp.solve.term_ids import TermId, as_symbol
 from mars_asp.asp.trace import DEPTH
-from mars_asp.asp.trace.absence_text import attempt_text, failure, nearest
 from mars_asp.asp.trace.premise_order import PremiseOrder
 from mars_asp.asp.trace.tree import (
     Absent,
@@ -117,7 +116,7 @@ class _Entry(NamedTuple):
 
 def _said(step: Derived | NearMiss, folded: bool) -> str:
     if isinstance(step, NearMiss):
-        return plain(attempt_text(step))
+        return plain(step.sentence)
     return step.message or plain(_head_words(step.head) if folded else step.atom)
 
 
@@ -174,7 +173,7 @@ class _Teller:
             below: Sequence[Trace | NearMiss | str]
             match step:
                 case Underivable() if step.attempts:
-                    stack += [(attempt, level) for attempt in reversed(nearest(step))]
+                    stack += [(attempt, level) for attempt in reversed(step.nearest)]
                     continue
                 case Derived():
                     choice = self._chosen(step) if step.chosen else None
@@ -192,7 +191,7 @@ class _Teller:
                     below = (*below, *(() if choice is None else choice.reasons))
                 case NearMiss():
                     yield _Entry(level, "", step)
-                    below = failure(step, depth is None or level < depth)
+                    below = step.reasons(depth is None or level < depth)
                     below = (*below, *self._interesting(step.held, False))
                 case str() | tuple():
                     items += (set[str | _Quoted]() for _ in range(len(items), level + 1))

@@ -1,5 +1,6 @@
 """Derivation traces as plain values."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
@@ -7,7 +8,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import clingo
 
-from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.messages import fill, shown, written
 from mars_asp.asp.rules.declarations import Declaration, Origin
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.symbols import term_of
@@ -17,6 +18,9 @@ from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
 from mars_asp.asp.trace.sentences import Sentence, Sentences
 from mars_asp.diagnostic import Span
 from mars_asp.output import brief_repr
+
+_HOLE = re.compile(r"\{[^{}]*\}")
+_VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
 
 
 class SentenceRenderer(NamedTuple):
@@ -32,9 +36,13 @@ class SentenceRenderer(NamedTuple):
         """Return the atom, or the pattern that no atom fits."""
         if isinstance(self.given, Atom):
             return self.given
-        symbol = as_symbol(self.given)
-        name = symbol.name if symbol.positive else f"-{symbol.name}"
-        return Atom(name, tuple(map(term_of, symbol.arguments)))
+        return atom_of(as_symbol(self.given))
+
+
+def atom_of(symbol: clingo.Symbol) -> Atom:
+    """Return clingo's atom as a value; the sign of classical negation is part of its name."""
+    name = symbol.name if symbol.positive else f"-{symbol.name}"
+    return Atom(name, tuple(map(term_of, symbol.arguments)))
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -170,7 +178,7 @@ class Derived:
 
     def with_values(self, text: str | None) -> str | None:
         """Return a text of the rule, such as its help, with its holes filled."""
-        return fill(text, _terms_of(self.values), _value_text)
+        return fill(text, _terms_of(self.values), written)
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,6 +206,45 @@ class NearMiss:
     value: clingo.Symbol | None
     cause: "Trace | None"
     held: tuple["Trace", ...] = ()
+
+    @property
+    def sentence(self) -> str:
+        """Return that the rule does not give the atom; unbound variables are `...`.
+
+        The message itself may well hold, of this atom or another: the instance is denied.
+        """
+        if self.message is not None:
+            return f"{self.atom} would hold because {_HOLE.sub('...', self.message)}, but"
+        return self.cause.message if isinstance(self.cause, Underivable) else self.failure
+
+    @property
+    def failure(self) -> str:
+        """Return that the literal is false, with its value or the values of its variables."""
+        if self.fails is None:
+            return "it may be chosen, and is not"
+        if self.value is not None:
+            return f"`{self.fails}` fails: its value is {self.value}"
+        names = dict.fromkeys(_VARIABLE.findall(self.fails))
+        values = [f"{n} = {shown(self.bindings[n])}" for n in names if n in self.bindings]
+        return f"`{self.fails}` fails{' for ' if values else ''}{', '.join(values)}"
+
+    def reasons(self, go_on: bool) -> "Sequence[Trace | NearMiss | str]":
+        """Return the steps below: the premise that fails, and why it does if they `go_on`."""
+        cause = self.cause
+        if cause is None:
+            return () if self.message is None else (self.failure,)
+        if not isinstance(cause, Underivable):
+            return (cause,)
+        # Without a message, and without a premise that is underivable, an attempt is one line.
+        if cause.attempts and (
+            go_on
+            or all(
+                attempt.message is None and not isinstance(attempt.cause, Underivable)
+                for attempt in cause.attempts
+            )
+        ):
+            return cause.nearest
+        return (cause,) if go_on else (cause.message,)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -229,6 +276,24 @@ class Underivable:
         """Return the sentence that the vocabulary has for it, or None if it has none."""
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
+    @property
+    def nearest(self) -> list[NearMiss]:
+        """Return the attempts with a message; one without gives way to those of its cause."""
+        found: list[NearMiss] = []
+        seen: set[int] = set()
+        stack = list(reversed(self.attempts))
+        while stack:
+            attempt = stack.pop()
+            if id(attempt) in seen:
+                continue
+            seen.add(id(attempt))
+            cause = attempt.cause
+            if attempt.message is None and isinstance(cause, Underivable) and cause.attempts:
+                stack += reversed(cause.attempts)
+            else:
+                found.append(attempt)
+        return found
+
 
 def is_pseudo(span: Span) -> bool:
     """Whether a place is in no file: `<...>` is where a question, a run or the like is."""
@@ -254,11 +319,6 @@ def _string_names(names: TermId) -> tuple[str, ...]:
 @lru_cache(maxsize=100_000)
 def _text(value: TermId) -> str:
     return text(value)
-
-
-@lru_cache(maxsize=100_000)
-def _value_text(value: TermId) -> str:
-    return shown(as_symbol(value))
 
 
 Trace: TypeAlias = Given | Absent | Derived | Unexplained | Underivable
