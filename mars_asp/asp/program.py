@@ -452,7 +452,7 @@ class Answer:
         pattern = pattern_in(atom)
         matching = [] if pattern is None else [each for each in self.atoms if fits(pattern, each)]
         if pattern is None or matching:
-            message = f"`{atom}` is not an atom" if pattern is None else f"`{matching[0]}` holds"
+            message = f"`{atom}` is not an atom" if pattern is None else f"`{min(matching)}` holds"
             found = Diagnostic("atom", "error", message, whole_file(self._file_path))
             raise NotDerived((found,))
         trace = explain_absence(self._explainer, pattern, depth)

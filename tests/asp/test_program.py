@@ -93,6 +93,12 @@ def test_what_does_not_hold_has_no_reason() -> None:
         answer.why_not("reach(")
 
 
+def test_the_first_of_several_true_atoms_is_named() -> None:
+    answer = asp.Program.from_text("p(3..9). p(1).").solve()
+    with pytest.raises(asp.NotDerived, match=r"`p\(1\)` holds"):
+        answer.why_not("p(_)")
+
+
 def test_an_absence_names_the_nearest_that_each_rule_comes() -> None:
     reason = of("reachability").solve().why_not("reach(f)")
     assert isinstance(reason.trace, Underivable)

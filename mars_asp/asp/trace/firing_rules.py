@@ -37,6 +37,7 @@ from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve import atoms
 from mars_asp.asp.solve.atoms import function_text, term_text
 from mars_asp.asp.trace import counting_rules, scope
 from mars_asp.asp.trace.counting_rules import elements_of, group_key, needed_of
@@ -91,6 +92,7 @@ class Rewriter:
             counting_rules.__file__,
             statements.__file__,
             scope.__file__,
+            atoms.__file__,
             ast.__file__,
         )
         made = memoized(

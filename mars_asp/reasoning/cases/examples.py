@@ -10,12 +10,11 @@ from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.read import read_rules
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.symbols import term_of
-from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.trace import Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
-from mars_asp.asp.trace.tree import Derived
+from mars_asp.asp.trace.tree import Derived, atom_of
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.reasoning.cases.configurations import SUFFIX
 from mars_asp.reasoning.facts.compile import facts_text
@@ -96,4 +95,4 @@ def _facts(rules: Iterable[Rule]) -> Iterator[Fact]:
             except RuntimeError:
                 continue
             if symbol.type == clingo.SymbolType.Function and symbol.name:
-                yield Fact(Atom(symbol.name, tuple(map(term_of, symbol.arguments))), rule.span)
+                yield Fact(atom_of(symbol), rule.span)
