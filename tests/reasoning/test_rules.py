@@ -205,8 +205,17 @@ def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: R
 
 #: What several files add to: consequences and their places, verdicts, nodes, costs, edits, accounts
 #: and why something is absent.
-COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line", "edit", "part"}
-COMMON |= {"caution", "account", "absent", "cites", "change", "beside", "need", "holds_in"}
+COMMON = {
+    "consequence",
+    "participant",
+    "concerns",
+    "violation",
+    "resolves",
+    "line",
+    "edit",
+    "sub_edit",
+}
+COMMON |= {"caution", "account", "absent", "cites", "change", "related_edge", "need", "holds_in"}
 #: Nodes of packs have lines as ours have.
 COMMON |= {"spec_node", "spec_uses_data_from", "spec_is_controlled_by", "written_at"}
 
