@@ -142,7 +142,7 @@ def _source(question: Question, options: argparse.Namespace) -> CheckedFile:
 
 def _editor_robot(project: Project, files: EditorFiles) -> EditorRobot:
     configuration = project.configuration
-    described = {**project.modules, **{each.name: each for each in configuration.declared}}
+    described = configuration.with_declared(project.modules)
     own = tuple(_configurations(configuration.path, "", files))
     read = {file.path for file in own}
     sources = dict.fromkeys(os.path.abspath(each.span.path) for each in project.modules.values())  # noqa: PTH100

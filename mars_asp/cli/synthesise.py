@@ -183,11 +183,8 @@ def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:
 def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]:
     from mars_asp.exchange.lift import realised_by
 
-    described = {
-        **project.modules,
-        **{module.name: module for module in project.configuration.declared},
-    }
     configuration = project.configuration
+    described = configuration.with_declared(project.modules)
     entries = {conversion.transformer: conversion for conversion in configuration.conversions}
     stands_for = {each.node: each.module for each in found.specification.configuration.stand_ins}
     muxes = realised_by(found.specification.configuration)

@@ -118,7 +118,7 @@ def depict(
 
     Names in relationships alone have boxes as well. With `classes` boxes have those of the paper.
     """
-    described = {**modules, **{module.name: module for module in configuration.declared}}
+    described = configuration.with_declared(modules)
     conversions = {found.transformer: found for found in configuration.conversions}
     names = dict.fromkeys(name.text for name in configuration.modules)
     for relationship in configuration.relationships:

@@ -27,7 +27,7 @@ def in_parts(
 
     A line to an input that several of these functions take is one line for each.
     """
-    every = {**modules, **{module.name: module for module in specification.declared}}
+    every = specification.with_declared(modules)
     split = {name: outputs(module) for name, module in every.items() if _has_parts(module)}
     if not split:
         return replace(specification, declared=()), every

@@ -347,6 +347,10 @@ class Configuration:
     attributed: tuple[Attributed, ...] = ()
     missing: tuple[MissingFile, ...] = ()
 
+    def with_declared(self, modules: Mapping[str, Module]) -> dict[str, Module]:
+        """Return modules by name together with the declared ones, which take precedence."""
+        return {**modules, **{module.name: module for module in self.declared}}
+
     def node_kind(self, name: str) -> str | None:
         """Return the kind of node that a name stands for in a specification, if any."""
         brought = self.pack_kind(name)

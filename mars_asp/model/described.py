@@ -30,7 +30,7 @@ def described_modules(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> Mapping[str, Module]:
     """Return the modules that rules are told of, by name: those named, and every converter."""
-    every = {**modules, **{module.name: module for module in configuration.declared}}
+    every = configuration.with_declared(modules)
     named = {name.text for name in configuration.modules}
     named |= {
         name for relationship in configuration.relationships for name in ends_of(relationship)

@@ -254,7 +254,7 @@ def _project_of(parsed: Parsed, text: str, found: "Extraction | None") -> Projec
         for module in configuration.declared
         if module.name in modules
     ]
-    described = {**modules, **{module.name: module for module in configuration.declared}}
+    described = configuration.with_declared(modules)
     configuration = without_idle(configuration, described)
     if found is not None:
         diagnostics += tuple(_misspelt(configuration, modules))

@@ -114,7 +114,7 @@ def judge_specification(
     """
     own = [rule for rule in rulebook.of_packs if rule.stage == _STAGE and _is_judge(rule)]
     with_packs = bool(rulebook.packs)
-    described = {**project.modules, **{m.name: m for m in project.configuration.declared}}
+    described = project.configuration.with_declared(project.modules)
     specification = state_inputs(specification, described, rulebook)
     facts = given(specification_facts(specification, project, rulebook, modules or {}))
     found = _judged_by(facts, project, rulebook.built_in, None if with_packs else grounding, None)
@@ -228,7 +228,7 @@ def specification_facts(
     other stage needs. `modules` are those that the specification's own sources describe.
     """
     described = project.described
-    every = {**(modules or {}), **{module.name: module for module in specification.declared}}
+    every = specification.with_declared(modules or {})
     own = described_modules(specification, every)
     # A converter that converts nothing any more is one of the configuration all the same.
     own = {**own, **{name: every[name] for name in described if name in every}}

@@ -24,7 +24,7 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
         MarsError: nothing is mounted, or what is mounted makes no tree: URDF has one.
     """
     mounts = [r for r in configuration.relationships if isinstance(r, Mount)]
-    known = {**modules, **{module.name: module for module in configuration.declared}}
+    known = configuration.with_declared(modules)
     body = build_robot(mounts, known)
     roots = [name for name in body.order if name not in body.carrier]
     problems = tuple(_obstacles(configuration, mounts, body, roots))

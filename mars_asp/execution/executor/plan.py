@@ -50,7 +50,7 @@ class Plan:
         behaviours: Mapping[str, Behaviour],
     ) -> None:
         self.configuration = configuration
-        self.modules = {**modules, **{module.name: module for module in configuration.declared}}
+        self.modules = configuration.with_declared(modules)
         self.behaviours = behaviours
         self.links: list[Link] = []
         self.data_in: defaultdict[str, list[Link]] = defaultdict(list)

@@ -142,7 +142,7 @@ class Compiler:
     @cached_property
     def known(self) -> Mapping[str, Module]:
         """Return every module that anything is known of."""
-        return {**self.modules, **{module.name: module for module in self.configuration.declared}}
+        return self.configuration.with_declared(self.modules)
 
     @cached_property
     def described(self) -> Mapping[str, Module]:

@@ -55,10 +55,7 @@ class _Values:
             numbered(self._configuration.relationships)
         )
         self._names = [name.text for name in self._configuration.modules]
-        self._described = {
-            **project.modules,
-            **{module.name: module for module in self._configuration.declared},
-        }
+        self._described = self._configuration.with_declared(project.modules)
         self._renewed: set[str] = set()
         ends = (ends_of(each) for each in self._configuration.relationships)
         self._taken = {*self._names, *self._described, *(name for two in ends for name in two)}

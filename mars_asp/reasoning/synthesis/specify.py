@@ -73,7 +73,7 @@ def specify(project: Project, derived: SpecifiedAtoms) -> Specification:
         conversions=(*configuration.conversions, *conversions),
         muxes=tuple(_at_arbiters(configuration.muxes, draft.lines, nodes)),
     )
-    every = {**project.modules, **{module.name: module for module in configuration.declared}}
+    every = configuration.with_declared(project.modules)
     printed = replace(printed, stand_ins=(*printed.stand_ins, *_stand_ins(nodes, printed, every)))
     return Specification(nodes, resolves, printed)
 
