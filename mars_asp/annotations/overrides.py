@@ -17,9 +17,10 @@ _UNKNOWN = "auto"
 
 @dataclass(frozen=True, slots=True)
 class Overrides:
-    """What `@Output`, `@Input` and `@Port` say; `inputs` are for all, `named` for one each.
+    """The types and the port name that `@Output`, `@Input` and `@Port` give a declaration.
 
-    `further` are inputs that no parameter is, by their names.
+    `inputs` are the types of all inputs in order, `named` those of single parameters, and
+    `further` those of inputs that are no parameters.
     """
 
     output: str | None = None

@@ -345,7 +345,7 @@ def _resting(answer: Explanation, lines: Sequence[Span]) -> Iterator[Topic]:
 
 
 def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Sequence["Absence"]:
-    """Return why there is not more for each module or, of one subject, for the modules of that."""
+    """Return for each module why it has no further nodes or consequences."""
     from mars_asp.reasoning.questions.absences import absences
 
     names = [name.text for name in reasoner.project.configuration.modules]

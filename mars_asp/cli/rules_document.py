@@ -188,7 +188,7 @@ def open_predicates(rulebook: Rulebook, stage: str) -> tuple[Declaration, ...]:
 
 
 def predicate_lines(rulebook: Rulebook, stage: str) -> Iterator[str]:
-    """Yield a line for each of them: its form, what packs may do, and its first sentence."""
+    """Yield one line for each predicate of a stage that packs may read or derive."""
     listed = open_predicates(rulebook, stage)
     width = max((len(str(each.signature)) for each in listed), default=0)
     for each in listed:

@@ -95,7 +95,7 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
 def _ros_in(
     folder: Path, packages: Sequence[Path], launches: Sequence[Path], unread: list[Unread]
 ) -> list[Path]:
-    """Return the folders that are robots of ROS: several workspaces, or the folder itself.
+    """Return the folders that are ROS robots, or an empty list if there are none.
 
     Packages in no workspace and launch files beside one belong to the robot of the folder.
     """

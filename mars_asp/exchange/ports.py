@@ -38,7 +38,7 @@ def taken(name: str, representation: str | None, span: Span) -> Service:
 
 
 def commands(name: str, span: Span) -> Service:
-    """Return what makes a module one that commands flow through."""
+    """Return the `ControlOut` service of a module through which commands flow."""
     return Service("ControlOut", span, function=_function_name("command", name))
 
 

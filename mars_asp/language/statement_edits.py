@@ -125,7 +125,10 @@ class ListEdit:
     def _rendered(
         self, draft: Draft, members: Sequence[Member], apart: bool, more: bool = False
     ) -> dict[int, str]:
-        """Return how the lines read on which members stand; `apart` gives each a whole line."""
+        """Return the text of each line that holds members, by line number.
+
+        With `apart` each member has a whole statement; with `more` a comma follows the last one.
+        """
         head = f"{self.head} " if self._heads == 1 else f"{self.head} is_controlled_by "
         lines: dict[int, str] = {}
         for place, member in enumerate(members):

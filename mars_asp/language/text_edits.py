@@ -93,9 +93,9 @@ class Draft:
         self._deleted.add(line)
 
     def insert(self, line: int, where: Where, lines: Iterable[str]) -> None:
-        """Insert lines on one side of a line, behind those that are to stand there already.
+        """Insert lines before or after a line, following lines inserted there earlier.
 
-        Lines that were inserted there before are the same edit, of another instance of the file.
+        Equal lines are inserted once, because each inclusion of a file repeats its edits.
         """
         added = tuple(lines)
         if (line, where, added) not in self._insertions:

@@ -59,7 +59,7 @@ class EditorWorkspace:
         return tuple(dict.fromkeys(each for each in every if each.place.path == path))
 
     def queried_files(self, path: str) -> tuple[str, ...]:
-        """Return the files to analyse if one changes: those of its robots, else itself."""
+        """Return the files to analyse again after a file changes."""
         robots = [robot.path for robot in self.robots_of(path)]
         if is_configuration(path) or is_rules(path):
             return tuple(dict.fromkeys((path, *robots)))

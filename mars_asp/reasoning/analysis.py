@@ -375,7 +375,10 @@ def _sortable(symbol: clingo.Symbol) -> int | str | tuple[str]:
 
 
 def _identifier(term: Term) -> int | str | tuple[str]:
-    """Return what a thing is found by; an attribute is a term, which no module is called."""
+    """Return the key by which the location of a term is found.
+
+    A compound term, such as an attribute, has a tuple, which differs from each module name.
+    """
     return (str(term),) if isinstance(term, Atom) else term
 
 

@@ -90,7 +90,7 @@ def _constants(atom: ClauseAtom) -> list[str]:
 
 
 class MessageFunctions:
-    """Which arguments of predicates settle which others."""
+    """Finds the arguments of a predicate whose values follow from other arguments."""
 
     def __init__(
         self, clauses: Sequence[Clause], declared: Mapping[Signature, Declaration]

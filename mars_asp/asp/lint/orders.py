@@ -31,13 +31,16 @@ def compared(comparison: Comparison) -> Compared:
 
 
 def guarded(name: str, sign: str, term: SyntaxNode) -> Compared:
-    """Return the comparison of a term, which is to the left, with what has a name."""
+    """Return the comparison `term sign name`, where `name` is the name of an aggregate."""
     base, plus = parted(term)
     return Compared(base, sign, name, plus)
 
 
 def never(comparisons: Iterable[Compared], constants: Set[str] = frozenset()) -> bool:
-    """Whether comparisons exclude each other; `constants` are bases of different values."""
+    """Return whether comparisons cannot all hold.
+
+    Each of `constants` differs from the others and from all numbers.
+    """
     given = tuple(comparisons)
     paths = _paths(given, constants)
     if paths is None:

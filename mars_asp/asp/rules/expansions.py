@@ -69,7 +69,7 @@ Expansions: TypeAlias = Mapping[str, Expansion]
 
 
 class _Element(NamedTuple):
-    """A term of a list, what it is ordered by, its condition and its label, as they are written."""
+    """One term of a list in rule metadata, with its order, condition and label as text."""
 
     term: str
     order: str

@@ -620,7 +620,7 @@ def sign_and_function(symbol: _Tree) -> tuple[str, _Tree]:
 
 
 class Placing(Protocol):
-    """Says where a node begins, or with `end` where it ends."""
+    """A function that returns the location where a node begins, or ends if `end` is set."""
 
     def __call__(self, node: SyntaxNode | ast.AST, end: bool = False) -> Place:
         """Return a line and a column."""

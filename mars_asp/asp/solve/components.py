@@ -103,7 +103,7 @@ def partition(
 def _ordered(
     members: Sequence[int], projected: set[int], names: Mapping[int, TermId]
 ) -> tuple[int, ...]:
-    """Return atoms, given in clingo's order, as a component numbers them."""
+    """Return the atoms of a component in the order in which it numbers them."""
     entries = [atom for atom in members if atom in projected]
     if names:
         entries.sort(key=lambda atom: text(names[atom]))

@@ -328,7 +328,7 @@ def _first(component: Component, bound: dict[int, int]) -> Optimum:
 def _bounded(
     component: Component, costs: Mapping[int, int], options: Sequence[str] = ()
 ) -> clingo.Control:
-    """Return a control whose answers are those of these costs."""
+    """Return a clingo control whose answers cost at most `costs` at each level."""
     control = _control(component, options)
     totals = _totals(component)
     with control.backend() as backend:

@@ -72,7 +72,10 @@ class CountedWithout:
 
 
 def support_of(elements: Iterable[AggregateElement], counts: Callable[[TermId], bool]) -> Support:
-    """Return what elements add of which the premises count, in the order of symbols."""
+    """Return the premises and the absent atoms of the elements that count, each sorted.
+
+    An element counts if `counts` accepts all its premises.
+    """
     inside: set[TermId] = set()
     lacking: set[TermId] = set()
     for element in elements:

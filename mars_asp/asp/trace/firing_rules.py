@@ -257,7 +257,7 @@ class Rewriter:
         return f"-_t_{shown[1:]}" if shown.startswith("-") else f"_t_{shown}"
 
     def renamed(self, literal: ast.AST) -> str:
-        """Return a literal's text with open predicates read from their copies."""
+        """Return the text of a literal, with each open predicate `h` renamed to `_t_h`."""
         return str(_Renaming(self.open)(literal)) if self.open else str(literal)
 
 
@@ -302,7 +302,7 @@ class Terms:
         return function_text(f"{sign}{symbol.name}", found)
 
     def negated(self, symbol: ast.AST) -> tuple[str, str]:
-        """Return a negated atom's text for a body and as a term; what is anonymous stays so."""
+        """Return the text of a negated atom for a rule body, and its text as a term."""
         sign, symbol = sign_and_function(symbol)
         named = [self.named(argument) for argument in symbol.arguments]
         name, pattern = f"{sign}{symbol.name}", [_anonymous(argument) for argument in named]

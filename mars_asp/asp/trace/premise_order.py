@@ -22,9 +22,9 @@ class PremiseOrder:
         self._counts: dict[int, bool] = {}
 
     def of(self, step: Derived) -> Sequence[Trace]:
-        """Return the premises of a step in their order.
+        """Return the premises of a step in the order in which they are shown.
 
-        A rule that counts nothing names each of them itself.
+        A rule without aggregates and conditions has them in the order of its body.
         """
         premises, rule = step.premises, step.rule
         if len(premises) < 2:

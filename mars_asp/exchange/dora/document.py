@@ -263,7 +263,10 @@ class _DataflowReader:
         pairs: Mapping[str, tuple[Scalar, Node]],
         settings: Mapping[str, tuple[Scalar, Node]],
     ) -> None:
-        """Read the ports of a node or an operator; `settings` are also those of its node."""
+        """Add a node or operator with its ports, connections and program to `workers`.
+
+        A repeated id is reported and not added. `settings` are its keys and those of its node.
+        """
         if name in self.workers:
             first = self.workers[name].span, "the first one"
             help_text = "give each an id of its own"
@@ -413,7 +416,7 @@ def _timer_rate(unit: str, number: str) -> Rate | None:
 
 
 def _program(settings: Mapping[str, tuple[Scalar, Node]]) -> NodeFile | None:
-    """Return the program of a node; None if it is outside of the repository or built."""
+    """Return the program file of a node, or None if the repository does not hold it."""
     if settings.keys() & _ELSEWHERE:
         return None
     key = next((each for each in ("path", "source", "python") if each in settings), "")

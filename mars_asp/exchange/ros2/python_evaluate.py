@@ -333,7 +333,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         names: Names,
         depth: int,
     ) -> Value | NotKnown:
-        """Carry out a method of a list, dictionary or text."""
+        """Return the result of a method call, or NOT_KNOWN if the method is not supported."""
         owner = self.value(func.value, names, depth + 1)
         first = arguments[0] if arguments else None
         if isinstance(owner, PythonCall) and owner.name == "LaunchDescription":

@@ -333,7 +333,7 @@ class _Unit(PythonTexts):
                 self.note(AT_RUN_TIME, name, self.shown(name))
 
     def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
-        """Return the parameters that decide whether a publisher publishes at all."""
+        """Return the parameters, each with its value, on which every publish call depends."""
         calls = self.publications.get(keeper, [])
         used = [self.switches(call) for call in calls[:_MOST_FOLLOWED]]
         is_known = 0 < len(calls) <= _MOST_FOLLOWED

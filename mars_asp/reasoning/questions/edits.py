@@ -125,7 +125,10 @@ class EditedTexts:
 
     @cached_property
     def ranked(self) -> Set[tuple[str, Token]]:
-        """Return the path and head of statements whose module another statement controls, too."""
+        """Return the control statements of modules that several statements control.
+
+        Each is the path of its file with its first token; edited, their lists keep their ranks.
+        """
         found: dict[str, set[tuple[str, Token]]] = {}
         for each in self.project.configuration.relationships:
             if isinstance(each, Control):

@@ -86,7 +86,7 @@ def _string(term: TermId) -> str:
 
 
 def decided_by(rulebook: Rulebook, kind: str) -> Signature | None:
-    """Return the predicate of which each atom is a node of a kind, or None if that is not one."""
+    """Return the predicate that decides the nodes of a kind, or None if no single one does."""
     found = [
         [literal.signature for literal in statement.read]
         for rule in rulebook.rules
