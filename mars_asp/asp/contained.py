@@ -94,6 +94,26 @@ def _exactly(pipe: int, size: int) -> bytes:
 # ---- In a child ----------------------------------------------------------------------------------
 
 
+def _work(work: Callable[[int], object], sent: int, watched: Sequence[int]) -> NoReturn:
+    """Call the function of a child, in a group that the watched pipes keep alive, and end."""
+    status = 1
+    try:
+        for end in _ends.difference(watched):
+            os.close(end)
+        _ends.clear()
+        _ends.update((sent, *watched))
+        begin_group(*watched)
+        for number in ENDING:
+            # Python's own handlers would wait until clingo returns.
+            if signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+        work(sent)
+        status = 0
+    finally:
+        leave(status)
+
+
 def begin_group(*watched: int) -> None:
     """Make this process the leader of a group, which is killed when a watched pipe is closed."""
     global leader  # noqa: PLW0603 -- this process is one
@@ -141,30 +161,18 @@ class Child:
         """Fork; the child is also killed when one of the watched pipes is closed."""
         results, sent = os.pipe()
         alive, self._alive = os.pipe()
+        _ends.update((results, self._alive))
         # Signals wait until the child no longer handles them as its parent does.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
-        with warnings.catch_warnings():
-            # The only other thread of a child watches pipes, and holds no lock.
-            warnings.simplefilter("ignore", DeprecationWarning)
-            self.process = os.fork()
-        if not self.process:
-            status = 1
-            try:
-                for end in {*_ends, results, self._alive} - {*watched}:
-                    os.close(end)
-                _ends.clear()
-                _ends.update((sent, alive, *watched))
-                begin_group(alive, *watched)
-                for number in ENDING:
-                    # Python's own handlers would wait until clingo returns.
-                    if signal.getsignal(number) != signal.SIG_IGN:
-                        signal.signal(number, signal.SIG_DFL)
-                signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-                work(sent)
-                status = 0
-            finally:
-                leave(status)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        try:
+            with warnings.catch_warnings():
+                # The only other thread of a child watches pipes, and holds no lock.
+                warnings.simplefilter("ignore", DeprecationWarning)
+                self.process = os.fork()
+            if not self.process:
+                _work(work, sent, (alive, *watched))
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         os.close(sent)
         os.close(alive)
         os.set_blocking(results, False)
@@ -175,13 +183,13 @@ class Child:
         #: The moment (`time.monotonic`) at which `wait` returns the child even so.
         self.until = float("inf")
         self._ends = {results, self._alive}
-        #: The pipes for which `wait` waits.
-        self.pipes = {results, *watched}
+        #: The pipes for which `wait` waits, with the events; of a watched one the end alone.
+        self.pipes = {results: select.POLLIN, **dict.fromkeys(watched, 0)}
         # A process that the child started may hold the pipe open for longer.
         with suppress(AttributeError, OSError):
             ended = os.pidfd_open(self.process)
             self._ends.add(ended)
-            self.pipes.add(ended)
+            self.pipes[ended] = select.POLLIN
         self._status: int | None = None
         _ends.update(self._ends)
 
@@ -245,12 +253,12 @@ def wait(children: Sequence[Child]) -> list[Child]:
     """
     poll = select.poll()
     for child in children:
-        for pipe in child.pipes:
-            poll.register(pipe, select.POLLIN)
+        for pipe, events in child.pipes.items():
+            poll.register(pipe, events)
     left = min(child.until for child in children) - time.monotonic()
     found = dict(poll.poll(1000 * min(max(0.0, left), _LONGEST_WAIT)))
     now = time.monotonic()
-    return [child for child in children if child.pipes & found.keys() or child.until <= now]
+    return [child for child in children if child.pipes.keys() & found.keys() or child.until <= now]
 
 
 class Lost(NamedTuple):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, write_report
-from mars_asp.cli.deliver import file_key, replace_files, write_closing, write_file
+from mars_asp.cli.deliver import file_key, is_writable, replace_files, write_closing, write_file
 from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.excluded import add_exclusion
 from mars_asp.cli.fmt import unified_diff
@@ -367,7 +367,7 @@ def _fix(
             one.text = decode(new, path)
         elif is_hidden(path):
             problems.append(_unfixed(path, OUTSIDE))
-        elif not (Path(path).stat().st_mode & 0o222 and os.access(path, os.W_OK)):
+        elif not is_writable(path):
             problems.append(_unfixed(path, "it is read-only"))
         elif (other := edited.get(file_key(path), (one.path, new)))[1] != new:
             problems.append(_unfixed(path, f"it is changed for `{other[0]}`", _AGAIN))

@@ -401,7 +401,7 @@ def _write_files(files: list[OutputFile]) -> None:
         for file in files:
             if file.read is not None:
                 # The caller reports the file as written before the command writes it.
-                check_writable(file.path)
+                _check_writable(file.path)
         _send("files", files)
         return
     for file in files:
@@ -426,19 +426,23 @@ def _check_unchanged(file: OutputFile) -> None:
         OSError: it is not, or is read-only.
     """
     with open(file.path, "rb") as there:  # noqa: PTH123 -- a path that may be no text
-        check_writable(file.path)
+        _check_writable(file.path)
         if _digest(there.read()) != file.read:
             text = "it has changed since it was read, so it was left alone"
             raise ChangedError(0, text, file.path)
 
 
-def check_writable(path: str) -> None:
-    """Check that a file may be written, by its mode as well, which root could ignore.
+def is_writable(path: str) -> bool:
+    """Return whether a file may be written, by its mode as well, which root could ignore.
 
     Raises:
-        OSError: it is not there, or is read-only.
+        OSError: it is not there.
     """
-    if not (os.stat(path).st_mode & 0o222 and os.access(path, os.W_OK)):  # noqa: PTH116 -- raw paths
+    return bool(os.stat(path).st_mode & 0o222) and os.access(path, os.W_OK)  # noqa: PTH116 -- raw
+
+
+def _check_writable(path: str) -> None:
+    if not is_writable(path):
         raise PermissionError(errno.EACCES, "it is read-only, so it was left alone", path)
 
 

@@ -174,7 +174,8 @@ class Selection:
             MarsError: what is wrong with the settings of its folder, or with their baseline.
         """
         choice, ignores = self._choice_and_ignores(project)
-        if not (notes or any(choice[::2]) or ignores) and self._arguments.format != "sarif":
+        is_all = notes or ignores or choice.select or choice.baseline
+        if not is_all and self._arguments.format != "sarif":
             # Many robots have thousands of notes, and warnings are printed without participants.
             with_participants |= self._arguments.write_baseline is not None
             found = read_consequences(analysis, with_participants, False)

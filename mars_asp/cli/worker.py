@@ -8,6 +8,7 @@ writes nothing.
 
 import argparse
 import gc
+import math
 import os
 import resource
 import signal
@@ -112,7 +113,9 @@ def _await(worker: contained.Child, arguments: argparse.Namespace) -> int:
                             raise Ended(signal.SIGALRM)
                         for message in worker.read():
                             result.take(message)
-            status = worker.end(0.0 if result.status is None else None)
+            status = worker.end(_patience(worker, result))
+            if result.status is not None and worker.until <= time.monotonic():
+                raise Ended(signal.SIGALRM)
             if result.failed:
                 return 2
             if result.status is None:
@@ -127,6 +130,15 @@ def _await(worker: contained.Child, arguments: argparse.Namespace) -> int:
         return 128 + ended.number
     finally:
         result.drop()
+
+
+def _patience(worker: contained.Child, result: deliver.WorkerOutput) -> float | None:
+    """Return the seconds that a worker has for its end; None if it has no time limit."""
+    if result.status is None:
+        return 0.0
+    # Code of the user may hold up a worker that has sent its status.
+    left = worker.until - time.monotonic()
+    return None if left == math.inf else max(0.0, left)
 
 
 @contextmanager

@@ -271,6 +271,20 @@ def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
     assert command.returncode == 0, output + result
 
 
+def test_what_a_behaviour_leaves_behind_holds_no_limit_up(tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text(
+        "import sys, time\nclass Slow:\n    def write(self, text): return len(text)\n"
+        "    def flush(self): time.sleep(1000)\nsys.stderr = Slow()\ndef go(): pass\n"
+    )
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*words, "--time-limit", "5")
+    output, result = command.communicate(timeout=HANGING)
+    assert (command.returncode, output) == (3, b"")
+    assert "the time limit of 5 s ended this" in result.decode()
+
+
 @pytest.mark.parametrize(
     ("words", "mentions"),
     [
