@@ -80,7 +80,20 @@ def _spec_of(file: Path) -> GitIgnoreSpec:
 @lru_cache(maxsize=64)
 def _spec_of_lines(lines: tuple[str, ...]) -> GitIgnoreSpec:
     """Return the patterns of lines, without those that take very long to compare with a name."""
-    return GitIgnoreSpec.from_lines([line for line in lines if not _SLOW.search(line)])
+    quick = [line for line in lines if not _SLOW.search(line)]
+    try:
+        return GitIgnoreSpec.from_lines(quick)
+    except ValueError:
+        # Git passes over patterns that are none, such as a lone `!`.
+        return GitIgnoreSpec.from_lines(filter(_is_pattern, quick))
+
+
+def _is_pattern(line: str) -> bool:
+    try:
+        GitIgnoreSpec.from_lines([line])
+    except ValueError:
+        return False
+    return True
 
 
 def excluded_in(

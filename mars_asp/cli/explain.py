@@ -147,10 +147,11 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     project = read_project(arguments, quietly=True)
     subject = arguments.about if arguments.subject is None else arguments.subject
-    # The column of a location that `check` prints.
-    subject = subject and re.sub(r"(\.\w+:[0-9]+):[0-9]+$", r"\1", subject)
     # A name may be asked for as the configuration writes it.
     subject = subject and (read_name(subject) or subject)
+    if subject not in {name.text for name in project.configuration.modules}:
+        # The column of a location that `check` prints.
+        subject = subject and re.sub(r"(\.\w+:[0-9]+):[0-9]+$", r"\1", subject)
     if arguments.why_not is not None:
         return _why_not(project, arguments)
     if arguments.alternatives is not None or arguments.repair:

@@ -615,6 +615,16 @@ def test_a_printed_location_is_explained(robots: Path, capsys: pytest.CaptureFix
     assert "twice.mars:4" in pasted
 
 
+def test_a_module_may_be_named_like_a_location(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = '"v1.x:2:3"'
+    lines = f"B uses_data_from {name}\nC uses_data_from {name}\n"
+    (robots / "named.mars").write_text(f"@configuration\n@modules {name}, B, C\n{lines}")
+    assert run_here(["explain", "named.mars", "v1.x:2:3"]) == 0
+    assert "DataSplitter1: `v1.x:2:3` feeds 2 modules" in capsys.readouterr().out
+
+
 def test_excluded_paths_are_named_with_verbose(
     robots: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -293,6 +293,13 @@ def test_fmt_refuses_documents_and_sources(
         assert message.endswith(f"{name}` is not a `.mars` file")
 
 
+def test_lines_that_are_no_pattern_are_passed_over(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(here, {".gitignore": "!\nb\n", "a/x.mars": MARS, "b/y.mars": MARS})
+    assert judged(capsys, "--exclude", "!") == ["a/x.mars"]
+
+
 @pytest.mark.parametrize("pattern", ["a", "./a", "{here}/a", "./a/"])
 def test_a_pattern_may_be_a_path(
     pattern: str, here: Path, capsys: pytest.CaptureFixture[str]
