@@ -64,6 +64,16 @@ def test_a_wrong_declaration_is_told(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert run_here(["analyse", "examples/level0/config.mars", "--rules", str(pack)]) == 0
 
 
+def test_packs_may_read_the_old_names_of_predicates(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["rules", "list", "--predicates", "--format", "json"]) == 0
+    names = {each["predicate"] for each in json.loads(capsys.readouterr().out)}
+    old = {
+        *("speaks/2", "hears/3", "takes/2", "at/3", "stems/2"),
+        *("spec_comes_by/2", "spec_leaves_by/2", "spec_heard_by/2"),
+    }
+    assert old <= names
+
+
 def test_predicates_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["rules", "show", "architecture/1"]) == 0
     assert "architecture(K: {flat, hierarchical})" in capsys.readouterr().out
