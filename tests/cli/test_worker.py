@@ -271,7 +271,7 @@ def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
     assert command.returncode == 0, output + result
 
 
-def test_what_a_behaviour_leaves_behind_holds_no_limit_up(tmp_path: Path) -> None:
+def test_the_time_limit_counts_until_the_worker_has_ended(tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(
         "import sys, time\nclass Slow:\n    def write(self, text): return len(text)\n"
         "    def flush(self): time.sleep(1000)\nsys.stderr = Slow()\ndef go(): pass\n"
