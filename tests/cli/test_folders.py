@@ -293,9 +293,7 @@ def test_fmt_refuses_documents_and_sources(
         assert message.endswith(f"{name}` is not a `.mars` file")
 
 
-def test_invalid_patterns_are_passed_over(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_invalid_patterns_are_passed_over(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write(here, {".gitignore": "!\nb\n", "a/x.mars": MARS, "b/y.mars": MARS})
     assert judged(capsys, "--exclude", "!") == ["a/x.mars"]
 
