@@ -79,7 +79,8 @@ FILES = {
         "unrealised sharing account capability needs subject stated asked alternatives "
         "annotation_edits changes "
         "connected blame edits explain "
-        "launch_trees diff failed_value near_miss repair fix why_not absences without"
+        "launch_trees diff failed_value near_miss repair fix why_not why_no_finding absences "
+        "without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread folders ports graph relays cascades topics "

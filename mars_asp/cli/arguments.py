@@ -188,6 +188,10 @@ class Parser(argparse.ArgumentParser):
         near = nearest(unknown[1], sorted(names - _WRITING), _ALIKE) if unknown else None
         if choice := re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message):
             near = nearest(choice[1], re.findall(r"'([^']*)'", choice[2]))
+            argument = re.match(r"argument ([A-Z]+):", message)
+            takes_files = any(each.dest == "files" for each in self.positionals())
+            if argument and takes_files and os.path.exists(choice[1]):  # noqa: PTH110 -- no error
+                message += f"; {argument[1]} comes before the files"
         text = f"{message}: did you mean `{near}`?" if near else message
         mark = "" if text.endswith("?") else ";"
         whole = f"{self.prog}: {visible(text)}{mark} see `{self.prog} --help`"
@@ -338,7 +342,12 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
     )
     add("--config", metavar="SETTINGS", help="the settings, instead of the nearest mars.toml")
     add("--isolated", action="store_true", help="take no settings")
-    add("-q", "--quiet", action="store_true", help="no progress, no notes, no summary")
+    add(
+        "-q",
+        "--quiet",
+        action="store_true",
+        help="no progress, no notes, no summary; JSON still names what was not read",
+    )
     add(
         "-v",
         "--verbose",

@@ -48,7 +48,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT.jsonl",
         default=STANDARD_INPUT,
-        help="write a line for each run as it ends; what the file has already is not run again",
+        help="write a JSON line for each run as it ends; runs that the file has are not repeated "
+        "(default: the lines go to standard output, and the table to standard error)",
     )
     add("--fresh", action="store_true", help="begin OUT.jsonl anew")
     add(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, write_report
+from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, left_out_text, write_report
 from mars_asp.cli.deliver import file_key, is_writable, replace_files, write_closing, write_file
 from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.excluded import add_exclusion
@@ -124,8 +124,8 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.diff:
             return _show_changes(checked, arguments, status)
     except MarsError as error:
-        of_options = all(each.span.path.startswith("--") for each in error.diagnostics)
-        if of_options and arguments.format in TEXT_FORMATS:
+        # Nothing was checked: the values of options are wrong, or files that they name.
+        if arguments.format in TEXT_FORMATS:
             report(error.diagnostics, arguments)
             return error.status
         checked, remarks, status = [], [Result(each) for each in error.diagnostics], error.status
@@ -156,7 +156,9 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
     if not arguments.quiet:
         repairs = sum(len(one.mended) for one in checked)
         within = f" in {counted(len(changes), 'file')}" if changes else ""
-        write_closing(f"{counted(repairs, 'finding')} would be fixed{within}\n")
+        left_out = sum(one.left_out for one in checked)
+        further = f"; {left_out_text(left_out)}" if left_out else ""
+        write_closing(f"{counted(repairs, 'finding')} would be fixed{within}{further}\n")
     return status if is_wrong else int(bool(changes))
 
 
@@ -182,7 +184,7 @@ def check(
     `seen` is called with each robot that could be read and its analysis.
 
     Raises:
-        MarsError: rule packs, settings or a baseline are wrong.
+        MarsError: rule packs, settings, a baseline or the values of options are wrong.
     """
     check_inputs(*arguments.files)
     rules = cache(lambda stages: rulebook_for(arguments, stages))
@@ -200,6 +202,8 @@ def check(
                 raise MarsError(robot.problems)
             _check(one, is_input, rules, selection, arguments, edited, seen)
         except MarsError as error:
+            if all(each.span.path.startswith("--") for each in error.diagnostics):
+                raise
             # Settings, and sources that the command names, are those of many robots.
             new = (each for each in error.diagnostics if each not in of_settings)
             one.append_results(map(Result, new))
@@ -381,6 +385,7 @@ def _fix(
         return None
     edited.update((file_key(path), (one.path, new)) for path, new, _ in one.written)
     one.mended = fixed.repairs
+    one.left_out = len(sole) - len(fixed.repairs)
     return fixed
 
 

@@ -21,14 +21,14 @@ from mars_asp.cli.diagnostic_text import (
     suggestion_lines,
 )
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.finding_formats import is_remark
+from mars_asp.cli.finding_formats import is_note
 from mars_asp.cli.folding import fold
 from mars_asp.cli.inputs import STANDARD_INPUT
 from mars_asp.cli.lines import line_text
 from mars_asp.cli.results import Result
 from mars_asp.cli.selection import hidden_text
 from mars_asp.cli.wrapping import columns, wrapped
-from mars_asp.diagnostic import Severity, brief
+from mars_asp.diagnostic import NOT_READ, Severity, brief
 from mars_asp.output import counted, visible
 
 if TYPE_CHECKING:
@@ -53,6 +53,8 @@ class Checked:
     mended: "tuple[Repair, ...]" = ()
     #: How many findings have exactly one repair that was not applied.
     mendable: int = 0
+    #: How many of the only repairs do not go together with those that were applied.
+    left_out: int = 0
     #: The files that are changed for it: path, new content, and old.
     written: list[tuple[str, bytes, bytes]] = field(default_factory=list)
     #: The text of standard input after the repairs.
@@ -117,14 +119,9 @@ def write_report(
     write_closing(closing)
 
 
-def _is_note(result: Result) -> bool:
-    """Whether a result is a note about reading, and no finding."""
-    return result.diagnostic.severity == "note" and result.consequence is None
-
-
 def reported_findings(results: Iterable[Result]) -> list[Result]:
     """Return the results that are reported findings."""
-    return [each for each in results if each.hidden is None and not _is_note(each)]
+    return [each for each in results if each.hidden is None and not is_note(each)]
 
 
 def _unhidden(checked: Sequence[Checked], remarks: Iterable[Result]) -> list[Result]:
@@ -175,7 +172,7 @@ def _closing(
 ) -> Iterator[str]:
     """Yield the text for standard error: notes, applied repairs and the summary."""
     if arguments.format not in _WITH_NOTES and not arguments.quiet:
-        notes = filter(_is_note, _unhidden(checked, remarks))
+        notes = filter(is_note, _unhidden(checked, remarks))
         yield from _diagnostic_text(notes, arguments, sys.stderr)
     width = columns(sys.stderr)
     is_listed = arguments.format in ("json", "sarif")
@@ -219,9 +216,17 @@ def _summary_sentences(
     if hidden:
         yield hidden_text(hidden)
     if mendable:
-        has = "has" if mendable == 1 else "have"
-        shows = "shown above; --fix applies it" if _is_full(arguments) else "which --fix applies"
-        yield f"{mendable} of them {has} exactly one repair, {shows}"
+        has, them = ("has", "it") if mendable == 1 else ("have", "those that go together")
+        shown = ", shown above" if _is_full(arguments) else ""
+        yield f"{mendable} of them {has} exactly one repair{shown}; --fix applies {them}"
+    if left_out := sum(one.left_out for one in checked):
+        yield left_out_text(left_out)
+
+
+def left_out_text(number: int) -> str:
+    """Return the sentence on repairs that do not go together with those that were applied."""
+    was, they = ("was", "it does") if number == 1 else ("were", "they do")
+    return f"{counted(number, 'repair')} {was} left out, as {they} not go together with the others"
 
 
 # ---- Documents -----------------------------------------------------------------------------------
@@ -259,9 +264,10 @@ def _check_document(
     from mars_asp.cli.repair import repair_json
 
     shown = _unhidden(checked, remarks)
-    findings, notes = reported_findings(shown), list(filter(_is_note, shown))
+    findings, notes = reported_findings(shown), list(filter(is_note, shown))
     if arguments.quiet:
-        notes = [each for each in notes if not is_remark(each)]
+        # What was not read of a file no program may miss.
+        notes = [each for each in notes if each.diagnostic.code == NOT_READ]
     severities = Counter(each.diagnostic.severity for each in findings)
     return {
         "format": "mars-check",

@@ -10,6 +10,7 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace import DEPTH
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.deliver import write_file
@@ -35,7 +36,7 @@ from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import counted, visible
-from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.analysis import Analysis, Consequence
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
@@ -141,7 +142,7 @@ def run(arguments: argparse.Namespace) -> int:
     if files and arguments.subject is None and not _is_file(last, files):
         # A last word that is not a file is the subject.
         arguments.files, arguments.subject = files, last
-    contradiction = _contradiction(arguments)
+    contradiction = _contradiction(arguments) or _swapped_words(arguments)
     if contradiction is not None:
         print(f"mars-asp explain: {contradiction}", file=sys.stderr)
         return 2
@@ -308,6 +309,10 @@ def _explained_findings(
             sort = "about" if is_module else "of"
             closing = (f"no finding {sort} `{subject}` in {of}",)
             return Explained(subject, (), closing, False, messages, traced)
+        if subject is not None and project.trees:
+            why = _why_no_finding(project, analysis, rules, subject, arguments)
+            if why is not None:
+                return Explained(subject, (), (why.answer,), False, messages, traced)
         return None
     topics, has_errors = _reported(answer, selection, project)
     found_nothing = () if topics else (f"nothing found in {of}",)
@@ -427,23 +432,42 @@ def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DE
     """
     from mars_asp.reasoning.questions.why_not import why_not
 
-    levels = _MOST_LEVELS if depth is None else 2 * depth
     line = stated(atom, reasoner.project)
-    answer = why_not(reasoner, atom if line is None else line.atom, levels)
+    answer = why_not(reasoner, atom if line is None else line.atom, _levels(depth))
     if line is None or line.atom == atom:
         return answer
     return replace(answer, subject=line.line, answer=_of_line(answer.answer, line))
+
+
+def _swapped_words(arguments: argparse.Namespace) -> str | None:
+    """Return that the subject was written before the only file, or None if it was not."""
+    first, *others = arguments.files
+    if len(others) != 1 or arguments.subject is not None or first == STANDARD_INPUT:
+        return None
+    is_path = Path(first).exists() or re.search(r"\.[a-z]+$", first)
+    if is_path or not Path(others[0]).exists():
+        return None
+    swapped = command("explain", argparse.Namespace(**vars(arguments) | {"files": others}), first)
+    return f"`{first}` is not a file, and words about it come after the files: {swapped}"
+
+
+def _levels(depth: int | None) -> int:
+    """Return how many levels of rules are tried."""
+    return _MOST_LEVELS if depth is None else 2 * depth
 
 
 def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     rulebook = rulebook_for(arguments)
     selection = Selection(arguments, rulebook)
     report((*selection.messages(project)[0], *one_of_several(project)), arguments)
-    answer = why_not_answer(
-        Reasoner(project, rulebook, Budget(arguments.time_limit)),
-        arguments.why_not,
-        getattr(arguments, "depth", ABSENCE_DEPTH),
-    )
+    depth = getattr(arguments, "depth", ABSENCE_DEPTH)
+    reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
+    answer = None
+    if project.trees:
+        judging = rulebook_for(arguments, JUDGING)
+        found, rules = analyse_trees(project, judging), launch_rules(judging)
+        answer = _why_no_finding(project, found, rules, arguments.why_not, arguments)
+    answer = answer or why_not_answer(reasoner, arguments.why_not, depth)
     if arguments.format == "json":
         from mars_asp.cli.trace_document import why_not_document
 
@@ -454,6 +478,20 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
         sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
     return int(selection.has_errors(project, answer.analysis))
+
+
+def _why_no_finding(
+    project: Project,
+    analysis: Analysis,
+    rules: Rulebook,
+    subject: str,
+    arguments: argparse.Namespace,
+) -> "WhyNot | None":
+    """Return why the launch files give no finding, or None if that is not the question."""
+    from mars_asp.reasoning.questions.why_no_finding import why_no_finding
+
+    levels = _levels(getattr(arguments, "depth", ABSENCE_DEPTH))
+    return why_no_finding(project, analysis, rules, rulebook_for(arguments), subject, levels)
 
 
 def _of_line(answer: str, relationship: StatedRelationship) -> str:
@@ -525,6 +563,8 @@ def _topic_lines(
     topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace
 ) -> Iterator[str]:
     """Yield the lines of topics: accounts, or traces where these are wanted or all there is."""
+    if not topics:
+        return
     coloured = colours(arguments, sys.stdout)
     if traced or any(topic.account is None for topic in topics):
         entries = [(topic.title, topic.trace) for topic in topics]

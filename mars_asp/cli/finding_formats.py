@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable, Sequence
 
 from mars_asp.cli.results import Result
-from mars_asp.diagnostic import NOT_READ, MarsError
+from mars_asp.diagnostic import MarsError
 
 #: What the verbs print that list findings and nothing else.
 FINDING_FORMATS = ("text", "json", "sarif", "github")
@@ -22,8 +22,8 @@ def publish(results: Sequence[Result], arguments: argparse.Namespace, status: in
 
 
 def published_text(results: Sequence[Result], arguments: argparse.Namespace, status: int) -> str:
-    """Return results in a format for other programs; `--quiet` leaves out remarks."""
-    kept = [each for each in results if not arguments.quiet or not is_remark(each)]
+    """Return results in a format for other programs; `--quiet` leaves out notes about reading."""
+    kept = [each for each in results if not (arguments.quiet and is_note(each))]
     if arguments.format == "sarif":
         import json
 
@@ -35,11 +35,9 @@ def published_text(results: Sequence[Result], arguments: argparse.Namespace, sta
     return "".join(f"{line}\n" for line in workflow_commands(kept))
 
 
-def is_remark(result: Result) -> bool:
-    """Whether a result is a note that no rule finds and a program can do without."""
-    found = result.diagnostic
-    # What was not read of a file no program may miss.
-    return found.severity == "note" and found.kind is None and found.code != NOT_READ
+def is_note(result: Result) -> bool:
+    """Whether a result is a note about reading, and no finding."""
+    return result.diagnostic.severity == "note" and result.consequence is None
 
 
 def published(

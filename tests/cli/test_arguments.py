@@ -75,6 +75,7 @@ def test_the_help_of_a_verb_shows_its_example(
         (["", "check"], "there is no command ``"),
         (["analyse"], "the following arguments are required: FILE"),
         (["check", "x", "--memory-limit", "0"], "`0` must be a positive number"),
+        (["import", FIGURE, "ros2"], "FORMAT comes before the files"),
     ],
 )
 def test_what_was_probably_meant(
@@ -83,7 +84,7 @@ def test_what_was_probably_meant(
     assert run_command(words) == 2
     shown = capsys.readouterr()
     assert shown.out == ""
-    assert told in shown.err
+    assert told in " ".join(shown.err.split())
     assert "?;" not in shown.err
     assert "`--fix`" not in shown.err and "`--write" not in shown.err
 

@@ -93,7 +93,7 @@ def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
     ]
     assert shown.err == (
         "4 errors, 2 warnings in 5 files and 1 folder\n"
-        "2 of them have exactly one repair, which --fix applies\n"
+        "2 of them have exactly one repair; --fix applies those that go together\n"
     )
     assert (robots / "twice.mars").read_text() == TWICE
 
@@ -468,7 +468,7 @@ def test_a_baseline_replaces_no_other_file(
 ) -> None:
     words = ["check", "twice.mars", "--write-baseline"]
     assert run_here([*words, "clean.mars"]) == 2
-    assert "clean.mars: the file is not a baseline" in capsys.readouterr().out
+    assert "clean.mars: the file is not a baseline" in capsys.readouterr().err
     assert (robots / "clean.mars").read_text() == CLEAN
     (robots / "empty").touch()
     for name in ("known.json", "known.json", "empty"):
@@ -497,7 +497,7 @@ def test_an_error_of_settings_is_reported_once_for_all_robots(
     assert run_here(["check", "clean.mars", "twice.mars", "--sources", "none"]) == 2
     assert capsys.readouterr().out.count("`none`: no such file or folder") == 1
     assert run_here(["check", "clean.mars", "--isolated", "--config", "own.toml"]) == 2
-    assert "--isolated takes no settings, and --config names some" in capsys.readouterr().out
+    assert "--isolated takes no settings, and --config names some" in capsys.readouterr().err
 
 
 def test_a_word_after_two_dashes_is_a_path(robots: Path) -> None:
@@ -507,7 +507,7 @@ def test_a_word_after_two_dashes_is_a_path(robots: Path) -> None:
 
 def test_an_empty_path_is_refused(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["check", ""]) == 2
-    assert "a path is empty" in capsys.readouterr().out
+    assert "a path is empty" in capsys.readouterr().err
 
 
 def test_findings_go_to_a_pipe_that_is_named(robots: Path) -> None:
@@ -586,6 +586,43 @@ def test_a_difference_shows_repairs_and_writes_nothing(
     assert (done.returncode, done.stdout[:12]) == (1, "--- <stdin>\n")
     assert run_here(["check", "--diff", "--format", "json", "twice.mars"]) == 2
     assert "--diff prints a unified diff" in capsys.readouterr().err
+
+
+def test_repairs_left_out_are_counted(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (robots / "unused.mars").write_text("@configuration\n@modules Screen, Camera\n")
+    left_out = "1 repair was left out, as it does not go together with the others\n"
+    run_here(["check", "--diff", "unused.mars"])
+    assert capsys.readouterr().err == f"1 finding would be fixed in 1 file; {left_out}"
+    run_here(["check", "--fix", "unused.mars"])
+    assert capsys.readouterr().err.endswith(f"1 warning in 1 file; 1 fixed\n{left_out}")
+
+
+@pytest.mark.parametrize("form", ["github", "sarif", "json"])
+def test_quiet_leaves_out_notes_except_the_unread_in_json(
+    form: str, robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    node = '<node pkg="{}" exec="x" name="x"/>'
+    launch = f"<launch>{node.format('nav2_planner')}{node.format('nowhere')}</launch>"
+    (robots / "all.launch.xml").write_text(launch)
+    words = ["check", "all.launch.xml", "--format", form]
+    shown = []
+    for options in ([], ["--quiet"]):
+        run_here([*words, *options])
+        shown.append(capsys.readouterr().out)
+    not_read = [" not read: " in text for text in shown]
+    assert not_read == [True, form == "json"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["--baseline", "gone"], ["--rules", "gone"], ["--select", "no"], ["--launch", "gone"]],
+)
+def test_wrong_values_of_options_go_to_standard_error(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", str(ROOT / "examples" / "ros2_workspace"), *words]) == 2
+    output = capsys.readouterr()
+    assert output.out == "" and output.err.startswith("mars-asp: error: ")
 
 
 def test_an_error_without_a_line_names_its_file_once(

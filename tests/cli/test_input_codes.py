@@ -45,6 +45,7 @@ def test_the_rule_base_is_linted_as_itself(
         ("examples/level0/config.mars unused_module", "there is no `unused_module`"),
         ("examples/ros2_workspace dead_remap", "no finding of `dead_remap` in the launch files"),
         ("examples/ros2_workspace /lidar", "no finding about `/lidar` in the launch files"),
+        ("examples/ros2_workspace loose_end(/cmd_vel)", "No loose_end(/cmd_vel): the rules on"),
         ("examples/level0/config.mars checks/unused", "no consequence and no node rests on"),
     ],
 )
@@ -54,6 +55,16 @@ def test_an_answer_without_topics_has_status_zero(
     monkeypatch.chdir(ROOT)
     assert run_here(["explain", *words.split(), "-q"]) == 0
     assert answer in capsys.readouterr().out
+
+
+def test_a_subject_before_the_file_is_an_error(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT / "examples" / "level0")
+    assert run_here(["explain", "Sonar", "config.mars"]) == 2
+    assert "mars-asp explain config.mars Sonar" in capsys.readouterr().err
+    assert run_here(["explain", "gone.mars", "config.mars"]) == 2
+    assert "gone.mars: no such file" in capsys.readouterr().err
 
 
 def test_a_subject_may_be_a_rule(

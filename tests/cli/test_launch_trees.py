@@ -91,7 +91,7 @@ def test_a_launch_file_that_is_not_there_is_an_error(
     workspace: Path, capsys: pytest.CaptureFixture[str], name: str, message: str
 ) -> None:
     assert run_here(["check", str(workspace), "--launch", name, "--format", "full"]) == 2
-    assert message in capsys.readouterr().out
+    assert message in capsys.readouterr().err
 
 
 def test_import_lists_several_trees_and_takes_one(
@@ -129,6 +129,32 @@ def test_a_finding_of_check_can_be_explained(
     document = json.loads(capsys.readouterr().out)
     assert document["topics"][0]["name"] == "ambiguous_priority(/cmd_vel)"
     assert document["traces"][0]["premises"]
+
+
+@pytest.mark.parametrize(
+    ("atom", "status", "text"),
+    [
+        ("ambiguous_priority(/cmd_vel)", 0, "ambiguous_priority(/cmd_vel) holds: `/one` and"),
+        ('ambiguous_priority("/cmd_vel")', 0, "ambiguous_priority(/cmd_vel) holds: `/one` and"),
+        ("ambiguous_priority", 0, "ambiguous_priority holds: `/one` and `/two` publish"),
+        ("loose_end(/cmd_vel)", 0, "No loose_end(/cmd_vel): the rules on launch files find none"),
+        ("dead_remap(_)", 0, "No dead_remap: the rules on launch files find none; `mars-asp"),
+        ("loose_end(/cmd_ve)", 2, "the launch files have no name `/cmd_ve`"),
+        ("ambiguous_priority(/one)", 0, "nothing controls `/one`, and a tie needs two"),
+        ("data_cycle(/one)", 0, "`/one` feeds nothing, so nothing leads back to it"),
+    ],
+)
+def test_why_not_knows_the_findings_in_launch_files(
+    workspace: Path, capsys: pytest.CaptureFixture[str], atom: str, status: int, text: str
+) -> None:
+    words = ["explain", str(workspace), "--quiet", "--why-not", atom]
+    assert run_here(words) == status
+    output = capsys.readouterr()
+    assert text in " ".join((output.err if status else output.out).split())
+    if not status:
+        run_here([*words, "--format", "json"])
+        document = json.loads(capsys.readouterr().out)
+        assert document["present"] == (" holds: " in text) and document["traces"]
 
 
 def test_analyse_judges_as_check_does(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:

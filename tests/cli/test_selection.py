@@ -474,7 +474,7 @@ def test_what_is_no_baseline_is_refused(
     if raw is not None:
         (folder / "k.json").write_bytes(raw)
     assert run_here(["check", "a.mars", "--baseline", "k.json"]) == 2
-    assert capsys.readouterr().out.startswith((f"k.json:{told}", told))
+    assert capsys.readouterr().err.startswith((f"k.json:{told}", told))
 
 
 def test_no_baseline_is_written_of_what_could_not_be_read(
@@ -500,7 +500,7 @@ def test_a_baseline_comes_from_standard_input(folder: Path) -> None:
     done = mars("check", str(folder / "a.mars"), "--baseline", "-", text=listed)
     assert (done.returncode, done.stderr) == (0, "not reported: 2 in the baseline\n")
     twice = mars("check", "-", "--baseline", "-", text=listed)
-    assert (twice.returncode, twice.stdout[:14]) == (2, "mars-asp: erro")
+    assert (twice.returncode, twice.stderr[:14]) == (2, "mars-asp: erro")
 
 
 def test_fix_leaves_alone_what_is_hidden(folder: Path) -> None:
@@ -567,6 +567,11 @@ def test_verbs_agree_on_the_first_place_of_a_finding(
         capsys.readouterr()
         assert run_here(["explain", robot, *words, "--baseline", "k", "--quiet"]) == 0
         assert "loose_end(" not in capsys.readouterr().out
+    run_here(["check", str(ROOT / "examples/ros2_workspace"), "--write-baseline", "k"])
+    capsys.readouterr()
+    words = ["explain", str(ROOT / "examples/ros2_workspace"), "--baseline", "k", "--quiet"]
+    assert run_here(words) == 0
+    assert capsys.readouterr().out == ""
 
 
 def test_comments_at_the_first_place_hide_from_explanations_too(

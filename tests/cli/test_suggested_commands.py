@@ -77,7 +77,7 @@ def test_lines_are_shown_without_escapes_and_within_the_width(
     (*_, counted, advice, _) = capsys.readouterr().err.split("\n")
     assert (counted, advice) == (
         "2 of them have exactly one repair, shown above; --fix",
-        "  applies it",
+        "  applies those that go together",
     )
     run_here(["check", str(file), "--fix"])
     fixed = [line for line in capsys.readouterr().err.split("\n") if not line.startswith("    ")]

@@ -1,0 +1,102 @@
+"""Why the launch files give no finding of a kind, or that they do."""
+
+import re
+
+import clingo
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.trace.absence import explain_absence
+from mars_asp.asp.trace.patterns import hole
+from mars_asp.asp.trace.tree import Trace
+from mars_asp.reasoning.analysis import Analysis
+from mars_asp.reasoning.findings import consequence_kinds
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.launch_trees import is_about
+from mars_asp.reasoning.questions.subject import wrong_subject
+from mars_asp.reasoning.questions.why_not import WhyNot, holds
+from mars_asp.reasoning.session import Evidence
+from mars_asp.spelling import nearest
+
+_FINDING = re.compile(r"\s*(\w+)\s*(?:\(\s*\"?([^()\"]*?)\"?\s*\))?\s*")
+
+
+def why_no_finding(
+    project: Project,
+    analysis: Analysis,
+    rules: Rulebook,
+    others: Rulebook,
+    subject: str,
+    depth: int,
+) -> WhyNot | None:
+    """Return the finding that a subject names, or why the launch files have none.
+
+    Args:
+        project: The project of the launch trees.
+        analysis: The findings in them.
+        rules: The rules that these were made with.
+        others: The rules on robots.
+        subject: `KIND` or `KIND(NAME)`.
+        depth: The largest number of levels of the trace of an absence.
+
+    Returns:
+        The answer, or None if the subject is not a kind of `rules`, or if `others` find that kind
+        as well and give the reason why there is none.
+
+    Raises:
+        MarsError: neither the launch files nor the modules have NAME.
+    """
+    match = _FINDING.fullmatch(subject)
+    if match is None or match[1] not in consequence_kinds(rules):
+        return None
+    kind, name = match.groups()
+    name = None if name == "_" else name
+    title = kind if name is None else f"{kind}({name})"
+    evidence = Evidence(rules, analysis.facts, analysis)
+    found = next((each for each in analysis.consequences if is_about(each, title)), None)
+    if found is not None:
+        return WhyNot(
+            subject=title,
+            answer=holds(title, found.message),
+            evidence=found.spans,
+            present=True,
+            choosable=False,
+            analysis=analysis,
+            find_trace=lambda: evidence.explainer.why([found.atom])[found.atom],
+            see=title,
+        )
+    modules = {name.text for name in project.configuration.modules}
+    if kind in consequence_kinds(others) and (name is None or name in modules):
+        return None
+    names = _names(analysis) | modules
+    if name is not None and name not in names:
+        near = nearest(name, names)
+        help_text = f"did you mean `{near}`?" if near else "name a node or a topic"
+        raise wrong_subject(project, f"the launch files have no name `{name}`", help_text)
+    about = hole() if name is None else clingo.String(name)
+    pattern = clingo.Function("consequence", [clingo.Function(kind), hole(), about, hole()])
+
+    def trace() -> Trace:
+        return explain_absence(evidence.explainer, pattern, depth)
+
+    return WhyNot(
+        subject=title,
+        answer=f"No {title}: the rules on launch files find none{' there' if name else ''}; "
+        f"`mars-asp explain {kind}` shows what they look for.",
+        choosable=False,
+        analysis=analysis,
+        find_trace=trace,
+    )
+
+
+def _names(analysis: Analysis) -> set[str]:
+    """Return the strings in the facts of an analysis."""
+    terms = [symbol_of(fact.atom) for fact in analysis.facts]
+    names = set()
+    while terms:
+        term = terms.pop()
+        if term.type == clingo.SymbolType.String:
+            names.add(term.string)
+        elif term.type == clingo.SymbolType.Function:
+            terms += term.arguments
+    return names
