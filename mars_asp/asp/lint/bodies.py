@@ -14,7 +14,7 @@ from mars_asp.asp.lint.clauses import (
 )
 from mars_asp.asp.lint.found import Fix, LintFinding, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, guarded, never
-from mars_asp.asp.rules.trees import Kind, SyntaxNode, below
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, below, extent_of
 from mars_asp.diagnostic import Span
 
 CONTRADICTION, REDUNDANT = "rule-contradiction", "rule-redundant"
@@ -55,7 +55,7 @@ def _contradiction(
     for one in inner.atoms if len(alike) < len(atoms) else ():
         for other in alike[one.signature.name]:
             if _exclude(one, other):
-                node = max(one.node, other.node, key=lambda node: node.extent)
+                node = max(one.node, other.node, key=extent_of)
                 message = f"`{one.node}` and `{other.node}` are never true together"
                 return found(CONTRADICTION, message, clause.place(node), clause.rule, advice)
     for each in inner.others:

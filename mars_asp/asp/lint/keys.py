@@ -15,7 +15,7 @@ from mars_asp.asp.lint.clauses import (
 from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, never, parted
 from mars_asp.asp.rules.declarations import Declaration
-from mars_asp.asp.rules.trees import SyntaxNode
+from mars_asp.asp.rules.trees import SyntaxNode, extent_of
 from mars_asp.asp.signature import Signature
 
 
@@ -61,7 +61,7 @@ def _contradicted_key(
                     message = message.replace("are one fact", "are never true together")
                 else:
                     message += f", so {why} never holds"
-                place = clause.place(max(one.node, other.node, key=lambda node: node.extent))
+                place = clause.place(max(one.node, other.node, key=extent_of))
                 return found(CONTRADICTION, message, place, clause.rule, advice)
     return None
 

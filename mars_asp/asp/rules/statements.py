@@ -784,7 +784,7 @@ class ArithmeticReader:
 
     def _source_text(self, node: SyntaxNode) -> str:
         """Return the source text: a number that does not fit is another in the tree."""
-        line, column, end_line, end = node.extent
+        line, column, end_line, end = extent_of(node)
         if line != end_line:
             return str(node)
         return str(self._lines[line - 1][column - 1 : end - 1], "utf-8")
