@@ -115,7 +115,7 @@ FILES = {
         "hover completion lenses questions protocol workers client_errors workspace server"
     ),
     "cli": (
-        "deliver encode wrapping arguments suggested_commands lines account live watch realtime "
+        "deliver encode wrapping arguments suggested_commands lines account watch realtime "
         "progress output_files diagnostic_text limits settings extract excluded trace_document "
         "schemas worker inputs trials ignores baseline selection results folding github gitlab "
         "junit sarif_fixes sarif finding_formats alternatives analyse can completion draw export "

@@ -15,8 +15,8 @@ from mars_asp.cli.deliver import add_line, grow_file, write_file
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import STANDARD_INPUT, add_file, check_inputs, read_project
 from mars_asp.cli.limits import load_freely
-from mars_asp.cli.live import live_line
 from mars_asp.cli.output_files import ending
+from mars_asp.cli.progress import live_line
 from mars_asp.cli.schemas import add_schema, schema_text
 from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.trials import scenario_text, specified

@@ -1,42 +1,47 @@
-"""How far a command has come, on standard error, where a person is watching."""
+"""The progress of a command, shown on standard error if that is a terminal.
+
+One line is replaced again and again, and removed at the end. It is written by hand: rich hides the
+cursor, and a worker that is killed could not show it again.
+"""
 
 import argparse
+import os
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 from mars_asp.output import visible
 
-#: Nobody needs a bar for what is over before it could be read.
+#: Seconds until a stage or a bar is shown: shorter ones would only flicker.
 _PATIENCE = 1.0
-#: Seconds between two bars: more often is not read, and a terminal takes time.
+#: Seconds between two lines: more often is not read, and a terminal takes time.
 _SPACING = 0.1
+_BAR = 30
+_T = TypeVar("_T")
 
 
 @contextmanager
-def stage(arguments: argparse.Namespace, what: str) -> Iterator[None]:
-    """Show what is being done where that takes long and a person is watching.
-
-    With `--verbose` the duration is printed instead.
-    """
+def stage(arguments: argparse.Namespace, name: str) -> Iterator[None]:
+    """Show the name of a stage that takes long, or print its duration with `--verbose`."""
     if getattr(arguments, "verbose", False):
         started = time.monotonic()
         yield
-        detail(arguments, f"{what}: {time.monotonic() - started:.2f} s")
+        detail(arguments, f"{name}: {time.monotonic() - started:.2f} s")
         return
-    if arguments.quiet or not sys.stderr.isatty():
+    if not _is_watched(arguments):
         yield
         return
-    # What grounds or parses does not come back before it is done, so another thread has to tell.
+    # Grounding and parsing do not return before they are done, so another thread shows the name.
     shown = threading.Event()
 
-    def tell() -> None:
+    def show() -> None:
         shown.set()
-        _show(f"{what} ...")
+        _write(f"{name} ...")
 
-    timer = threading.Timer(_PATIENCE, tell)
+    timer = threading.Timer(_PATIENCE, show)
     timer.daemon = True
     timer.start()
     try:
@@ -45,48 +50,82 @@ def stage(arguments: argparse.Namespace, what: str) -> Iterator[None]:
         timer.cancel()
         timer.join()
         if shown.is_set():
-            clear_line()
+            _write("")
 
 
 def detail(arguments: argparse.Namespace, text: str) -> None:
-    """Print a line on standard error, with `--verbose` alone."""
+    """Print a line on standard error if `--verbose` is set."""
     if getattr(arguments, "verbose", False):
         print(visible(f"mars-asp: {text}"), file=sys.stderr)
 
 
 @contextmanager
 def progress_bar(
-    arguments: argparse.Namespace, what: str
+    arguments: argparse.Namespace, noun: str
 ) -> Iterator[Callable[[int, int], None] | None]:
-    """Yield a function that is told how many of how many are done."""
-    if arguments.quiet or not sys.stderr.isatty():
+    """Yield a function that shows a number of results and their total, or None without a viewer."""
+    if not _is_watched(arguments):
         yield None
+        return
+
+    def line(at: tuple[int, int], _: float) -> str:
+        done, total = at
+        width = _BAR * done // max(1, total)
+        return f"[{'#' * width}{'.' * (_BAR - width)}] {done} of {total} {noun}"
+
+    with live_line(arguments, line, _PATIENCE) as show:
+        yield lambda done, total: show((done, total))
+
+
+@contextmanager
+def live_line(
+    arguments: argparse.Namespace, line_of: Callable[[_T, float], str], patience: float = 0.0
+) -> Iterator[Callable[[_T], None]]:
+    """Yield a function that shows a state as a line.
+
+    Args:
+        arguments: The command line; nothing is shown with `--quiet`.
+        line_of: Returns the line of a state, after a number of seconds.
+        patience: The number of seconds before the first line.
+    """
+    if not _is_watched(arguments):
+        yield lambda state: None
         return
     started = time.monotonic()
     shown: float | None = None
 
-    def progress(done: int, total: int) -> None:
+    def show(state: _T) -> None:
         nonlocal shown
-        now = time.monotonic()
-        if now - started < _PATIENCE or (shown is not None and now - shown < _SPACING):
-            return
-        shown = now
-        width = 30 * done // max(1, total)
-        bar = "#" * width + "." * (30 - width)
-        _show(f"[{bar}] {done} of {total} {what}")
+        wall = time.monotonic() - started
+        if wall >= (patience if shown is None else shown + _SPACING):
+            shown = wall
+            _write(line_of(state, wall))
 
     try:
-        yield progress
+        yield show
     finally:
         if shown is not None:
-            clear_line()
-
-
-def _show(text: str) -> None:
-    print(f"\r{text:<78.78}", end="", file=sys.stderr, flush=True)
+            _write("")
 
 
 def clear_line() -> None:
-    """Clear the line that tells how far the command is, where a person is watching."""
+    """Remove the line of progress, which a worker that was ended may have left."""
     if sys.stderr.isatty():
-        print("\r" + " " * 78 + "\r", end="", file=sys.stderr, flush=True)
+        _write("")
+
+
+def _is_watched(arguments: argparse.Namespace) -> bool:
+    return not arguments.quiet and sys.stderr.isatty()
+
+
+def _write(text: str) -> None:
+    """Replace the line of progress."""
+    try:
+        columns = os.get_terminal_size(sys.stderr.fileno()).columns
+    except (OSError, ValueError):
+        columns = 0
+    # A terminal without a known size has 0 columns. A line that fills the last column cannot be
+    # replaced.
+    columns = (columns or 80) - 1
+    line = visible(text)[:columns]
+    print(f"\r{line.ljust(columns)}\r{line}", end="", file=sys.stderr, flush=True)

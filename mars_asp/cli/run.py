@@ -21,11 +21,11 @@ from mars_asp.cli.inputs import (
     read_project,
 )
 from mars_asp.cli.limits import load_freely
-from mars_asp.cli.live import live_line, run_line
 from mars_asp.cli.output_files import add_outputs, check_packages, recorded, write_outputs
+from mars_asp.cli.progress import live_line
 from mars_asp.cli.realtime import live_view
 from mars_asp.cli.run_json import run_json
-from mars_asp.cli.run_text import print_traces, print_winners, run_text
+from mars_asp.cli.run_text import print_traces, print_winners, run_line, run_text
 from mars_asp.cli.schemas import add_schema
 from mars_asp.cli.trials import read_changes, run_trial, scenario_text, specified
 from mars_asp.cli.wrapping import columns, wrapped

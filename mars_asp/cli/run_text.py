@@ -37,6 +37,19 @@ def run_text(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespa
     return captured.get()
 
 
+def run_line(trial: "Trial", wall: float) -> str:
+    """Return the line of progress of a run after `wall` seconds of computing."""
+    effectors = [trial.executor.effectors.get(each.module) for each in trial.scenario.robots]
+    holders = (each.message.origin or "nobody" for each in effectors if each and each.message)
+    dropped = sum(link.dropped.total() for link in trial.executor.links)
+    seconds = trial.bodies[0].seconds
+    return (
+        f"{seconds:6.1f} of {trial.scenario.duration:g} s  {seconds / max(wall, 1e-9):5.0f}x  "
+        f"least clearance {trial.clearance:6.0f} mm  dropped {dropped}  "
+        f"in control: {', '.join(holders) or 'nobody'}"
+    )
+
+
 def _print_tables(
     trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace, console: "Console"
 ) -> None:

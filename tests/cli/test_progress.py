@@ -1,4 +1,4 @@
-"""What takes long is told to a person who is watching, and to nobody else."""
+"""The line of progress appears on a terminal, and nowhere else."""
 
 import argparse
 import io
@@ -10,7 +10,7 @@ from mars_asp.cli import progress
 
 
 class Terminal(io.StringIO):
-    """Standard error of somebody who watches."""
+    """A terminal as standard error."""
 
     def isatty(self) -> bool:
         return True
@@ -28,18 +28,18 @@ def wait_for(text: str) -> None:
 
 
 @pytest.mark.usefixtures("impatient")
-def test_a_stage_is_told_and_wiped_away(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_name_of_a_stage_is_shown_and_removed(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     with progress.stage(argparse.Namespace(quiet=False), "reading " + "x" * 100):
         wait_for("reading xxx")
     shown = terminal.getvalue().split("\r")
-    assert all(len(line) <= 78 for line in shown)
-    assert shown[-2:] == [" " * 78, ""]
+    assert all(len(line) <= 79 for line in shown)
+    assert shown[-2:] == [" " * 79, ""]
 
 
 @pytest.mark.usefixtures("impatient")
-def test_a_bar_tells_how_many_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bar_shows_the_share_of_results(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     with progress.progress_bar(argparse.Namespace(quiet=False), "components") as result:
@@ -50,7 +50,7 @@ def test_a_bar_tells_how_many_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("impatient")
-def test_files_and_quiet_commands_hear_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_and_quiet_commands_get_no_line(monkeypatch: pytest.MonkeyPatch) -> None:
     for quiet, stream in ((False, io.StringIO()), (True, Terminal())):
         monkeypatch.setattr(sys, "stderr", stream)
         arguments = argparse.Namespace(quiet=quiet)
