@@ -14,6 +14,7 @@ from mars_asp.asp.rules.statements import defined
 from mars_asp.cli import run_here
 from mars_asp.cli.rules import shown, shown_json
 from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.lint import lint
 from mars_asp.reasoning.packs import FOLDERS
 from mars_asp.reasoning.questions.account import STAGE
@@ -278,3 +279,9 @@ def test_what_lint_tells_an_analysis_does_not(
 
 def test_no_name_of_a_built_in_rule_means_two_things() -> None:
     assert lint([]).diagnostics == ()
+
+
+def test_each_kind_of_the_base_has_a_reason_for_its_absence() -> None:
+    text = (ROOT / "rules/absence/everywhere.lp").read_text(encoding="utf-8")
+    reasons = set(re.findall(r"(?m)^no_instance_reason\((\w+)", text))
+    assert consequence_kinds(load_rulebook()) <= reasons
