@@ -1,6 +1,7 @@
 """Show why each consequence and node is there, down to lines of rules and configuration."""
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Iterator, Sequence
@@ -63,6 +64,7 @@ _MOST_LEVELS = 60
 #: Of the lines that an answer speaks of so many are shown.
 _MOST_EVIDENCE = 6
 #: Before the command that lists other specifications of the same cost.
+_LINE = re.compile(r"(.+\.\w+):([0-9]+)(?::[0-9]+)?")
 _TO_LIST = "To list them: "
 #: A page of everything about more modules has no traces, which would be too large for browsers.
 _MOST_TRACED = 2_000
@@ -151,8 +153,7 @@ def run(arguments: argparse.Namespace) -> int:
     # A name may be asked for as the configuration writes it.
     subject = subject and (read_name(subject) or subject)
     if subject not in {name.text for name in project.configuration.modules}:
-        # The column of a location that `check` prints.
-        subject = subject and re.sub(r"(\.\w+:[0-9]+):[0-9]+$", r"\1", subject)
+        subject = subject and _place(subject, arguments)
     if arguments.why_not is not None:
         return _why_not(project, arguments)
     if arguments.alternatives is not None or arguments.repair:
@@ -304,21 +305,50 @@ def _explained_findings(
     )
     messages = (*selection.messages(project)[0], *unapplied_packs(project, rulebook))
     if answer is None:
-        is_module = subject in {name.text for name in project.configuration.modules}
-        if is_module or subject in rules.by_id or subject in consequence_kinds(rules):
-            sort = "about" if is_module else "of"
-            closing = (f"no finding {sort} `{subject}` in {of}",)
-            return Explained(subject, (), closing, False, messages, traced)
-        if subject is not None and project.trees:
-            why = _why_no_finding(project, analysis, rules, subject, arguments)
-            if why is not None:
-                return Explained(subject, (), (why.answer,), False, messages, traced)
-        return None
+        closing = _no_finding(project, analysis, rules, subject, of, arguments)
+        if closing is None:
+            return None
+        return Explained(subject, (), (closing,), False, messages, traced)
     topics, has_errors = _reported(answer, selection, project)
     found_nothing = () if topics else (f"nothing found in {of}",)
     consequences = () if arguments.output is None else _among_topics(answer, topics)
     found = Explained(answer.subject, topics, found_nothing, has_errors, messages, traced)
     return found._replace(consequences=consequences)
+
+
+def _no_finding(
+    project: Project,
+    analysis: Analysis,
+    rules: Rulebook,
+    subject: str | None,
+    of: str,
+    arguments: argparse.Namespace,
+) -> str | None:
+    """Return that no finding is about a subject, or None if the subject is none of findings.
+
+    Raises:
+        MarsError: it is like the name of a node or topic, and the launch files do not have it.
+    """
+    if subject in {name.text for name in project.configuration.modules}:
+        return f"no finding about `{subject}` in {of}"
+    if subject in rules.by_id or subject in consequence_kinds(rules):
+        return f"no finding of `{subject}` in {of}"
+    if subject is None or not project.trees:
+        return None
+    from mars_asp.reasoning.questions.why_no_finding import names_in, unknown_name
+
+    names = names_in(analysis)
+    line = _LINE.fullmatch(subject)
+    if line is not None:
+        if not any(f"/{name}".endswith(f"/{line[1]}") for name in names):
+            raise unknown_name(project, analysis, line[1])
+        return f"no finding at `{subject}` in {of}"
+    if subject in names:
+        return f"no finding about `{subject}` in {of}"
+    if f"/{subject}" in names or (subject.startswith("/") and "./" not in subject):
+        raise unknown_name(project, analysis, subject)
+    why = _why_no_finding(project, analysis, rules, subject, arguments)
+    return None if why is None else why.answer
 
 
 def _wants_traces(arguments: argparse.Namespace) -> bool:
@@ -382,6 +412,18 @@ def _split_location(arguments: argparse.Namespace) -> None:
     if Path(match[1]).is_file():
         arguments.files = [match[1]]
         arguments.subject = f"{Path(match[1]).name}:{match[2]}"
+
+
+def _place(subject: str, arguments: argparse.Namespace) -> str:
+    """Return a location as the spans of the robot have it, without its column."""
+    match = _LINE.fullmatch(subject)
+    if match is None:
+        return subject
+    file, line = match.groups()
+    if Path(file).is_file():
+        is_absolute = Path(arguments.files[0]).is_absolute()
+        file = str(Path(file).absolute()) if is_absolute else os.path.relpath(file)
+    return f"{file}:{line}"
 
 
 def _is_file(word: str, files: Sequence[str]) -> bool:

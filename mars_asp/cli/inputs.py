@@ -331,9 +331,10 @@ class RobotFiles(NamedTuple):
 
 
 def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFiles]:
-    """Return the files of each robot: those of others that are named are one, where the first is.
+    """Return the files of each robot.
 
-    In a folder each robot is one by itself.
+    Each robot in a folder is one by itself. Files of other tools that are named are one robot
+    together, at the place of the first.
     """
     found: list[RobotFiles] = []
     foreign: list[str] = []
@@ -354,9 +355,10 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
                 found += (RobotFiles([str(each)]) for each in within.paths)
                 found[-1] = found[-1]._replace(notes=within.notes)
                 continue
-        else:
-            _print_settings(arguments, Path(shown).parent)
-            detail(arguments, f"robot {path}")
+            found.append(RobotFiles([path]))
+            continue
+        _print_settings(arguments, Path(shown).parent)
+        detail(arguments, f"robot {path}")
         if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
             found.append(RobotFiles([path]))
         else:

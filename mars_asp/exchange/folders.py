@@ -85,7 +85,7 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
         found += dataflows
         passed_over = 0
     else:
-        outside = [path for _, path in entries if ros == [] or not _lies_in(path, ros)]
+        outside = [path for _, path in entries if path not in ros and not _lies_in(path, ros)]
         apart = list(_by_content(folder, outside, unread))
         found += apart
         passed_over = sum(path.suffix in _BY_CONTENT for path in outside) - len(apart)
@@ -95,9 +95,10 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
 def _ros_in(
     folder: Path, packages: Sequence[Path], launches: Sequence[Path], unread: list[Unread]
 ) -> list[Path]:
-    """Return the folders that are ROS robots, or an empty list if there are none.
+    """Return the folders and launch files that are ROS robots.
 
-    Packages in no workspace and launch files beside one belong to the robot of the folder.
+    Packages in no workspace and launch files beside one workspace belong to the robot of the
+    folder. Each launch file beside several workspaces is a robot by itself.
     """
     workspaces: set[Path] = set()
     for package in packages:
@@ -105,9 +106,11 @@ def _ros_in(
         inner = parts.index("src") if "src" in parts else 0
         workspaces.add(folder.joinpath(*parts[:inner]))
     workspaces = {each for each in workspaces if not _lies_in(each, workspaces)}
-    if not workspaces or not all(_lies_in(each, workspaces) for each in launches):
+    beside = [each for each in launches if not _lies_in(each, workspaces)]
+    if not workspaces or (beside and len(workspaces) == 1):
         return [folder] if packages or launches else []
     started = [each for each in workspaces if any(each in at.parents for at in launches)]
+    started += beside
     unread += (
         _unread("workspaces without a launch file", each)
         for each in sorted(workspaces.difference(started or workspaces))

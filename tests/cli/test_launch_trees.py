@@ -1,6 +1,7 @@
 """Folders with several launch files: how they are chosen, listed, judged and explained."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -140,7 +141,7 @@ def test_a_finding_of_check_can_be_explained(
         ("loose_end(/cmd_vel)", 0, "No loose_end(/cmd_vel): the rules on launch files find none"),
         ("dead_remap(_)", 0, "No dead_remap: the rules on launch files find none; `mars-asp"),
         ("loose_end(/cmd_ve)", 2, "the launch files have no name `/cmd_ve`"),
-        ("ambiguous_priority(/one)", 0, "nothing controls `/one`, and a tie needs two"),
+        ("ambiguous_priority(/one)", 0, "ambiguous_priority(/one) holds: `/one` and `/two`"),
         ("data_cycle(/one)", 0, "`/one` feeds nothing, so nothing leads back to it"),
     ],
 )
@@ -155,6 +156,61 @@ def test_why_not_knows_the_findings_in_launch_files(
         run_here([*words, "--format", "json"])
         document = json.loads(capsys.readouterr().out)
         assert document["present"] == (" holds: " in text) and document["traces"]
+
+
+@pytest.mark.parametrize(
+    ("subject", "status", "text"),
+    [
+        ("./ws/src/drive/drive/sender.py:9:5", 0, "ambiguous_priority(/cmd_vel), warning"),
+        ("{here}/ws/src/drive/drive/sender.py:9", 0, "ambiguous_priority(/cmd_vel), warning"),
+        ("ambiguous_priority(/one)", 0, "ambiguous_priority(/cmd_vel), warning"),
+        ("sender.py:1", 0, "no finding at `sender.py:1`"),
+        ("sendre.py:1", 2, "the launch files have no name `sendre.py`"),
+        ("/cmd_ve", 2, "did you mean `/cmd_vel`?"),
+    ],
+)
+def test_subjects_of_launch_files(
+    workspace: Path, capsys: pytest.CaptureFixture[str], subject: str, status: int, text: str
+) -> None:
+    subject = subject.format(here=Path.cwd())
+    assert run_here(["explain", str(workspace), subject, "--quiet"]) == status
+    output = capsys.readouterr()
+    assert text in " ".join((output.err if status else output.out).split())
+
+
+def test_the_order_of_launch_files_changes_no_finding(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = workspace / "src" / "base"
+    (other / "launch").mkdir(parents=True)
+    (other / "package.xml").write_text("<package><name>base</name></package>")
+    (other / "launch" / "base.launch.xml").write_text(
+        '<launch><node pkg="joy" exec="joy_node" name="joy"/></launch>'
+    )
+    package = workspace / "src" / "drive" / "package.xml"
+    built = "<export><build_type>ament_python</build_type></export>"
+    package.write_text(f"<package><name>drive</name>{built}</package>")
+    files = [
+        str(path) for path in sorted(workspace.rglob("*.launch.xml")) if path.stem[:3] != "one"
+    ]
+    shown = []
+    for order in (files, files[::-1]):
+        run_here(["check", *order, "--format", "json"])
+        shown.append([each["message"] for each in findings(capsys.readouterr().out)])
+    assert shown[0] == shown[1] and shown[0]
+
+
+def test_folders_are_judged_each_by_itself(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(workspace, "two")
+    run_here(["check", str(workspace), "two", "--format", "json"])
+    places = [str(each["path"]).partition("/")[0] for each in findings(capsys.readouterr().out)]
+    assert places == ["ws", "two"]
+    Path("stray.launch.xml").write_text("<launch>")
+    run_here(["check", ".", "--format", "json"])
+    document = json.loads(capsys.readouterr().out)
+    assert [each["path"] for each in document["files"]] == ["stray.launch.xml", "two", "ws"]
 
 
 def test_analyse_judges_as_check_does(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -366,7 +366,8 @@ class _WorkspaceRobot:
         muxes: list[Mux] = []
         relays: list[Relay] = []
         shared = set(launch.passed)
-        of_ros2 = self._is_for_ros2(launch.path or paths[0])
+        files = [path for path in paths if not path.is_dir()] if launch.path in paths else []
+        of_ros2 = self._is_for_ros2(files or [launch.path or paths[0]])
         find = partial(self.workspace.find, folder=self.workspace.root)
         for each in with_controllers(launch.started, self._node_parameters, find):
             if isinstance(each, Unread):
@@ -559,13 +560,16 @@ class _WorkspaceRobot:
             self.unread.append(Unread(sort, file.name, place))
         return found
 
-    def _is_for_ros2(self, file: Path) -> bool | None:
-        """Whether a launch file is for ROS 2, by its package or else its text; None if unknown."""
-        package = self.workspace.package_of(file)
-        if package is not None and not (package.is_of_ros1 and package.is_of_ros2):
-            return package.is_of_ros2
-        is_of_ros1 = file.is_file() and _TYPE.search(self.workspace.text(file)) is not None
-        return False if is_of_ros1 else None
+    def _is_for_ros2(self, files: Iterable[Path]) -> bool | None:
+        """Whether launch files are for ROS 2, by their packages or texts; None if unknown."""
+        found = set()
+        for file in files:
+            package = self.workspace.package_of(file)
+            if package is not None and package.is_of_ros1 != package.is_of_ros2:
+                found.add(package.is_of_ros2)
+            elif file.is_file() and _TYPE.search(self.workspace.text(file)) is not None:
+                found.add(False)
+        return found.pop() if len(found) == 1 else None
 
     def _is_of_ros1(self, file: Path) -> bool:
         """Whether a package of ROS 2 has kept a launch file of ROS 1, which cannot be launched."""

@@ -15,6 +15,7 @@ from mars_asp.reasoning.session import Evidence
 _GRAVITY = {"error": 0, "warning": 1, "note": 2}
 #: Labels that compare a place with the first one.
 _AGAIN = re.compile(r"\b(?:too|as well|again|same)\b")
+_NAME = re.compile(r"`([^`]+)`")
 
 
 def explain_findings(
@@ -68,9 +69,13 @@ def explain_findings(
 
 
 def is_about(finding: Consequence, subject: str) -> bool:
-    """Whether a finding has a kind, rule, subject, participant or place."""
-    names = {finding.kind, finding.rule.id, f"{finding.kind}({finding.subject})", str(finding.atom)}
-    names |= {finding.subject, *finding.participants}
+    """Whether a finding has a kind, rule, subject, participant or place.
+
+    Names in its message count as participants: a finding about robots that are alike lists them.
+    """
+    names = {finding.subject, *finding.participants, *_NAME.findall(finding.message)}
+    names |= {f"{finding.kind}({name})" for name in names}
+    names |= {finding.kind, finding.rule.id, str(finding.atom)}
     places = {f"{span.path}:{span.line}" for span in finding.spans}
     return subject in names or any(
         place == subject or place.endswith(f"/{subject}") for place in places

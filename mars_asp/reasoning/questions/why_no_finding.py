@@ -9,6 +9,7 @@ from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.patterns import hole
 from mars_asp.asp.trace.tree import Trace
+from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
@@ -63,16 +64,13 @@ def why_no_finding(
             choosable=False,
             analysis=analysis,
             find_trace=lambda: evidence.explainer.why([found.atom])[found.atom],
-            see=title,
+            see=title if name is None else f"{kind}({found.subject})",
         )
     modules = {name.text for name in project.configuration.modules}
     if kind in consequence_kinds(others) and (name is None or name in modules):
         return None
-    names = _names(analysis) | modules
-    if name is not None and name not in names:
-        near = nearest(name, names)
-        help_text = f"did you mean `{near}`?" if near else "name a node or a topic"
-        raise wrong_subject(project, f"the launch files have no name `{name}`", help_text)
+    if name is not None and name not in modules and name not in names_in(analysis):
+        raise unknown_name(project, analysis, name)
     about = hole() if name is None else clingo.String(name)
     pattern = clingo.Function("consequence", [clingo.Function(kind), hole(), about, hole()])
 
@@ -89,7 +87,15 @@ def why_no_finding(
     )
 
 
-def _names(analysis: Analysis) -> set[str]:
+def unknown_name(project: Project, analysis: Analysis, name: str) -> MarsError:
+    """Return the error that the launch files do not have a name, with a similar one."""
+    names = names_in(analysis) | {each.text for each in project.configuration.modules}
+    near = f"/{name}" if f"/{name}" in names else nearest(name, names)
+    help_text = f"did you mean `{near}`?" if near else "name a node or a topic"
+    return wrong_subject(project, f"the launch files have no name `{name}`", help_text)
+
+
+def names_in(analysis: Analysis) -> set[str]:
     """Return the strings in the facts of an analysis."""
     terms = [symbol_of(fact.atom) for fact in analysis.facts]
     names = set()
