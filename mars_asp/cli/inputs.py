@@ -40,7 +40,8 @@ if TYPE_CHECKING:
 STANDARD_INPUT = "-"
 #: The suffixes of files that robots consist of, and that are none by themselves.
 _PARTS = frozenset(
-    ".c .cc .cpp .cxx .h .hpp .py .rs .java .go .m .xml .yaml .yml .json .toml .md .cmake".split()
+    ".c .cc .cpp .cxx .h .hpp .py .rs .java .go .m .xml .urdf .launch .yaml .yml .json .toml .md "
+    ".cmake".split()
 )
 _CONFIGURATION = re.compile(r"(?m)^\s*@(?:configuration|specification|modules)\b")
 #: What a robot may be.
@@ -280,6 +281,9 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
 
     if not os.access(path, os.R_OK | os.X_OK):
         raise MarsError([unreadable(path, "permission denied")])
+    if arguments.from_format not in (None, "ros2"):
+        message = f"`--from {arguments.from_format}` is the format of files, and this is a folder"
+        raise refusal("usage", message, path, "name the files, or leave out --from")
     if getattr(arguments, "launch", ()) or arguments.from_format == "ros2":
         detail(arguments, f"robot {path}")
         return FolderRobots((Path(path),))

@@ -68,7 +68,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "specification",
         metavar="SPEC",
         nargs="?",
-        help="a `.mars` specification; none with --without, or where CONFIG is the file of a mux",
+        help="a `.mars` specification; without it, and without --without, CONFIG is a file or "
+        "folder of other tools, whose own wiring is judged",
     )
     parser.add_argument("file", metavar="CONFIG", help="the configuration it is to realise")
     parser.add_argument(

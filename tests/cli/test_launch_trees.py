@@ -200,6 +200,19 @@ def test_the_order_of_launch_files_changes_no_finding(
     assert shown[0] == shown[1] and shown[0]
 
 
+def test_a_difference_of_workspaces_has_the_findings_of_check(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(workspace, "two")
+    assert run_here(["diff", "ws", "two", "--quiet"]) == 0
+    assert capsys.readouterr().out == ""
+    launch = Path("two/src/drive/launch/one.launch.xml")
+    launch.write_text(launch.read_text().replace('exec="sender" name="one"', 'exec="sendr"'))
+    for order, how in ((["ws", "two"], "appeared"), (["two", "ws"], "vanished")):
+        assert run_here(["diff", *order, "--quiet"]) == 0
+        assert f"{how} missing_file: the package `drive` has no" in capsys.readouterr().out
+
+
 def test_folders_are_judged_each_by_itself(
     workspace: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

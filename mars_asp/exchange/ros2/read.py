@@ -305,15 +305,21 @@ class _WorkspaceRobot:
                 nodes_of_any_name = tuple(replace(n, is_named=False) for n in tree.nodes)
                 tree = replace(tree, nodes=nodes_of_any_name, is_of_programs=True)
             self.trees.append(tree)
-        if launched is launches and self.trees and not self.chosen:
-            # What is of the folder, and of no launch file, is with the first one.
+        if launched is launches and self.trees:
+            # Faults of no launch file are with the first tree: of a folder all, of a launch file
+            # those of its programs and their packages.
             first = self.trees[0]
-            self.trees[0] = replace(
-                first,
-                by_hand=tuple(self._by_hand(launches, paths)),
-                missing=(*first.missing, *self.programs.absent_entries()),
-                broken=(*first.broken, *self.programs.unreadable_modules()),
-            )
+            broken = [*first.broken, *self.programs.unreadable_modules()]
+            missing = list(first.missing)
+            if not self.chosen:
+                is_whole = any(path.is_dir() for path in paths)
+                entries = self.programs.absent_entries()
+                missing += (each for each in entries if is_whole or each.package in self.packages)
+                if is_whole:
+                    broken += self.programs.unreadable_modules()
+                    first = replace(first, by_hand=tuple(self._by_hand(launches, paths)))
+            once = tuple(dict.fromkeys(broken))
+            self.trees[0] = replace(first, missing=tuple(missing), broken=once)
         nodes: dict[str, GraphNode] = {}
         for node in chain.from_iterable(tree.nodes for tree in self.trees):
             known = nodes.get(node.name)

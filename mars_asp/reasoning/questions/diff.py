@@ -27,9 +27,11 @@ from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.facts.compile import FRAMES
 from mars_asp.reasoning.facts.rates import Rates
+from mars_asp.reasoning.launch_trees import STAGE, analyse_trees
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.questions.unrealised import unrealised
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
@@ -118,15 +120,20 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
         MarsError: rules that clingo refuses.
         TimeoutError: no specification was found in time, for each of the two.
     """
-    before, after = _Side(old, lines_of), _Side(new, lines_of)
+    are_launched = bool(old.project.trees and new.project.trees)
+    before, after = (_Side(each, lines_of, are_launched) for each in (old, new))
     before.compare(after)
     after.compare(before)
     both = before.synthesis is not None and after.synthesis is not None
-    consequences = tuple(_changes(before, after, before.consequences(), after.consequences()))
+    if are_launched:
+        consequences = tuple(_changed_findings(before, after))
+    else:
+        found = _changes(before, after, before.consequences(), after.consequences())
+        consequences = _blamed(tuple(found), before, after)
     return Difference(
         tuple(sorted(set(after.shown.values()))),
         tuple(sorted(set(before.shown.values()))),
-        _blamed(consequences, before, after),
+        consequences,
         tuple(_changes(before, after, before.nodes(), after.nodes())) if both else (),
         before.synthesis,
         after.synthesis,
@@ -151,7 +158,12 @@ class _DiffEntry(Generic[Item]):
 class _Side:
     """One of the two configurations, solved."""
 
-    def __init__(self, reasoner: Reasoner, lines_of: LinesOf) -> None:
+    def __init__(self, reasoner: Reasoner, lines_of: LinesOf, is_launched: bool) -> None:
+        self.findings: Sequence[Consequence] = ()
+        if is_launched:
+            self.findings = analyse_trees(
+                reasoner.project, load_rulebook(stages=(STAGE,))
+            ).consequences
         evidence = reasoner.evidence(resolved=True)
         self.project, self.rulebook = reasoner.project, reasoner.rulebook
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
@@ -186,6 +198,14 @@ class _Side:
         for c in self.analysis.consequences:
             key = (c.kind, c.subject, c.severity)
             yield _DiffEntry(key, (*key, c.message, *c.participants), c.atom, c)
+
+    def launch_findings(self) -> Iterator[_DiffEntry[Consequence]]:
+        """Yield the findings in launch trees; paths count from the folder of the robot."""
+        folder = f"{self.project.configuration.path.rstrip('/')}/"
+        for c in self.findings:
+            value = (c.kind, c.subject, c.severity, c.message, *c.participants)
+            inside = value if folder == "./" else tuple(each.replace(folder, "") for each in value)
+            yield _DiffEntry(inside[:3], inside, c.atom, c)
 
     def nodes(self) -> Iterator[_DiffEntry[IntroducedNode]]:
         if self.synthesis is not None:
@@ -316,6 +336,18 @@ def _changes(
                 tuple(sorted(before.cited(old_lines))),
                 tuple(sorted(unchanged)),
             )
+
+
+def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequence]]:
+    """Yield the findings in launch trees that differ, each with its own places as lines."""
+    old, new = tuple(before.launch_findings()), tuple(after.launch_findings())
+    was, now = _others(old, new), _others(new, old)
+    for key in dict.fromkeys((*was, *now)):
+        for gone, come in zip_longest(was.get(key, ()), now.get(key, ())):
+            how: How = "appeared" if gone is None else "vanished" if come is None else "changed"
+            items = [None if each is None else each.item for each in (gone, come)]
+            removed, added = (() if each is None else each.spans for each in items)
+            yield Change(how, items[0], items[1], added, removed)
 
 
 def _blamed(
