@@ -87,7 +87,7 @@ def test_findings_are_those_of_check(capsys: pytest.CaptureFixture[str]) -> None
     assert [str(each) for each in found] == lines
     first = next(each for each in found if each.kind == "guard_bypass")
     assert (first.subject, first.participants[:1]) == ("/cmd_vel", ("/dock",))
-    assert first.code == "launch/commands/past-an-input"
+    assert first.code == "launch/commands/past-a-mux"
 
 
 def test_findings_are_selected_by_kind_or_rule(tmp_path: Path) -> None:

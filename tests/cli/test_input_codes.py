@@ -75,7 +75,7 @@ def test_a_subject_may_be_a_rule(
     output = capsys.readouterr().out
     assert output.count("[data/divergence]") == 2
     assert "ArbitrationNode" not in output
-    assert run_here(["explain", "examples/ros2_workspace", "launch/commands/past-an-input"]) == 0
+    assert run_here(["explain", "examples/ros2_workspace", "launch/commands/past-a-mux"]) == 0
     assert "guard_bypass(/cmd_vel)" in capsys.readouterr().out
 
 
