@@ -144,7 +144,7 @@ def run(arguments: argparse.Namespace) -> int:
     if files and arguments.subject is None and not _is_file(last, files):
         # A last word that is not a file is the subject.
         arguments.files, arguments.subject = files, last
-    contradiction = _contradiction(arguments) or _swapped_words(arguments)
+    contradiction = _contradiction(arguments) or _misplaced_words(arguments)
     if contradiction is not None:
         print(f"mars-asp explain: {contradiction}", file=sys.stderr)
         return 2
@@ -481,16 +481,23 @@ def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DE
     return replace(answer, subject=line.line, answer=_of_line(answer.answer, line))
 
 
-def _swapped_words(arguments: argparse.Namespace) -> str | None:
-    """Return that the subject was written before the only file, or None if it was not."""
+def _misplaced_words(arguments: argparse.Namespace) -> str | None:
+    """Return that the subject is before the only file, or is not the only one; None if neither."""
+    words = [each for each in arguments.files if not _is_path(each)]
+    if arguments.subject is not None and words and words[0] != arguments.files[0]:
+        named = "`, `".join((*words, arguments.subject))
+        return f"one SUBJECT is explained at a time, found `{named}`"
+    if len(arguments.files) != 2 or words != arguments.files[:1]:
+        return None
     first, *others = arguments.files
-    if len(others) != 1 or arguments.subject is not None or first == STANDARD_INPUT:
-        return None
-    is_path = Path(first).exists() or re.search(r"\.[a-z]+$", first)
-    if is_path or not Path(others[0]).exists():
-        return None
     swapped = command("explain", argparse.Namespace(**vars(arguments) | {"files": others}), first)
     return f"`{first}` is not a file, and words about it come after the files: {swapped}"
+
+
+def _is_path(word: str) -> bool:
+    """Whether a word is the path of a file, or looks like one that is missing."""
+    is_there = word == STANDARD_INPUT or os.path.exists(word)  # noqa: PTH110 -- never raises
+    return is_there or re.search(r"\.[a-z]+$", word) is not None
 
 
 def _levels(depth: int | None) -> int:

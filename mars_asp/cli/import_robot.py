@@ -35,7 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         help="what to read, `-` for standard input; several are one robot",
     )
-    add_launch(parser)
+    add_launch(parser, default="the only launch file")
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")
     parser.add_argument(
         "--contract",

@@ -490,13 +490,13 @@ def add_file(parser: argparse.ArgumentParser) -> None:
     add_launch(parser)
 
 
-def add_launch(parser: argparse.ArgumentParser) -> None:
-    """Add the choice among the launch trees of a folder."""
+def add_launch(parser: argparse.ArgumentParser, default: str = "each launch file") -> None:
+    """Add the choice among the launch trees of a folder, with `default` in the help."""
     parser.add_argument(
         "--launch",
         metavar="LAUNCHFILE",
         action="append",
         default=[],
         help="of a folder, the robot that this launch file starts; repeatable"
-        " (default: each launch file that no other includes)",
+        f" (default: {default} that no other includes)",
     )

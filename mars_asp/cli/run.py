@@ -99,7 +99,8 @@ def run(arguments: argparse.Namespace) -> int:
     scenario = bind_kinds(scenario, specification)
     functions = _bound_functions(specification, modules, scenario)
     if arguments.dry_run:
-        return _print_plan(functions, scenario, arguments)
+        is_possible = _fits(specification, modules, scenario, arguments)
+        return max(_print_plan(functions, scenario, arguments), 0 if is_possible else 2)
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
@@ -150,6 +151,22 @@ def _bound_functions(
 
     parts, described = in_parts(specification, modules)
     return dict(bound_functions(described, scenario, (name.text for name in parts.modules)))
+
+
+def _fits(
+    specification: "Configuration",
+    modules: "Mapping[str, Module]",
+    scenario: "Scenario",
+    arguments: argparse.Namespace,
+) -> bool:
+    """Report where a scenario does not fit a specification; return whether it can be run."""
+    from mars_asp.execution.executor.plan import Plan
+    from mars_asp.execution.parts import in_parts
+    from mars_asp.execution.scenario.agreement import disagreements
+
+    found = list(disagreements(Plan(*in_parts(specification, modules), {}), scenario))
+    report(found, arguments)
+    return all(each.severity != "error" for each in found)
 
 
 def read_run_scenario(arguments: argparse.Namespace) -> "Scenario":

@@ -63,6 +63,8 @@ def test_a_subject_before_the_file_is_an_error(
     monkeypatch.chdir(ROOT / "examples" / "level0")
     assert run_here(["explain", "Sonar", "config.mars"]) == 2
     assert "mars-asp explain config.mars Sonar" in capsys.readouterr().err
+    assert run_here(["explain", "config.mars", "Turn", "Collide"]) == 2
+    assert "one SUBJECT is explained at a time" in capsys.readouterr().err
     assert run_here(["explain", "gone.mars", "config.mars"]) == 2
     assert "gone.mars: no such file" in capsys.readouterr().err
 

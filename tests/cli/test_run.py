@@ -195,3 +195,14 @@ def test_a_reader_who_leaves_ends_a_run_quietly() -> None:
         running.stdout.close()
         assert running.stderr.read() == b""
     assert running.returncode == 141
+
+
+def test_a_plan_of_a_scenario_for_another_robot_is_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    scenario = str(ROOT / "examples" / "patrol" / "scenario.toml")
+    words = ["run", f"{LEVEL0}/config.mars", "--scenario", scenario, "--dry-run"]
+    assert run_here(words) == 2
+    output = capsys.readouterr()
+    assert "`Base` is not a module of the specification" in " ".join(output.err.split())
+    assert output.out.endswith("nothing was run\n")
