@@ -483,7 +483,12 @@ def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DE
 
 def _misplaced_words(arguments: argparse.Namespace) -> str | None:
     """Return that the subject is before the only file, or is not the only one; None if neither."""
-    words = [each for each in arguments.files if not _is_path(each)]
+    # A word with a suffix may be the path of a file that is missing.
+    words = [
+        each
+        for each in arguments.files
+        if each != STANDARD_INPUT and not (os.path.exists(each) or re.search(r"\.[a-z]+$", each))  # noqa: PTH110 -- never raises
+    ]
     if arguments.subject is not None and words and words[0] != arguments.files[0]:
         named = "`, `".join((*words, arguments.subject))
         return f"one SUBJECT is explained at a time, found `{named}`"
@@ -492,12 +497,6 @@ def _misplaced_words(arguments: argparse.Namespace) -> str | None:
     first, *others = arguments.files
     swapped = command("explain", argparse.Namespace(**vars(arguments) | {"files": others}), first)
     return f"`{first}` is not a file, and words about it come after the files: {swapped}"
-
-
-def _is_path(word: str) -> bool:
-    """Whether a word is the path of a file, or looks like one that is missing."""
-    is_there = word == STANDARD_INPUT or os.path.exists(word)  # noqa: PTH110 -- never raises
-    return is_there or re.search(r"\.[a-z]+$", word) is not None
 
 
 def _levels(depth: int | None) -> int:

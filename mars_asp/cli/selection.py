@@ -6,8 +6,9 @@ its specification is what it was. Options replace what the settings of a file sa
 
 import argparse
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
+from itertools import count, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -148,7 +149,7 @@ class Selection:
         self._read: set[str] = set()
         self._written: list[Consequence | Diagnostic] = []
         for option in ("select", "ignore"):
-            self._check(getattr(arguments, option), _in_option(option))
+            self._check(getattr(arguments, option), repeat(whole_file(f"--{option}")))
         if arguments.write_baseline not in (None, STANDARD_INPUT):
             from mars_asp.cli.baseline import check_replaceable
 
@@ -332,7 +333,7 @@ class Selection:
         """
         settings = settings_of(self._arguments, folder)
         for key, kinds in (("select", settings.select), ("ignore", settings.ignore)):
-            self._check(kinds, partial(settings.place, key))
+            self._check(kinds, map(partial(settings.place, key), count()))
         select = self._arguments.select or settings.select
         ignore = self._arguments.ignore or settings.ignore or ()
         path = self._arguments.baseline or settings.baseline
@@ -373,17 +374,19 @@ class Selection:
         """Whether a rule finds what it names as it goes."""
         return any(kinds_of(rule) is None for rule in self._rulebook.rules)
 
-    def _check(self, kinds: Sequence[str] | None, place: Callable[[int], Span]) -> None:
-        """Check that names are kinds or rules; `place` is that of one of them, by number.
+    def _check(self, kinds: Sequence[str] | None, places: Iterable[Span]) -> None:
+        """Check that names are kinds or rules; `places` are theirs.
 
         Raises:
             MarsError: some are neither; all of these.
         """
         unknown = {
-            name: number for number, name in enumerate(kinds or ()) if self._is_unknown(name)
+            name: place
+            for name, place in zip(kinds or (), places, strict=False)
+            if self._is_unknown(name)
         }
         if unknown:
-            raise MarsError(self._refusal(name, place(number)) for name, number in unknown.items())
+            raise MarsError(self._refusal(name, place) for name, place in unknown.items())
 
     def _is_unknown(self, name: str) -> bool:
         if name in self._known_names:
@@ -444,11 +447,6 @@ def _names_in(rulebook: Rulebook) -> frozenset[str]:
     """Return the kinds of consequence that rules find, and the ids of these rules."""
     ids = (rule.id for rule in rulebook.rules if kinds_of(rule) != frozenset())
     return consequence_kinds(rulebook).union(ids)
-
-
-def _in_option(option: str) -> Callable[[int], Span]:
-    """Return a function that locates each kind that an option names."""
-    return lambda number: whole_file(f"--{option}")
 
 
 def _elsewhere(kind: str, span: Span, found: Iterable[Consequence]) -> str:

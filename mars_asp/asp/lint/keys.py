@@ -15,7 +15,7 @@ from mars_asp.asp.lint.clauses import (
 from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, never, parted
 from mars_asp.asp.rules.declarations import Declaration
-from mars_asp.asp.rules.trees import SyntaxNode, extent_of
+from mars_asp.asp.rules.trees import extent_of
 from mars_asp.asp.signature import Signature
 
 
@@ -48,7 +48,8 @@ def _contradicted_key(
         if one in outer.atoms and other in outer.atoms and not inner.comparisons:
             continue
         for key in declaration.keys:
-            if not _is_one(one, other, key):
+            values = [(str(one.terms[at]), str(other.terms[at])) for at in key]
+            if any(left != right or left == "_" for left, right in values):
                 continue
             why = _unlike(one, other, scope.comparisons, replaced)
             if why:
@@ -66,11 +67,6 @@ def _contradicted_key(
     return None
 
 
-def _is_one(one: ClauseAtom, other: ClauseAtom, key: Sequence[int]) -> bool:
-    keys = [(str(one.terms[at]), str(other.terms[at])) for at in key]
-    return all(left == right and left != "_" for left, right in keys)
-
-
 def _unlike(
     one: ClauseAtom, other: ClauseAtom, comparisons: Sequence[Comparison], replaced: Set[str]
 ) -> str:
@@ -80,8 +76,10 @@ def _unlike(
         for left, right in zip(one.terms, other.terms, strict=True)
         if str(left) != str(right) and "_" not in (str(left), str(right))
     ]
-    if any(_are_two(left, right, replaced) for left, right in pairs):
-        return "-"
+    for left, right in pairs:
+        is_replaced = not replaced.isdisjoint((str(left), str(right)))
+        if is_constant(left) and is_constant(right) and not is_replaced:
+            return "-"
     bases = ((parted(left), parted(right)) for left, right in pairs)
     equal = [Compared(a, "=", b, plus - more) for (a, plus), (b, more) in bases]
     constants = constants_in(comparisons, replaced)
@@ -95,8 +93,3 @@ def _unlike(
         if never([*map(compared, rest), *equal], constants):
             least = rest
     return " and ".join(f"`{each.text}`" for each in least)
-
-
-def _are_two(left: SyntaxNode, right: SyntaxNode, replaced: Set[str]) -> bool:
-    both = {str(left), str(right)}
-    return is_constant(left) and is_constant(right) and both.isdisjoint(replaced)
