@@ -1,4 +1,4 @@
-"""What rules say: the texts above them, with holes that values fill as people read them."""
+"""The messages of rules: metadata texts with holes, filled by values in readable form."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
@@ -18,9 +18,9 @@ _Value = TypeVar("_Value")
 
 
 class RenderedMessage(NamedTuple):
-    """What an instance of a rule says: the atom of its head, and what its holes stand for.
+    """The message of one rule instance: the atom of its head, and the values of its holes.
 
-    `number` is the place of the rule among those that were asked.
+    `number` is the index of the rule in the sequence that was passed to `saying`.
     """
 
     number: int
@@ -45,7 +45,7 @@ class RenderedMessage(NamedTuple):
 
     def filled(self, text: str | None, show: Callable[[TermId], str] | None = None) -> str | None:
         """Return a text of the rule with its holes filled by values as `show` writes them."""
-        # Most advice is the same for everybody.
+        # Most help texts have no hole.
         if text is None or "{" not in text:
             return text
         values = dict(zip(self.rule.holes, arguments(self.values), strict=True))
@@ -53,45 +53,45 @@ class RenderedMessage(NamedTuple):
 
 
 def saying(stage: str, rules: Sequence[Rule], instead: bool = False) -> list[Fragment]:
-    """Return rules that hold whenever those given do, and keep what `said` reads of a stage.
+    """Return one rule for each of `rules`; it derives the atoms that `said` reads.
 
-    They begin with the heads, of which there are few instances, unless they stand there `instead`
-    of rules that nothing reads.
+    The body begins with the head of the rule, which has few instances. With `instead` it is the
+    rule's own body alone, so that the rule itself need not be grounded.
     """
     predicate = predicate_of(stage)
     return [_saying(predicate, number, rule, instead) for number, rule in enumerate(rules)]
 
 
 def _made_of(rule: Rule, text: str, gives: str) -> Fragment:
-    """Return a rule with all premises of another."""
+    """Return a fragment with a text written for a rule, and with the premises of that rule."""
     return Fragment(text, "rules", rule.span, premises_of_rule(rule, text, gives))
 
 
 def predicate_of(stage: str) -> str:
-    """Return the name of the predicate that keeps what rules of a stage say."""
+    """Return the name of the predicate that holds the messages of a stage."""
     return f"_said_{stage}"
 
 
 def said(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> Iterator[RenderedMessage]:
-    """Yield the messages of rules whose `saying` was grounded with them."""
+    """Yield the messages of rules; the fragments of `saying` must be grounded with them."""
     return (heard(atom, rules) for atom in atoms(control, predicate_of(stage), 3, True))
 
 
 def heard(atom: TermId, rules: Sequence[Rule]) -> RenderedMessage:
-    """Return the message that an atom holds, of one of some rules."""
+    """Return the message that an atom of `predicate_of` represents."""
     place, head, values = arguments(atom)
     number = _number(place)
     return RenderedMessage(number, rules[number], head, values)
 
 
-# Few rules speak very often.
+# Few rules have very many messages.
 @lru_cache(maxsize=1024)
 def _number(term: TermId) -> int:
     return as_symbol(term).number
 
 
 class Labelled(NamedTuple):
-    """What an instance of a rule says of a term that it lists, by the atom of its head."""
+    """The label that an instance of a rule gives a listed term; `head` is the atom of its head."""
 
     head: TermId
     term: TermId
@@ -99,7 +99,7 @@ class Labelled(NamedTuple):
 
 
 def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment]:
-    """Return rules that keep what `labelled` reads: the labels of rules, filled by their bodies."""
+    """Return rules that derive the atoms that `labels` reads: terms with the values of labels."""
     predicate = f"_label_{stage}"
     return [
         _made_of(
@@ -116,7 +116,7 @@ def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment
 def labels(
     control: clingo.Control, stage: str, listed: Sequence[tuple[Rule, Label]]
 ) -> Iterator[Labelled]:
-    """Yield the labels of terms, rule by rule, if `labelling` was grounded with the rules."""
+    """Yield the labels of terms, rule by rule; `labelling` must be grounded with the rules."""
     found = map(arguments, atoms(control, f"_label_{stage}", 4, True))
     for place, head, term, values in sorted(found, key=lambda each: list(map(as_symbol, each))):
         label = listed[as_symbol(place).number][1]
@@ -125,10 +125,10 @@ def labels(
 
 
 def check_decided(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> None:
-    """Check that grounding alone decided what rules say.
+    """Check that grounding alone decides which messages hold.
 
     Raises:
-        MarsError: a choice, or rules that negate each other, would decide; the rules with places.
+        MarsError: a choice or a cycle of negation would decide; it lists the rules with locations.
     """
     found = labelled(control, predicate_of(stage), 3, True)
     undecided = {as_symbol(arguments(atom)[0]).number for atom, _, is_fact in found if not is_fact}
@@ -168,13 +168,13 @@ def fill(
 
 @cache
 def _message_form(text: str) -> tuple[str, tuple[str, ...], tuple[tuple[int, str], ...]]:
-    """Return a message for `%`, the names of its holes, and the sorts that some of these state."""
+    """Return a message for `%`, the names of its holes, and the sorts of holes by their indices."""
     found = HOLE.findall(text)
     sorts = tuple((at, sort) for at, (_, sort) in enumerate(found) if sort in UNITS)
     return HOLE.sub("%s", text.replace("%", "%%")), tuple(name for name, _ in found), sorts
 
 
-# The same few names stand in very many messages.
+# The same few names occur in very many messages.
 @lru_cache(maxsize=100_000)
 def written(value: TermId) -> str:
     """Return a term as a message shows it."""
@@ -193,7 +193,7 @@ def shown(symbol: clingo.Symbol) -> str:
 
 
 def _list_items(symbol: clingo.Symbol) -> tuple[list[str], int]:
-    """Return the names in a list `and("A",and("B",N))`, and how many more N says there are."""
+    """Return the names of a list `and("A",and("B",N))`, and the number N of further names."""
     names: list[str] = []
     while symbol.match("and", 2):
         first, symbol = symbol.arguments
@@ -201,7 +201,7 @@ def _list_items(symbol: clingo.Symbol) -> tuple[list[str], int]:
     return names, symbol.number if symbol.type == clingo.SymbolType.Number else 0
 
 
-# Each analysis needs those of the same rules.
+# Each analysis needs the fragments of the same rules.
 @lru_cache(maxsize=4096)
 def _saying(predicate: str, number: int, rule: Rule, instead: bool) -> Fragment:
     head, body = rule.written

@@ -1,6 +1,6 @@
-"""Why an atom holds, and why it does not: traces from the rules' syntax trees and an answer set.
+"""Traces: why an atom holds, or why not, from the rules' syntax trees and an answer set.
 
-Nothing here knows what the rules are about.
+The package is independent of the subject of the rules.
 """
 
 import importlib
@@ -34,7 +34,7 @@ DEPTH = 4
 
 
 def __getattr__(name: str) -> object:
-    """Load the tracer when somebody asks for it: most explanations are told without a trace."""
+    """Load the tracer at its first use: most explanations need no trace."""
     if name not in __all__:
         raise AttributeError(f"module `mars_asp.asp.trace` has no attribute `{name}`")
     place = "explainer" if name == "Explainer" else "tree"

@@ -1,4 +1,4 @@
-"""From near misses to the reason why an atom is absent."""
+"""The reason why an atom is absent, built from near misses."""
 
 from collections.abc import Mapping, Sequence, Set
 from typing import TypeAlias
@@ -21,9 +21,9 @@ Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
 def explain_absence(
     explainer: Explainer, pattern: clingo.Symbol, depth: int
 ) -> Underivable | Absent:
-    """Return what keeps an atom from holding; holes of the pattern are any value.
+    """Return the reasons why no atom fits a pattern; a hole of the pattern is any value.
 
-    Each level below is one more grounding, or two; at most `depth` of them are asked for.
+    Each level takes one or two more groundings; `depth` is the maximal number of levels.
     """
     derived = frozenset[Signature]().union(*(rule.heads for rule in explainer.rules))
     near = NearMisses(explainer.rewriter, derived)
@@ -44,7 +44,7 @@ def explain_absence(
 def _come_near(
     explainer: Explainer, near: NearMisses, patterns: Sequence[clingo.Symbol]
 ) -> dict[clingo.Symbol, list[tuple[Candidate, Firing]]]:
-    """Return for each pattern, rule by rule, the candidate that comes nearest."""
+    """Return for each pattern the nearest candidate of each rule."""
     lines = []
     asked: dict[str, list[TermId]] = {}
     for index, pattern in enumerate(patterns):
@@ -71,10 +71,10 @@ def _come_near(
 def _lacking(
     explainer: Explainer, near: NearMisses, firings: Sequence[Firing]
 ) -> dict[int, clingo.Symbol]:
-    """Return what firings lack, by the numbers of their candidates, where that has to be asked.
+    """Return the missing term of each firing that a second query has to find, by candidate number.
 
-    Each lacks one of many things. Asked for all that come near, there would be as many as these
-    times the elements of a conditional literal.
+    A candidate can lack any of several terms. A query about all candidates would have as many
+    instances as candidates times the elements of a conditional literal.
     """
     asked = {f.rule: _lack(f) for f in firings if _lack(f).name == IN_QUESTION}
     if not asked:
@@ -85,9 +85,9 @@ def _lacking(
 
 
 def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str, int]:
-    """Return a sort key: a choice that was not made, one literal alone, then most that hold.
+    """Return a sort key: choices first, then a single failing literal, then most true literals.
 
-    Of variants of a rule that differ in a pool it is the first.
+    Among variants of a rule that differ in a pool, the first one is the nearest.
     """
     return (
         candidate.fails is not None,
@@ -99,7 +99,7 @@ def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, st
 
 
 def _believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
-    """Return the true atoms that a near miss is told with."""
+    """Return the true atoms that are shown with a near miss."""
     lack = _lack(firing)
     if lack.name == "holds":
         return (lack.arguments[0],)
@@ -119,9 +119,9 @@ def _absence(
     above: Set[clingo.Symbol] = frozenset(),
     known: dict[clingo.Symbol, Underivable | Absent] | None = None,
 ) -> Underivable | Absent:
-    """Return why no atom of a pattern holds.
+    """Return the reason why no atom fits a pattern.
 
-    What is needed twice is one object; what leads back to itself ends in a leaf.
+    A reason that is needed twice is one object; a pattern that depends on itself ends in a leaf.
     """
     known = {} if known is None else known
     written, words = shown_pattern(pattern), explainer.given.words_of_absence(as_term(pattern))

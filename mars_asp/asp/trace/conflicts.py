@@ -1,18 +1,19 @@
 """Minimal sets of ground rules and facts that together exclude every answer.
 
-Each instance of a rule is an element. Left open it forces nothing: a constraint is dropped, bounds
-of a choice are, too, and any other head becomes a choice. An instance left open never excludes an
-answer, so that the sets without an answer are closed under supersets. `h(X) :- b(X)` becomes
+Each instance of a rule is an element. An instance that is left open forces nothing: a constraint is
+dropped, the bounds of a choice are dropped, and any other head becomes a choice. So an open
+instance never excludes an answer, and a superset of a set without answer has no answer. `h(X) :-
+b(X)` becomes
 
     h(X) :- b(X); _on(0,h(X),v(X)).
     { h(X) } :- b(X); not _on(0,h(X),v(X)).
     #external _on(0,h(X),v(X)) : b(X).
 
-and the instances in question are assumptions. An external is an element by its truth value.
+and the elements of a set are assumptions. An external is an element by its truth value.
 
-A conflict is an unsatisfiable core, shrunk by leaving out one element after the other. All of them
-are found by a hitting set tree: below each conflict one of its elements is left open (Reiter, A
-theory of diagnosis from first principles, 1987).
+A conflict is an unsatisfiable core, shrunk by leaving out one element after the other. A hitting
+set tree finds all conflicts: below each conflict one of its elements is left open (Reiter, A theory
+of diagnosis from first principles, 1987).
 """
 
 from collections import deque

@@ -1,4 +1,4 @@
-"""What the elements of a group add to the steps that rest on them, found once for many steps."""
+"""The support that groups of elements add to steps, computed once for many steps."""
 
 from collections.abc import Callable, Iterable, Mapping
 from itertools import takewhile
@@ -7,22 +7,22 @@ from typing import TypeAlias
 from mars_asp.asp.solve.term_ids import TermId, as_symbol
 from mars_asp.asp.trace.firings import AggregateElement, AggregateGroup, Counted, Firing, Terms
 
-#: Premises, and what a step rests on the absence of.
+#: Premises, and the atoms whose absence a step rests on.
 Support: TypeAlias = tuple[Terms, Terms]
 
 
 class CountedBelow:
-    """Answers what groups add to steps of a height: what has a lesser one, or none."""
+    """The support that groups add to steps, from elements of smaller height or without height."""
 
     def __init__(self, heights: Mapping[TermId, int]) -> None:
-        """Prepare for the groups of firings over which the heights were found."""
+        """Prepare for groups of the firings from which the heights were computed."""
         self._heights = heights
         #: The elements of each group with their heights, the lowest first.
         self._ordered: dict[Counted, list[tuple[int, AggregateElement]]] = {}
         self._known: dict[tuple[Counted, int], Support] = {}
 
     def of(self, height: int, group: AggregateGroup) -> Support:
-        """Return what the elements of a group add that have less than a height."""
+        """Return the support from the elements of a group whose height is below `height`."""
         key = (group.counted, height)
         if key not in self._known:
             low = takewhile(lambda pair: pair[0] < height, self._by_height(group))
@@ -44,10 +44,10 @@ class CountedBelow:
 
 
 class CountedWithout:
-    """Answers what groups add to the derivations of one atom."""
+    """The support that groups add to the derivations of one atom."""
 
     def __init__(self, stands: Callable[[TermId], bool]) -> None:
-        """Prepare; `stands` says whether an atom can be derived without that one."""
+        """Prepare; `stands` returns whether an atom can be derived without the derived atom."""
         self._stands = stands
         self._known: dict[Counted, Support] = {}
         self._held: dict[
@@ -55,7 +55,7 @@ class CountedWithout:
         ] = {}
 
     def of(self, group: AggregateGroup) -> Support:
-        """Return what the elements of a group add that stand."""
+        """Return the support from the elements of a group that can be derived without the atom."""
         if group.counted not in self._known:
             self._known[group.counted] = support_of(group.counted.elements, self._stands)
         return self._known[group.counted]
@@ -63,7 +63,7 @@ class CountedWithout:
     def of_all(
         self, groups: tuple[AggregateGroup, ...]
     ) -> tuple[frozenset[TermId], frozenset[TermId]]:
-        """Return the premises of several groups, and the atoms on whose absence these rest."""
+        """Return the premises of several groups, and the atoms on whose absence the groups rest."""
         if groups not in self._held:
             added = [self.of(group) for group in groups]
             inside = frozenset(atom for premises, _ in added for atom in premises)
@@ -87,10 +87,10 @@ def support_of(elements: Iterable[AggregateElement], counts: Callable[[TermId], 
 
 
 def support(firing: Firing, added: Callable[[AggregateGroup], Support]) -> Support:
-    """Return what supports a firing, and what it rests on the absence of.
+    """Return the premises of a firing and the atoms on whose absence it rests, with its groups.
 
-    Of an aggregate stand here all elements of which the premises count, so that a reader sees
-    everything that is counted, and no atom is among its own reasons.
+    A group contributes all its elements that count, so that a trace shows everything that is
+    counted, and no atom is among its own reasons.
     """
     if not firing.groups:
         return firing.premises, firing.absent

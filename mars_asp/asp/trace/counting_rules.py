@@ -1,4 +1,4 @@
-"""What a rule counts over: aggregates, and conditional literals as if all were to be counted."""
+"""The groups of a rule: aggregates, and conditional literals as if all elements were counted."""
 
 from collections.abc import Callable, Iterator, Sequence, Set
 
@@ -24,10 +24,10 @@ _STRAIGHT = {
 
 
 def group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
-    """Return a term for the elements of a group: whose they are, and their global variables.
+    """Return a term that identifies the elements of a group: rule, text and global variables.
 
-    The same text can mean another thing where a pool gives a variant of the rule other global
-    variables, so their names are told too.
+    The names of the variables are part of the term: a pool can give variants of a rule other global
+    variables, and the same text then has another meaning.
     """
     conditional = group.ast_type == _TYPE.ConditionalLiteral
     names = sorted(variables_of((group,) if conditional else group.elements) & outside)
@@ -35,10 +35,10 @@ def group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
 
 
 def needed_of(group: ast.AST, named: Callable[[ast.AST], ast.AST]) -> tuple[str, str, str]:
-    """Return how many elements of a group a firing rests on: (function, relation, bound).
+    """Return the elements of a group that a firing rests on: (function, relation, bound).
 
-    All of them, none (an upper bound is no support), or enough to reach a bound, for which `named`
-    gives a term with one value.
+    They are all elements, none (for an upper bound), or enough to reach a bound. `named` returns a
+    term with a single value for a bound.
     """
     if group.ast_type == _TYPE.ConditionalLiteral:
         return "all", "all", "0"
@@ -62,9 +62,9 @@ def needed_of(group: ast.AST, named: Callable[[ast.AST], ast.AST]) -> tuple[str,
 def elements_of(
     group: ast.AST,
 ) -> Iterator[tuple[str, Sequence[ast.AST], Sequence[ast.AST]]]:
-    """Yield what tells an element apart, the literals that support it, and its mere conditions.
+    """Yield the key of each element, the literals that support it, and its other conditions.
 
-    Without a tuple, the first literal tells elements apart.
+    The key is "" for an element without a tuple; its first literal then identifies the element.
     """
     if group.ast_type == _TYPE.ConditionalLiteral:
         yield "", (group.literal,), tuple(group.condition)

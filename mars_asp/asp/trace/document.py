@@ -1,4 +1,4 @@
-"""Traces for programs: JSON values, and lines of JSON of which each step stands in one."""
+"""Traces for programs: JSON values, and lines of JSON with one step in each line."""
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -30,9 +30,9 @@ def trace_json(
     depth: int | None = None,
     chosen: Callable[[Derived], Mapping[str, object]] | None = None,
 ) -> _Json:
-    """Return one trace with the keys of the command line's contract, as a document of its own.
+    """Return one trace with the keys of the command line's contract, as a separate document.
 
-    `chosen` are further keys of a step that a choice gives.
+    `chosen` returns further keys for a step that a choice gives.
     """
     return TraceDocument(chosen).trace(trace, depth)
 
@@ -44,21 +44,21 @@ def traces_json(traces: Iterable[Trace]) -> list[_Json]:
 
 
 class TraceDocument:
-    """Numbers the steps of several traces: what stood before is referred to.
+    """Numbers the steps of several traces, so that a repeated step is a reference.
 
-    A step that stood before is `"shared": true` with the `ref` of its number, without premises. The
-    other derivations of an atom are its `others`, each with premises of its own.
+    A repeated step has `"shared": true` and the number of the first occurrence as `ref`, without
+    premises. The other derivations of an atom are its `others`, each with its own premises.
     """
 
     def __init__(self, chosen: Callable[[Derived], Mapping[str, object]] | None = None) -> None:
-        """Begin with no steps; `chosen` are further keys of a step that a choice gives."""
+        """Begin without steps; `chosen` returns further keys for a step that a choice gives."""
         self._numbers: dict[object, int] = {}
         self._rules: dict[int, _Json] = {}
         self._chosen = chosen
         self._order = PremiseOrder()
 
     def trace(self, trace: Trace, depth: int | None = None) -> _Json:
-        """Return a trace; below a depth it is `folded`."""
+        """Return a trace as JSON; steps at `depth` are `folded`."""
         root: _Json = {}
         stack: list[tuple[_Step, _Json, int]] = [(trace, root, 0)]
         while stack:
@@ -122,8 +122,8 @@ def trace_lines(
 ) -> Iterator[str]:
     """Yield traces as lines of JSON, premises before conclusions, numbers instead of copies.
 
-    Each topic has the keys `title`, `sort`, `name` and `resolves`. Each number is defined in a line
-    before the one that uses it; each step stands in one line, so that there are as many as steps.
+    Each topic has the keys `title`, `sort`, `name` and `resolves`. Each step has exactly one line,
+    and a number is defined in an earlier line than its uses.
     """
     yield json.dumps({"format": FORMAT, "version": VERSION, "subject": subject})
     lines = _JsonLines()
@@ -137,19 +137,19 @@ def trace_lines(
 
 
 class _JsonLines:
-    """Writes each rule, file and step when it is needed first."""
+    """Writes each rule, file and step before its first use."""
 
     def __init__(self) -> None:
         self._numbers: dict[object, int] = {}
         self._rules: dict[int, int] = {}
         self._files: dict[str, int] = {}
-        #: Of derivations besides the one that is told first, the number of that one.
+        #: The number of the first derivation of the atom, by the `id` of each other derivation.
         self._other_of: dict[int, int] = {}
         self._order = PremiseOrder()
 
     @property
     def steps(self) -> int:
-        """Return how many steps were written."""
+        """Return the number of written steps."""
         return len(self._numbers)
 
     def number(self, step: _Step) -> int:
@@ -159,7 +159,7 @@ class _JsonLines:
     def below(self, trace: Trace) -> Iterator[str]:
         """Yield the lines of a trace that were not written yet.
 
-        Other derivations of an atom can rest on what rests on the atom, so they follow it.
+        Other derivations of an atom can rest on steps that rest on the atom, so they follow it.
         """
         waiting: list[Derived | Trace] = [trace]
         for root in waiting:
@@ -171,7 +171,7 @@ class _JsonLines:
                         self._other_of[id(other)] = self.number(step)
 
     def _premises_first(self, root: _Step) -> Iterator[_Step]:
-        """Yield the new steps behind a root, premises first."""
+        """Yield the new steps of a derivation, premises first and its root last."""
         stack: list[tuple[_Step, bool]] = [(root, False)]
         while stack:
             step, are_written = stack.pop()
@@ -223,7 +223,7 @@ class _JsonLines:
 
 
 def _step_key(step: _Step) -> object:
-    """Return the key of a step: the atom of a fact, else the step itself."""
+    """Return the key of a step: type and atom of a leaf, otherwise the `id` of the step."""
     return (type(step), step.atom) if isinstance(step, Given | Absent) else id(step)
 
 
@@ -265,7 +265,7 @@ def _message(step: _Step) -> str | None:
 
 
 def _leaf_location(leaf: Given) -> _Json | None:
-    """Return where a fact is; `<...>` is the name of no file."""
+    """Return the location of a fact, or None; `<...>` is the name of no file."""
     span: Span | None = leaf.span
     if span is None or is_pseudo(span):
         return None
@@ -279,6 +279,6 @@ def _bindings(step: Derived | NearMiss) -> dict[str, str]:
 
 
 def rule_json(rule: Rule) -> _Json:
-    """Return a rule with its place as values for JSON."""
+    """Return a rule with its location as values for JSON."""
     span = rule.span
     return {"id": rule.id, "path": span.path, "line": span.line, "text": plain(rule.text)}

@@ -1,15 +1,15 @@
-"""Which atoms every derivation of another one needs, so that no derivation of them can rest on it.
+"""The atoms that every derivation of an atom needs.
 
-An atom needs itself, and what all of its firings need: the greatest solution of
+An atom needs itself, and all that each of its firings needs: the greatest solution of
 
     needs(a) = {a} + the atoms in needs(f) for every firing f of a
     needs(f) = the atoms in needs(p) for some premise p of f, or in needs(g) for some group g
     needs(g) = the atoms without which not enough elements of g are left
 
-It is how dominators of a flow graph are found from their equations (Allen and Cocke 1972), for
-firings instead of edges. Only atoms that lead to each other matter, and only where a firing has a
-premise of greater height than its head: what is lower was derived without the head. Sets are
-numbers, one bit for each atom of a component.
+These are the equations of dominators in a flow graph (Allen and Cocke 1972), with firings instead
+of edges. They are solved only for strongly connected components in which some firing has a premise
+of greater height than its head: an atom of lower height was derived without the head. Sets are
+integers with one bit for each atom of a component.
 """
 
 import heapq
@@ -24,17 +24,17 @@ from mars_asp.asp.trace.heights import is_reached
 #: An atom, or a group that firings of several atoms share.
 _Node: TypeAlias = TermId | AggregateGroup
 
-#: What is not known yet needs everything.
+#: The value of an unsolved node: the greatest solution is searched from above.
 _EVERYTHING = -1
 
 
 class Needs:
-    """Answers whether an atom can be derived without another one."""
+    """Decides whether an atom can be derived without another one."""
 
     def __init__(self, firings: Iterable[Firing], heights: Mapping[TermId, int]) -> None:
-        """Find what atoms need; `heights` are those of least derivations.
+        """Compute the needs of atoms; `heights` are those of minimal derivations.
 
-        No firing has a head that is given.
+        No firing may have a fact of the input as its head.
         """
         self._heights = heights
         self._firings: dict[TermId, list[Firing]] = {}
@@ -46,7 +46,7 @@ class Needs:
             self._component_of |= dict.fromkeys(atoms, component)
 
     def firings_of(self, atom: TermId) -> list[Firing]:
-        """Return the firings of a derived atom of which the premises stand without it."""
+        """Return the firings of a derived atom whose premises can be derived without the atom."""
         firings = self._firings[atom]
         if len(firings) == 1:
             return firings
@@ -66,7 +66,7 @@ class Needs:
         ]
 
     def stands_without(self, atom: TermId, premise: TermId) -> bool:
-        """Return whether a premise can be derived without a derived atom, or is no derived one."""
+        """Whether a premise is not derived at all, or can be derived without the derived `atom`."""
         if premise not in self._heights:
             return premise not in self._firings
         if self._heights[premise] <= self._heights[atom]:
@@ -75,7 +75,7 @@ class Needs:
         return component is None or not component.needs(premise, atom)
 
     def _components(self) -> Iterator[list[TermId]]:
-        """Yield the atoms that lead to each other, by height, where that can matter."""
+        """Yield the cyclic components with a firing that rises in height, their atoms by height."""
         edges: list[tuple[Hashable, Hashable]] = []
         rising: set[TermId] = set()
         highest: dict[Counted, int] = {}
@@ -110,7 +110,7 @@ class Needs:
 
 
 class _Component:
-    """Atoms that lead to each other, and what of them each needs."""
+    """The atoms of a strongly connected component, and the atoms that each of them needs."""
 
     def __init__(
         self,
@@ -118,7 +118,7 @@ class _Component:
         firings: Mapping[TermId, Sequence[Firing]],
         heights: Mapping[TermId, int],
     ) -> None:
-        """Find what atoms need; they stand by height."""
+        """Compute the needs of `atoms`, which are sorted by height."""
         self._firings = firings
         self._heights = heights
         self._bits = {atom: 1 << place for place, atom in enumerate(atoms)}
@@ -140,14 +140,14 @@ class _Component:
         self._solve(nodes, users)
 
     def needs(self, premise: TermId, atom: TermId) -> bool:
-        """Return whether no derivation of an atom is without another one, which is one of these."""
+        """Whether every derivation of `premise` needs `atom`, an atom of this component."""
         return bool(self._needed.get(premise, 0) & self._bits[atom])
 
     def _solve(self, nodes: Sequence[_Node], users: Mapping[_Node, Iterable[_Node]]) -> None:
-        """Go round until nothing changes.
+        """Update nodes until no value changes.
 
-        From the lowest up, so that mostly what a firing rests on is known when its turn comes. Of
-        what changes behind a node's turn all has changed when its turn comes again.
+        Nodes are updated in rounds, by height, so that the premises of a firing are mostly known. A
+        node that changes after the turn of its user marks this user for the next round.
         """
         places = {node: place for place, node in enumerate(nodes)}
         waiting = [(0, place) for place in range(len(nodes))]
@@ -169,7 +169,7 @@ class _Component:
                     heapq.heappush(waiting, (turn + after, places[user]))
 
     def _of_atom(self, atom: TermId) -> int:
-        """Return the bits of the atoms that an atom, or all of its firings, needs."""
+        """Return the bits of an atom and of the atoms that all its firings need."""
         common = _EVERYTHING
         for firing in self._firings[atom]:
             needed = self._any(firing.premises)
@@ -179,7 +179,7 @@ class _Component:
         return self._bits[atom] | common
 
     def _any(self, premises: Iterable[TermId]) -> int:
-        """Return the atoms that any of some premises needs, as bits."""
+        """Return the bits of the atoms that any of `premises` needs."""
         found = 0
         for premise in premises:
             known = premise in self._heights or premise not in self._firings
@@ -187,12 +187,12 @@ class _Component:
         return found
 
     def _of_group(self, group: AggregateGroup) -> int:
-        """Return what a group needs: without which not enough of its elements are left."""
+        """Return the bits of the atoms without which too few elements of a group are left."""
         parts = [(e, self._any(e.premises)) for e in group.counted.elements]
         if is_reached(group, (element for element, needed in parts if not needed)):
             return 0
         known = [(element, needed) for element, needed in parts if needed != _EVERYTHING]
-        # What is needed is needed by one of any elements that are enough.
+        # An atom that the group needs is needed by some element of every sufficient subset.
         enough: list[int] = []
 
         def noted() -> Iterator[AggregateElement]:

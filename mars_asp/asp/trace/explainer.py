@@ -1,4 +1,4 @@
-"""Traces of least height, well-founded, built from the firings that were asked for."""
+"""Well-founded traces of minimal height for the atoms of a query."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -33,9 +33,9 @@ class Explainer:
         """Prepare for questions.
 
         `control` holds the grounded rules of `rulebook`; `given` are the facts of the input;
-        `opened` are the true atoms of each predicate of which not all are facts of the grounding.
-        From the first question on `control` tells its solver nothing, so that no more answers can
-        be asked for.
+        `opened` are the true atoms of each predicate that has atoms which are not facts of the
+        grounding. The first question detaches the solver from `control`, which cannot search for
+        answers any more.
         """
         self.rules: Sequence[Rule] = rulebook.rules
         self._rulebook = rulebook
@@ -49,13 +49,13 @@ class Explainer:
     def why(
         self, atoms: Iterable[clingo.Symbol], every: bool = False
     ) -> dict[clingo.Symbol, Trace]:
-        """Return the trace of each atom that is true; with `every`, with its other derivations.
+        """Return the trace of each true atom; with `every`, with its other derivations.
 
-        One grounding finds all firings behind the atoms; traces share what they have in common.
+        One grounding finds all firings of the derivations; traces share common steps.
         """
         asked = tuple(atoms)
         unsupported = self.rewriter.unsupported
-        # An iterator lets go of them when they are read.
+        # As an iterator, so that the firings can be freed while they are read.
         proofs = Proofs(iter(self._ask(asked)), self.given, self.rules, unsupported, every)
         return {atom: proofs.of(atom) for atom in asked}
 
@@ -74,12 +74,12 @@ class Explainer:
     def firings(self, text: str, asked: Mapping[str, Sequence[TermId]]) -> list[Firing]:
         """Return the firings that explanation rules find.
 
-        They are grounded as a part of their own, with predicates of their own, so that only they
-        can matter. They begin with facts of the `asked` predicates, which have the arguments of
-        the terms given.
+        The rules are grounded as a separate program part whose predicates have unique names, so
+        that earlier rules cannot match. The part begins with facts of the predicates of `asked`,
+        with the arguments of the given terms.
         """
         if not self._question:
-            # Only the atoms matter, and to tell the solver of them is most of the cost.
+            # Only the atoms matter, and passing the rules to the solver is most of the cost.
             self._control.register_observer(clingo.Observer(), replace=True)
         self._copy_open(text)
         self._question += 1

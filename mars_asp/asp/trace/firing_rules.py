@@ -1,26 +1,26 @@
-"""Each rule rewritten into rules that find its firings, asked from the head down.
+"""Explanation rules: each rule rewritten into rules that find its firings, from the head down.
 
 For a rule `h(X) :- b(X,Y), not c(Y)` with number 14, and question 2:
 
     _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(n("X","Y"),X,Y)) :- _ask2_h(X), b(X,Y), not c(Y).
     _ask2_b(X,Y) :- _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(n("X","Y"),X,Y)).
 
-An aggregate or conditional literal is a group, of which a firing says how many elements it rests
-on. Elements depend on the literal and on its global variables alone, so that firings that differ in
-others share them: for `d(X) :- b(X,Y), 2 <= #count { Z : c(X,Z) }` with number 15,
+An aggregate or conditional literal is a group; a firing states how many of its elements it rests
+on. Elements depend only on the literal and on its global variables, so firings that differ in other
+variables share them: for `d(X) :- b(X,Y), 2 <= #count { Z : c(X,Z) }` with number 15,
 
     _s2_15(15,d(X),p(b(X,Y)),a(),v(n("X","Y"),X,Y),g(count,ge,2,k(15,"...",X))) :- ...
     _g2_15(k(15,"...",X)) :- _s2_15(15,d(X),p(b(X,Y)),a(),v(n("X","Y"),X,Y),_).
     _e2_15(k(15,"...",X),t(Z),p(c(X,Z)),o(),a()) :- _g2_15(k(15,"...",X)), c(X,Z).
 
-clingo counts anew for each instance of the rest of a body, of which anonymous variables make none.
-A firing names them, so with `b(X,_)` there the body is tested apart, `_b2_15("...",X) :- ...` as it
-is written, and only what is named is left to the rule that finds firings.
+clingo counts anew for each instance of the other literals; anonymous variables make no instances. A
+firing names its variables. So with `b(X,_)` in the body, a separate rule `_b2_15("...",X) :- ...`
+tests the body as it is written, and the rule that finds firings holds only the named literals.
 
 A predicate that is decided only by solving, `open`, is read from copies `_t_h` of its true atoms.
-The terms of the firing atom are evaluated by clingo itself, so arithmetic needs no second reading.
-Each rule has predicates of its own: with one for all, every firing would be matched against what
-every rule asks for next.
+clingo itself evaluates the terms of the firing atom, so arithmetic needs no second implementation.
+Each rule has its own predicates: with common ones, every firing would be matched against the
+queries of every rule.
 """
 
 import re
@@ -53,15 +53,15 @@ from mars_asp.asp.trace.scope import (
 
 _TYPE = ast.ASTType
 _HEADS = (_TYPE.Literal, _TYPE.Aggregate, _TYPE.HeadAggregate, _TYPE.Disjunction)
-#: Stand for the numbers of a rule and of a question where explanation rules are kept; no rule can
-#: hold them.
+#: Placeholders for the numbers of a rule and of a question in stored explanation rules; no rule can
+#: contain them.
 _NUMBER = "\0r"
 QUESTION = "\0q"
 _ASKING = re.compile(rf"_ask{QUESTION}_\w+")
 _ANSWERING = re.compile(rf"(?<= :- )_ask{QUESTION}_\w+")
-#: A rule's text and those of its predicates that are open.
+#: A rule's text, and the open predicates that occur in it.
 _Key: TypeAlias = tuple[str, frozenset[Signature]]
-#: Explanation rules, and the name of what cannot be traced.
+#: Explanation rules, and the name of the construct that cannot be traced, if any.
 _Written: TypeAlias = tuple[str, str | None]
 
 
@@ -70,14 +70,14 @@ class Rewriter:
     """Writes the explanation rules of one rulebook."""
 
     open: Set[Signature]
-    #: For rules with a construct that cannot be traced: its name, by rule number.
+    #: The name of a construct that cannot be traced, by rule number.
     unsupported: dict[int, str] = field(default_factory=dict)
 
     def text(self, rules: Sequence[Rule], numbers: Iterable[int]) -> str:
         """Return the explanation rules of the rules with these numbers, for any question.
 
-        What a rule is rewritten into depends on its text and on which of its predicates are open,
-        so that of our own rules is made when the package is built.
+        They depend only on the text of a rule and on its open predicates, so those of the built-in
+        rules are made when the package is built.
         """
         keys = {
             number: (
@@ -110,8 +110,8 @@ class Rewriter:
         return _answered("\n".join(parts))
 
     def _explanation_rules(self, number: int, rules: Sequence[Rule]) -> "_Written":
-        """Return the explanation rules of a rule, and the construct that cannot be traced."""
-        # Variants of a statement that differ in a pool share what they count over.
+        """Return the explanation rules of a rule, and its untraceable construct or None."""
+        # Variants of a statement that differ in a pool share their groups.
         lines = dict.fromkeys(
             line for s in rules[number].ast.unpool() for line in self._firing_rule(number, s)
         )
@@ -143,9 +143,9 @@ class Rewriter:
     ) -> Iterator[str]:
         """Yield rules for the instances of literals of rule `number` where `asked` holds too.
 
-        `shown` is the head and `names` are the variables that tell instances apart. With `ask`
-        the premises are asked for in turn. `tests` say the same as the literals that count, which
-        are tested here where they are `None`.
+        `shown` is the head, and `names` are the variables that distinguish instances. With `ask`
+        the premises are queried in turn. `tests` replace the aggregates and conditional literals;
+        None tests them here.
         """
         rule = _NUMBER if ask else str(number)
         place = f"{QUESTION}_{rule}"
@@ -251,7 +251,7 @@ class Rewriter:
             yield from (f"{asking(term)} :- {element}." for _, term in (*premises, *others))
 
     def source(self, shown: str, symbol: ast.AST) -> str:
-        """Return where the true atoms of a premise are found."""
+        """Return the atom to read for a premise: its copy if the predicate is open."""
         if _signature(symbol) not in self.open:
             return shown
         return f"-_t_{shown[1:]}" if shown.startswith("-") else f"_t_{shown}"
@@ -262,7 +262,7 @@ class Rewriter:
 
 
 def _answered(text: str) -> str:
-    """Return explanation rules without those that ask for what no rule of theirs gives."""
+    """Return explanation rules without queries for predicates that none of them derives."""
     answered = set(_ANSWERING.findall(text))
     lines = ((_ASKING.match(line), line) for line in text.split("\n"))
     return "\n".join(line for asks, line in lines if asks is None or asks[0] in answered)
@@ -282,34 +282,34 @@ class _Renaming(ast.Transformer):
 
 
 class Terms:
-    """Names what a term cannot show: anonymous variables, intervals, arithmetic in heads."""
+    """Writes terms, with variables for parts that cannot be matched: `_`, intervals, arithmetic."""
 
     def __init__(self, prefix: str = "F") -> None:
-        """Begin; names that are made up start with `prefix`."""
+        """Begin; the names of new variables start with `_` and `prefix`."""
         self.prefix = prefix
         self.equations: list[str] = []
         self._count = 0
 
     def fresh(self) -> str:
-        """Return a variable of its own."""
+        """Return the name of a new variable."""
         self._count += 1
         return f"_{self.prefix}{self._count}"
 
     def atom(self, symbol: ast.AST, fresh_complex: bool = False) -> str:
-        """Return an atom's text with every argument a term that matches as it evaluates."""
+        """Return an atom's text whose arguments clingo can match against evaluated atoms."""
         sign, symbol = sign_and_function(symbol)
         found = [self._matching_term(argument, fresh_complex) for argument in symbol.arguments]
         return function_text(f"{sign}{symbol.name}", found)
 
     def negated(self, symbol: ast.AST) -> tuple[str, str]:
-        """Return the text of a negated atom for a rule body, and its text as a term."""
+        """Return the text of a negated atom for a rule body, and its text as a pattern."""
         sign, symbol = sign_and_function(symbol)
         named = [self.named(argument) for argument in symbol.arguments]
         name, pattern = f"{sign}{symbol.name}", [_anonymous(argument) for argument in named]
         return function_text(name, list(map(str, named))), function_text(name, pattern)
 
     def named(self, term: ast.AST) -> ast.AST:
-        """Return a term, an interval by a name of its own."""
+        """Return a term; an interval is replaced by a new variable."""
         if ".." not in bare(term):
             return term
         name = self.fresh()
@@ -331,7 +331,7 @@ class Terms:
 
     @staticmethod
     def definitions_of(literals: Iterable[ast.AST]) -> list[ast.AST]:
-        """Return the literals whose variables a firing is told apart by."""
+        """Return the literals and guards whose variables distinguish firings."""
         found = []
         for literal in literals:
             if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
@@ -350,25 +350,25 @@ def _signature(symbol: ast.AST) -> Signature:
 
 
 def asking(shown: str) -> str:
-    """Return the atom that asks for another one."""
+    """Return the atom that queries another atom."""
     name, bracket, inside = shown.partition("(")
     return f"{asking_name(name)}{bracket}{inside}"
 
 
 def asking_name(name: str) -> str:
-    """Return the predicate that asks for atoms of another one; `-` is classical negation."""
+    """Return the predicate that queries atoms of a predicate; `-` is classical negation."""
     unsigned_name = name.removeprefix("-")
     return f"_ask{QUESTION}{'_neg' if name != unsigned_name else ''}_{unsigned_name}"
 
 
 def _values_term(names: Sequence[str]) -> str:
-    """Return a term of what variables stand for, which names them by one term for all firings."""
+    """Return a term with the values of variables; its first argument lists their names."""
     quoted = ",".join(f'"{name}"' for name in names)
     return f"v({','.join((f'n({quoted})' if names else 'n', *names))})"
 
 
 _ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
-#: What computes, in the text of a term without its strings.
+#: An operator, in the text of a term without its strings.
 OPERATOR = re.compile(r"[-+*/\\&?^~|]|\.\.")
 
 
@@ -382,7 +382,7 @@ def _anonymous(term: ast.AST) -> str:
 
 
 def _is_projected(literal: ast.AST) -> bool:
-    """Return whether a premise has anonymous variables, which clingo leaves out where it counts."""
+    """Whether a premise has anonymous variables, which clingo projects out before it counts."""
     if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
         return False
     symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
@@ -394,7 +394,7 @@ ON = "_conflict_on"
 
 
 def instance_variables(statement: ast.AST) -> list[str]:
-    """Return the global variables of a statement, in order."""
+    """Return the global variables of a statement, sorted."""
     head = statement.head
     if head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
         return sorted(global_variables(guards(head), statement.body))
@@ -403,13 +403,13 @@ def instance_variables(statement: ast.AST) -> list[str]:
 
 
 def is_forced_atom(head: ast.AST) -> bool:
-    """Return whether a head is one atom that is forced."""
+    """Whether a head is a single atom, and no choice."""
     is_literal = head.ast_type == _TYPE.Literal and head.sign == ast.Sign.NoSign
     return is_literal and head.atom.ast_type == _TYPE.SymbolicAtom
 
 
 def open_rules(statement: ast.AST, number: int) -> Iterator[str]:
-    """Yield rules that are a statement, each instance of which can be left open."""
+    """Yield rules equivalent to a statement whose instances can be left open."""
     head, terms = statement.head, Terms()
     body = [*map(str, statement.body)]
     text, key, choice = str(head), "none", None
@@ -434,7 +434,7 @@ def open_rules(statement: ast.AST, number: int) -> Iterator[str]:
 
 
 class _Valued(ast.Transformer):
-    """Puts values for global variables, and computes with them."""
+    """Replaces global variables by values, and evaluates arithmetic."""
 
     def __init__(self, values: Mapping[str, clingo.Symbol]) -> None:
         self._values_term = values
@@ -461,7 +461,7 @@ class _Valued(ast.Transformer):
 def ground_text(
     statement: ast.AST, head: clingo.Symbol, values: Mapping[str, clingo.Symbol]
 ) -> str:
-    """Return the text of an instance; comparisons of values, which hold, are left out."""
+    """Return the text of an instance; true comparisons of values are left out."""
     names = set(values)
     valued = _Valued(values)
     body = []

@@ -1,4 +1,4 @@
-"""Firings as they are read from the explanation rules."""
+"""Firings, read from the atoms of explanation rules."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,8 @@ Terms: TypeAlias = tuple[TermId, ...]
 class AggregateElement(NamedTuple):
     """One element of an aggregate, or instance of a conditional literal, that holds.
 
-    `tuple` is what is counted; `premises` support it; `conditions` are true and no support.
+    `tuple` is the counted tuple; `premises` support it; `conditions` are true without supporting
+    it.
     """
 
     tuple: TermId
@@ -26,7 +27,7 @@ class AggregateElement(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Counted:
-    """The elements that hold of an aggregate or conditional literal, for all that count them.
+    """The true elements of an aggregate or conditional literal, shared by firings.
 
     `function` is the aggregate's, `all` where all elements are needed, or `none`.
     """
@@ -37,9 +38,9 @@ class Counted:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AggregateGroup:
-    """How many elements a firing needs: their function must reach `bound`.
+    """The number of elements that a firing needs: their function must reach `bound`.
 
-    Firings that need the same share the group.
+    Firings with the same need share the group.
     """
 
     counted: Counted
@@ -48,21 +49,21 @@ class AggregateGroup:
 
 
 class Firing(NamedTuple):
-    """One use of a rule: true atoms that it needs, and groups of which it needs some.
+    """One use of a rule: the true atoms that it needs, and the groups that it needs in part.
 
-    What is absent and what the variables stand for are read when somebody asks. Firings and
-    elements are many, and tuples are made in a third of the time of dataclasses.
+    Absent atoms and values of variables are decoded at their first use. Firings and elements are
+    many, and tuples are made in a third of the time of dataclasses.
     """
 
     rule: int
     head: TermId
     premises: Terms
-    #: What it rests on the absence of, `a(q(1),...)`.
+    #: The atoms on whose absence the firing rests, `a(q(1),...)`.
     without: TermId
     #: The values of the variables, `v(n("X",...),1,...)`.
     values: TermId
     groups: tuple[AggregateGroup, ...] = ()
-    #: What a firing that almost was lacks; `None` for a real one.
+    #: The term `near(...)` with the missing part of a near miss; `None` for a real firing.
     lacks: clingo.Symbol | None = None
 
     @property
@@ -115,7 +116,7 @@ def _distinct(terms: Sequence[TermId]) -> Terms:
 
 
 def _counted(function: str, elements: Sequence[AggregateElement]) -> Counted:
-    # With a negative weight more elements can mean a lesser sum.
+    # With a negative weight more elements can mean a smaller sum.
     if function == "sum" and any(number_of(weight_of(element.tuple)) < 0 for element in elements):
         function = "all"
     return Counted(function, elements)
@@ -128,14 +129,14 @@ def _rule_of(tag: clingo.Symbol) -> tuple[int, clingo.Symbol | None]:
 
 
 def _atoms(control: clingo.Control, prefix: str) -> Iterator[TermId]:
-    """Yield the atoms of all predicates with a name that begins so."""
+    """Yield the atoms of all predicates whose names begin with `prefix`."""
     for name, arity, positive in control.symbolic_atoms.signatures:
         if name.startswith(prefix):
             yield from term_ids.atoms(control, name, arity, positive)
 
 
 def firing_order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol]]:
-    """Return a sort key: the first rule, then the least values and premises."""
+    """Return a sort key: rule number first, then values and premises."""
     return firing.rule, as_symbol(firing.values), [as_symbol(atom) for atom in firing.premises]
 
 

@@ -1,4 +1,4 @@
-"""Facts of the input, found by their atoms, and what is declared of their predicates."""
+"""Facts of the input by their atoms, with the declarations of their predicates."""
 
 from collections.abc import Iterable, Mapping, Set
 from types import MappingProxyType
@@ -13,7 +13,7 @@ from mars_asp.diagnostic import Span
 
 
 class GivenFacts:
-    """The facts of the input by their texts, for predicates that somebody asks about."""
+    """The facts of the input by their texts, indexed when their predicate is first needed."""
 
     def __init__(
         self,
@@ -21,9 +21,9 @@ class GivenFacts:
         declarations: Mapping[Signature, Declaration] = MappingProxyType({}),
         externals: Mapping[str, Span] = MappingProxyType({}),
     ) -> None:
-        """Sort facts by their predicates; `declarations` say where those are from, and in words.
+        """Group facts by predicate; `declarations` give their origins and sentences.
 
-        `externals` are the places of atoms that are given from outside, by their texts.
+        `externals` are the locations of external atoms, by their texts.
         """
         self._externals = externals
         self._facts: dict[str, list[Fact]] = {}
@@ -41,7 +41,7 @@ class GivenFacts:
         return self._facts.keys()
 
     def leaf(self, atom: term_ids.TermId) -> Given | None:
-        """Return an atom with its place, or None if no fact gives it."""
+        """Return the leaf of an atom, or None if no fact of the input gives it."""
         written = term_ids.text(atom)
         name = written.partition("(")[0]
         if name not in self._facts:
@@ -58,9 +58,9 @@ class GivenFacts:
         return Given(written, fact.span, "external" if is_external else origin, words)
 
     def absence(self, pattern: term_ids.TermId, written: str) -> Absent | None:
-        """Return the absence of what a pattern with holes stands for, which is `written` so.
+        """Return the absence of all atoms of a pattern, or None if their predicate is never cited.
 
-        It is `None` where that is no reason for anything.
+        `written` is the text of the pattern.
         """
         name = written.partition("(")[0]
         if name in self._uncited and (name, len(term_ids.arguments(pattern))) in self._uncited:
@@ -68,15 +68,15 @@ class GivenFacts:
         return Absent(written, self.words_of_absence(pattern), self.external(written))
 
     def external(self, written: str) -> Span | None:
-        """Return the place of an atom that is given from outside, or None if it is not."""
+        """Return the location of an external atom's statement, or None if it is not external."""
         return self._externals.get(written)
 
     def words_of_absence(self, pattern: term_ids.TermId) -> SentenceRenderer | None:
-        """Return the renderer of an absence, or None if nothing is declared."""
+        """Return the renderer of an absence, or None if the vocabulary is empty."""
         return SentenceRenderer(self._sentences, pattern) if self._declared else None
 
 
 def is_cited(leaf: Trace) -> bool:
-    """Whether a leaf is a reason; some only say how something is written."""
+    """Whether a leaf is a reason; facts of some predicates only describe the notation."""
     declared = leaf.words.declared if isinstance(leaf, Given) and leaf.words is not None else None
     return declared is None or declared.cited

@@ -1,9 +1,9 @@
-"""The least height of what firings give.
+"""The minimal heights of derived atoms.
 
-Heights are found as Knuth (1977) generalises Dijkstra: an atom has the height of its lowest
-firing plus one, and a firing counts only when all that it needs has a height, so no atom can
-support itself. An aggregate is reached when enough of its elements are; which ones is told by a
-bound, as of `#count` and `#sum` from below.
+Heights are found by Knuth's generalisation (1977) of Dijkstra's algorithm: an atom has the height
+of its lowest firing plus one, and a firing counts only when all its premises have a height, so no
+atom can support itself. An aggregate is reached when its function over the elements reaches a
+bound, as for `#count` and `#sum` from below.
 """
 
 from collections import defaultdict
@@ -24,7 +24,7 @@ from mars_asp.asp.trace.firings import (
 
 
 class _Tally:
-    """What has been counted of some elements, and the firings that wait for more of them."""
+    """The value of an aggregate over the elements so far, and the firings that wait for more."""
 
     def __init__(self, counted: Counted) -> None:
         self._function = counted.function
@@ -34,7 +34,7 @@ class _Tally:
         needs_all = counted.function == "all"
         self._every = len({e.tuple for e in counted.elements}) if needs_all else 0
         self._waiting: dict[AggregateGroup, list[_Waiting]] = {}
-        #: The groups that wait, those that need least last.
+        #: The groups that wait; the easiest to reach is the last.
         self._order: list[AggregateGroup] = []
 
     def add(self, element: AggregateElement) -> None:
@@ -51,7 +51,7 @@ class _Tally:
         self._end = weight if self._end is None else pick(self._end, weight)
 
     def reaches(self, group: AggregateGroup) -> bool:
-        """Return whether a firing that needs a group may rest on what has been counted."""
+        """Whether the counted elements suffice for a group."""
         bound, strict = group.bound, group.strict
         if self._function == "none":
             return True
@@ -66,14 +66,14 @@ class _Tally:
         return value > bound or (value == bound and not strict)
 
     def wait(self, group: AggregateGroup, waiting: "_Waiting") -> None:
-        """Note that a firing waits until a group is reached."""
+        """Add a firing that waits until a group is reached."""
         if group not in self._waiting:
             self._waiting[group] = []
             self._order.clear()
         self._waiting[group].append(waiting)
 
     def release(self) -> "Iterator[_Waiting]":
-        """Yield the firings of groups that are reached by now, once."""
+        """Yield each firing once when its group is reached."""
         if self._waiting and not self._order:
             self._order = sorted(self._waiting, key=_difficulty, reverse=self._function != "min")
         while self._order and self.reaches(self._order[-1]):
@@ -81,12 +81,12 @@ class _Tally:
 
 
 def _difficulty(group: AggregateGroup) -> tuple[clingo.Symbol, bool]:
-    """Return a sort key: of `min` the least bound is hard to reach, otherwise the greatest."""
+    """Return a sort key: a small bound of `min` is hard to reach, otherwise a great one."""
     return group.bound, group.strict != (group.counted.function == "min")
 
 
 class _Waiting:
-    """A firing, and how many of its premises and groups it still waits for."""
+    """A firing, and the number of its premises and groups that it still waits for."""
 
     __slots__ = ("firing", "open")
 
@@ -107,7 +107,7 @@ class _Part:
 
 
 class _Uses:
-    """What waits for which atoms: firings for their premises, elements of groups for theirs."""
+    """The users of atoms: firings by their premises, elements of groups by theirs."""
 
     def __init__(self, firings: Sequence[Firing]) -> None:
         self._heads = {firing.head for firing in firings}
@@ -143,7 +143,7 @@ class _Uses:
         return self._tallies[counted]
 
     def reached(self, atom: TermId) -> Iterator[Firing]:
-        """Yield the firings that waited for nothing more than an atom."""
+        """Yield the firings whose last missing premise or group is reached with an atom."""
         for user in self._users.pop(atom, ()):
             user.open -= 1
             if user.open:
@@ -159,12 +159,12 @@ class _Uses:
 
 
 def least_heights(firings: Sequence[Firing]) -> tuple[dict[TermId, Firing], dict[TermId, int]]:
-    """Return for each atom its firing of least height, and the heights.
+    """Return for each derived atom its firing of minimal height, and its height.
 
-    What no firing gives is given, and has no height.
+    Atoms without a firing are given and have no height.
 
-    Ties go to the first rule, then to the first bindings and premises, so that no order of
-    grounding shows.
+    Ties go to the first rule, then to the first bindings and premises, so that the result is
+    independent of the order of grounding.
     """
     uses = _Uses(firings)
     best: dict[TermId, Firing] = {}
@@ -186,12 +186,12 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[TermId, Firing], dict
 
 
 def is_reached(group: AggregateGroup, elements: Iterable[AggregateElement]) -> bool:
-    """Return whether some of its elements are enough for a group; no more of them are read."""
+    """Whether `elements` are enough for a group; reading stops when they are."""
     tally = _Tally(group.counted)
     look = 1
     for number, element in enumerate(elements, 1):
         tally.add(element)
-        # To look is as much work as to count.
+        # A check costs as much as counting, so the intervals between checks double.
         if number == look:
             if tally.reaches(group):
                 return True

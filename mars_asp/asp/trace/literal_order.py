@@ -1,7 +1,8 @@
-"""An order in which the literals of a rule's body can be tested, each when its turn comes.
+"""An order in which the literals of a rule's body can be tested, each when its variables are bound.
 
 A literal's turn comes when the variables that it cannot bind itself are bound; tests come before
-what binds more. This is the left-to-right safety of Datalog engines (Ullman 1988, chapter 12).
+literals that bind variables. This is the left-to-right safety of Datalog engines (Ullman 1988,
+chapter 12).
 """
 
 from collections.abc import Iterator, Sequence, Set
@@ -74,18 +75,18 @@ def _is_constant(term: ast.AST) -> bool:
 
 
 def _is_factor(term: ast.AST) -> bool:
-    """Return whether what is multiplied by a term can be found from the product."""
+    """Whether a product with this term determines the other factor."""
     return bool(term.ast_type == _TYPE.SymbolicTerm and term.symbol != clingo.Number(0))
 
 
 def _turn(names: Set[str], turn: tuple[ast.AST, set[str]]) -> tuple[bool, bool]:
-    """Return a sort key: tests first, then what joins with variables that are bound."""
+    """Return a sort key: tests first, then literals that share bound variables."""
     literal, new = turn
     return bool(new - names), not variables_of((literal,)) & names
 
 
 def _provides(literal: ast.AST, bound: Set[str], shared: Set[str]) -> set[str] | None:
-    """Return the variables that a literal binds, or `None` while its turn has not come."""
+    """Return the variables that a literal binds, or None if others are not yet bound."""
     if literal.ast_type == _TYPE.Literal and literal.sign == ast.Sign.NoSign:
         atom = literal.atom
         if atom.ast_type == _TYPE.SymbolicAtom:

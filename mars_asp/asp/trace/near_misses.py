@@ -1,23 +1,23 @@
-"""Rules that find how near each rule comes to an absent atom, and which literal fails.
+"""Rules that find the instances of each rule nearest to an absent atom, and the failing literals.
 
-For a body `b1, b2, b3` in an order in which each can be tested, the instances of all literals but
-one are looked for, and those of the first few. The nearest instance lacks one literal alone;
-otherwise it is one of the longest beginning, and the literal behind that fails for it. So what is
-said to fail is false, whichever instance is shown. (The idea is that of answers to why-not
-questions by the frontier picky, Chapman and Jagadish 2009.)
+For a body `b1, b2, b3` in an order in which each literal can be tested, rules search the instances
+of all literals except one, and of each prefix of the body. The nearest instance lacks a single
+literal; otherwise it satisfies one of the longest prefixes, and the next literal fails for it. So
+the reported literal is false for the shown instance. (Compare answers to why-not questions by the
+frontier picky, Chapman and Jagadish 2009.)
 
-Hence nothing needs to be told of why a literal fails before the nearest instance is known. Where
-that could be several things, as of a conditional literal, it is asked for this instance alone: for
-all of them there would be as many as instances times elements. The least is told, so that no order
-of grounding shows. For `p(X) :- q(X,Y), t(Z) : s(Y,Z)` with number 14, candidate 2 and question 3,
-asked in question 4:
+The reason why a literal fails is therefore needed only for the nearest instance. Where several
+terms can be missing, as of a conditional literal, a second query finds it for this instance alone:
+for all instances there would be as many atoms as instances times elements. The minimal term is
+reported, so that the result is independent of the order of grounding. For `p(X) :- q(X,Y), t(Z) :
+s(Y,Z)` with number 14, candidate 2, question 3 and second question 4:
 
     _s3_14(near(2,in_question(Y)),none,p,a,v(n("X","Y"),X,Y)) :- _near3(0,w(X)); q(X,Y).
     _s4_14(near(2,_Lack),none,p,a,v(n)) :- _lacking4(2,in_question(Y));
         _Lack = #min { no(t(Z)) : s(Y,Z), not t(Z) }; _Lack < #sup.
 
-For the same reason what counts is tested once for the variables that it names, whatever else the
-body has: see `_counted_apart`.
+For the same reason aggregates are tested once for the variables that they name, whatever other
+literals the body has: see `_counted_apart`.
 """
 
 import re
@@ -44,25 +44,25 @@ from mars_asp.asp.trace.scope import (
 )
 
 _TYPE = ast.ASTType
-#: The predicate that asks: `NEAR(index, w(Parts))`.
+#: The query predicate for near misses: `NEAR(index, w(Parts))`.
 NEAR = f"_near{QUESTION}"
-#: The predicate that asks what a candidate lacks: `LACKING(number, values in question)`.
+#: The query predicate for the missing term of a candidate: `LACKING(number, values in question)`.
 LACKING = f"_lacking{QUESTION}"
-#: What is lacking where that is still to be asked, for the values that decide it.
+#: The function of a missing term that a second query has to find; its arguments decide the term.
 IN_QUESTION = "in_question"
-#: The variable for what an aggregate amounts to.
+#: The variable for the value of an aggregate.
 _VALUE = "_Value"
-#: The variable for what a literal lacks.
+#: The variable for the missing term.
 _LACK = "_Lack"
 _MADE_UP = re.compile(r"(?<!\w)_H[0-9]+(?!\w)")
 
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """One way to come near an absent atom: the instances of some literals of a rule.
+    """A kind of near miss: the instances of some literals of a rule.
 
-    `fails` is the literal left out, or None if a choice could be made and was not; `kept`
-    counts those before it that hold, and `alone` says that all others do.
+    `fails` is the failing literal, or None if a choice offers the atom and does not take it; `kept`
+    counts the literals before it that hold, and `alone` is true if all other literals hold.
     """
 
     pattern: int
@@ -73,19 +73,19 @@ class Candidate:
 
 
 class NearMisses:
-    """Writes the rules that find near misses; `candidates` says what their numbers stand for."""
+    """Writes the rules that find near misses; their numbers are indices of `candidates`."""
 
     def __init__(self, rewriter: Rewriter, derived: Set[Signature]) -> None:
-        """Write with the rewriter's open predicates; rules give those that are `derived`."""
+        """Prepare with the rewriter's open predicates; rules derive the predicates `derived`."""
         self._rewriter = rewriter
         self._derived = derived
         self.candidates: list[Candidate] = []
-        #: Rules for what candidates lack where several things could be said or none, by their
-        #: numbers.
+        #: Rules that find the missing term of a candidate which can lack several terms or none, by
+        #: number.
         self.lacking: dict[int, str] = {}
 
     def text(self, rule: Rule, number: int, pattern: clingo.Symbol, index: int) -> str:
-        """Return what finds near misses of a rule; the atom `_near` with `index` asks."""
+        """Return rules that find near misses of a rule with the query atom `_near` of `index`."""
         lines: list[str] = []
         for statement in rule.ast.unpool():
             for head, condition in atoms_of_head(statement):
@@ -109,7 +109,7 @@ class NearMisses:
         literals = (*tests, *literals)
         shared = global_variables((head,), literals)
         query = f"{NEAR}({index},w({','.join(match.arguments)}))"
-        # A given fact that is absent ends the search, so it comes before what rules derive.
+        # An absent fact ends the search, so facts come before derived atoms.
         literals = (
             *tests,
             *sorted(literals[len(tests) :], key=lambda each: not self._is_given(each)),
@@ -120,7 +120,7 @@ class NearMisses:
         for before_it, literal in enumerate(literals):
             is_positive = self._is_given(literal) and literal.sign == ast.Sign.NoSign
             if is_positive and OPERATOR.search(bare(literal)) is None:
-                # No value at all satisfies it, whatever the other literals are.
+                # No value at all satisfies the literal, whatever the other literals are.
                 kept = 2 * len(literals) - before_it
                 candidate = Candidate(index, number, match.shown(literal), kept, True)
                 any_value = Renamed(dict.fromkeys(variables_of((literal,)) - bound, "_"))
@@ -132,7 +132,7 @@ class NearMisses:
             candidate = Candidate(index, number, fails, place, place == len(literals) - 1)
             yield from self._candidate(candidate, literal, query, first, before, shared)
             others = [other for other, _ in order if other is not literal]
-            # All premises of another atom do not explain the absence of this one.
+            # A test alone does not explain an absence beside all premises of another atom.
             if candidate.alone or not others or any(literal is test for test in tests):
                 continue
             around = list(in_order(others, match.bound, shared))
@@ -164,7 +164,7 @@ class NearMisses:
         body, counting, rules = self._counted_apart(asked, (*kept, *joined), shared)
         yield from rules
         several = variables_of((lack, *tests)) - bound
-        # A term such as `X + 1` can be undefined, and no atom with it would be there to be read.
+        # A term such as `X + 1` can be undefined, and then there is no atom to read.
         if left_out is not None and not joined and (several or OPERATOR.search(bare(lack))):
             element = f"{lack} : {', '.join((*tests, *terms.equations))}"
             deciding = ",".join(sorted(needs(left_out, shared) & bound))
@@ -173,7 +173,7 @@ class NearMisses:
         tag = f"near({len(self.candidates)},{lack})"
         self.candidates.append(candidate)
         names = {name for name in bound if not name.startswith("_")}
-        # What is lacking is told alone, not with what holds.
+        # A missing term is reported alone, without the literals that hold.
         alone = left_out is not None and lack != "test" and not joined
         before, literals = ((*body, *tests), ()) if alone else ((asked, *tests), (*kept, *joined))
         yield from self._rewriter.instance(
@@ -181,7 +181,7 @@ class NearMisses:
         )
 
     def _is_given(self, literal: ast.AST) -> bool:
-        """Return whether facts alone decide a literal."""
+        """Whether facts alone decide a literal."""
         if literal.ast_type != _TYPE.Literal or literal.atom.ast_type != _TYPE.SymbolicAtom:
             return False
         _, function = sign_and_function(literal.atom.symbol)
@@ -191,10 +191,11 @@ class NearMisses:
     def _counted_apart(
         self, asked: str, literals: Sequence[ast.AST], shared: Set[str]
     ) -> tuple[list[str], list[str], list[str]]:
-        """Return a body in which what counts is tested apart, these tests, and rules for them.
+        """Return a body with separate tests for aggregates, these tests, and the rules for them.
 
-        The literals stand in an order in which each can be tested. clingo counts anew for each
-        instance of the rest of a body, also of variables that the literal does not name.
+        The literals are in an order in which each can be tested. clingo counts anew for each
+        instance of the other literals of a body, even of variables that the aggregate does not
+        name.
         """
         place = f"{QUESTION}_{len(self.candidates)}"
         body, counting, rules = [asked], list[str](), list[str]()
@@ -213,9 +214,9 @@ class NearMisses:
         return body, counting, rules
 
     def _least_lacking(self, rule: int, element: str, values: str) -> str:
-        """Return a rule for the least term that could be lacking for some values.
+        """Return a rule for the minimal missing term for some values.
 
-        It is the least, so that no order of grounding shows.
+        The minimal term is independent of the order of grounding.
         """
         number = len(self.candidates)
         query = f"{LACKING}({number},{values})"
@@ -225,10 +226,11 @@ class NearMisses:
     def _instead(
         self, literal: ast.AST | None, terms: Terms, bound: set[str]
     ) -> tuple[tuple[ast.AST, ...], str, list[str]]:
-        """Return what stands in the body instead of a literal, and a term for what it lacks.
+        """Return the literals in place of a failing literal, its missing term, and further tests.
 
-        That is `no(P)` where pattern P is absent, `holds(A)` where atom A should not hold, the
-        `value` of an aggregate, `test` for what the bindings show, and `taken` for a choice.
+        The term is `no(P)` for an absent pattern P, `holds(A)` for an atom A that should not hold,
+        the `value` of an aggregate, `test` if the bindings show the failure, and `taken` for a
+        choice.
         """
         if literal is None:
             return (), "taken", []
@@ -260,18 +262,18 @@ class NearMisses:
 
 
 class _Match:
-    """A rule's head against a pattern: parameters, tests, and the variables that become bound."""
+    """A rule's head matched with a pattern: parameters, tests, and bound variables."""
 
     def __init__(self) -> None:
         self.arguments: list[str] = []
         self.tests: list[str] = []
         self.bound: set[str] = set()
         self._holes: dict[str, str] = {}
-        #: What stands in the atom where a name was made up.
+        #: The text of the pattern for each new variable.
         self._meant: dict[str, str] = {}
 
     def atom(self, head: ast.AST, pattern: clingo.Symbol) -> bool:
-        """Match an atom; return whether that can succeed."""
+        """Match an atom; return whether a match is possible."""
         sign, function = sign_and_function(head)
         kind = Signature(function.name, len(function.arguments), not sign)
         if kind != signature_of(pattern):
@@ -279,7 +281,7 @@ class _Match:
         return all(map(self._term, function.arguments, pattern.arguments))
 
     def shown(self, literal: ast.AST) -> str:
-        """Return a literal's text with what is asked for instead of names that were made up."""
+        """Return a literal's text in which the pattern's texts replace new variables."""
         return _MADE_UP.sub(lambda name: self._meant[name[0]], str(literal))
 
     def _fresh(self, meant: str) -> str:
@@ -305,7 +307,7 @@ class _Match:
         return same and all(map(self._term, term.arguments, pattern.arguments))
 
     def _fixed(self, term: ast.AST, pattern: clingo.Symbol) -> str:
-        """Return what matches a part without holes; arithmetic becomes a test."""
+        """Return the parameter for a subterm without holes; arithmetic becomes a test."""
         plain = term.ast_type in (_TYPE.Variable, _TYPE.SymbolicTerm, _TYPE.Function)
         names = variables_of((term,))
         if plain and provided(term) == names and ".." not in str(term):

@@ -1,6 +1,6 @@
-"""Atoms with holes: what is absent when no true atom fits.
+"""Atoms with holes: a pattern is absent when no true atom fits it.
 
-A hole is the term `_any("X")`, any value; holes of one name stand for one value, but for `_`.
+A hole is the term `_any("X")` for any value; holes of one name have one value, except `_`.
 """
 
 import clingo
@@ -15,24 +15,24 @@ _FUNCTION = clingo.SymbolType.Function
 
 
 def hole(name: str = "_") -> clingo.Symbol:
-    """Return a place for any value; the name is shown."""
+    """Return a hole for any value; its name is printed."""
     return clingo.Function(_HOLE, [clingo.String(name)])
 
 
 def is_hole(symbol: clingo.Symbol) -> bool:
-    """Return whether any value would do here."""
+    """Whether a term is a hole."""
     return symbol.type == _FUNCTION and symbol.name == _HOLE and len(symbol.arguments) == 1
 
 
 def has_holes(symbol: clingo.Symbol) -> bool:
-    """Return whether a term leaves anything open."""
+    """Whether a term contains a hole."""
     if symbol.type != _FUNCTION:
         return False
     return is_hole(symbol) or any(map(has_holes, symbol.arguments))
 
 
 def fixed_parts(symbol: clingo.Symbol) -> list[clingo.Symbol]:
-    """Return the largest parts without holes, from left to right, of a pattern's arguments."""
+    """Return the largest subterms without holes in a pattern's arguments, from left to right."""
     if is_hole(symbol):
         return []
     found: list[clingo.Symbol] = []
@@ -42,7 +42,7 @@ def fixed_parts(symbol: clingo.Symbol) -> list[clingo.Symbol]:
 
 
 def can_be_followed(symbol: clingo.Symbol) -> bool:
-    """Return whether the holes are plain: one such as `X+1` says more than a pattern can."""
+    """Whether all holes are plain variables: no pattern can be as narrow as `X+1`."""
     if symbol.type != _FUNCTION:
         return True
     if is_hole(symbol):
@@ -51,7 +51,7 @@ def can_be_followed(symbol: clingo.Symbol) -> bool:
 
 
 def shown_pattern(symbol: clingo.Symbol) -> str:
-    """Return a pattern's text, its holes by their names."""
+    """Return a pattern's text, with the names of its holes."""
     if symbol.type != _FUNCTION or not has_holes(symbol):
         return str(symbol)
     if is_hole(symbol):
@@ -63,7 +63,7 @@ def shown_pattern(symbol: clingo.Symbol) -> str:
 def fits(
     pattern: clingo.Symbol, symbol: clingo.Symbol, values: dict[str, clingo.Symbol] | None = None
 ) -> bool:
-    """Return whether a term is an instance of a pattern."""
+    """Whether a term is an instance of a pattern; `values` receives the values of its holes."""
     values = {} if values is None else values
     if is_hole(pattern):
         name = pattern.arguments[0].string
@@ -80,7 +80,7 @@ def fits(
 
 
 def pattern_term(term: ast.AST, bound: set[str]) -> str:
-    """Return a term's text as a pattern: what is not bound becomes a hole."""
+    """Return a term's text as a pattern; parts with unbound variables become holes."""
     names = variables_of((term,))
     anonymous = "_" in str(term) and pattern_is_open(term)
     if names <= bound and not anonymous:
@@ -91,14 +91,14 @@ def pattern_term(term: ast.AST, bound: set[str]) -> str:
 
 
 def pattern_is_open(term: ast.AST) -> bool:
-    """Return whether a term holds an anonymous variable."""
+    """Whether a term contains an anonymous variable."""
     if term.ast_type == ast.ASTType.Variable:
         return bool(term.name == "_")
     return term.ast_type == ast.ASTType.Function and any(map(pattern_is_open, term.arguments))
 
 
 def pattern_in(text: str) -> clingo.Symbol | None:
-    """Return an atom of a user, perhaps with variables, as a pattern, or None if it is none."""
+    """Return the pattern of an atom that a user writes, or None for other texts."""
     try:
         (rule,) = parsed(f"{text}.")[1:]
         if rule.body or rule.head.sign != ast.Sign.NoSign:
@@ -109,7 +109,7 @@ def pattern_in(text: str) -> clingo.Symbol | None:
 
 
 def pattern_of(term: ast.AST) -> clingo.Symbol:
-    """Return an atom of a user, perhaps with variables, as a pattern.
+    """Return the pattern of an atom that a user writes; its variables become holes.
 
     Raises:
         ValueError: the term holds arithmetic, an interval or a pool.

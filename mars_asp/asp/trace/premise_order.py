@@ -1,4 +1,4 @@
-"""The order in which premises are told: by what they mean, never by the alphabet."""
+"""The order in which premises are shown: by rank and location, never by the alphabet."""
 
 from collections.abc import Hashable, Sequence
 from typing import TypeAlias
@@ -6,14 +6,14 @@ from typing import TypeAlias
 from mars_asp.asp.trace.tree import Derived, Given, Trace
 from mars_asp.diagnostic import Span
 
-#: Whether nothing orders it, its number from the highest down, whether it has no place, and that.
+#: Whether there is no rank, the negated rank, whether there is no location, and the location.
 _Key: TypeAlias = tuple[bool, int, bool, tuple[object, ...]]
 
 
 class PremiseOrder:
-    """Orders premises of one predicate among themselves: by rank, then by their first lines.
+    """Sorts premises of one predicate among themselves: by rank, then by location.
 
-    Where the rule names them in an order, different predicates keep it.
+    Premises of different predicates keep the order of the rule's body.
     """
 
     def __init__(self) -> None:
@@ -35,7 +35,7 @@ class PremiseOrder:
         return self.among(premises) if counts else premises
 
     def among(self, premises: Sequence[Trace]) -> list[Trace]:
-        """Return premises of one step, or of what was folded into one, in their order."""
+        """Return premises of one step, or of folded steps, in their order."""
         alike: dict[Hashable, list[int]] = {}
         for at, premise in enumerate(premises):
             alike.setdefault(_predicate(premise), []).append(at)
@@ -50,7 +50,7 @@ class PremiseOrder:
         return found
 
     def lines(self, quoted: Sequence[Sequence[Given]]) -> Sequence[Sequence[Given]]:
-        """Return facts that lines state, line by line: those that are ranked before others."""
+        """Return the facts of several lines, sorted by the best rank in each line."""
         if len(quoted) < 2:
             return quoted
         return sorted(quoted, key=lambda givens: min(map(self._premise_key, givens)))
@@ -72,7 +72,7 @@ def _predicate(premise: Trace) -> Hashable:
 
 
 def _first_leaf(premise: Trace) -> Given | None:
-    """Return the fact that the first premises lead to."""
+    """Return the first fact of a premise, followed through first premises, or None."""
     while isinstance(premise, Derived):
         first: Trace | None = None
         for each in premise.premises:

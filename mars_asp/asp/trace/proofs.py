@@ -1,4 +1,4 @@
-"""Traces of least height, built from firings."""
+"""Traces of minimal height, built from firings."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, partial
@@ -16,7 +16,7 @@ from mars_asp.asp.trace.tree import Absent, Derived, Trace, Unexplained
 
 
 class Proofs:
-    """Traces over one set of firings; what they share is one object."""
+    """Traces over one set of firings; common steps are one object."""
 
     def __init__(
         self,
@@ -26,7 +26,7 @@ class Proofs:
         unsupported: Mapping[int, str],
         every: bool = False,
     ) -> None:
-        """Find the least heights; with `every` traces have their other derivations."""
+        """Find the minimal heights; with `every`, traces have their other derivations."""
         self._given = given
         self._rules = rules
         self._unsupported = unsupported
@@ -35,7 +35,7 @@ class Proofs:
         def may_be_given(rule: int) -> bool:
             return any(head.name in given.predicates for head in rules[rule].heads)
 
-        # What is given has no reasons, whatever else derives it.
+        # A fact of the input needs no reasons, even if rules derive it as well.
         firings = [f for f in firings if not (may_be_given(f.rule) and given.leaf(f.head))]
         self._best, heights = least_heights(firings)
         self._counted = CountedBelow(heights)
@@ -44,13 +44,13 @@ class Proofs:
         self._needs = Needs(firings, heights) if every else None
         del firings
         self._heights = heights
-        #: The other derivations of each derived atom; filled after all traces are made, for they
-        #: may lead back to each other.
+        #: The other derivations of each derived atom; filled after all traces are made, because
+        #: they can contain each other.
         self._others: dict[TermId, list[Derived]] = {atom: [] for atom in self._best if every}
         self._filled: set[TermId] = set()
-        # What has a lesser height comes first, so what an atom rests on has its trace already.
+        # In order of height, so that the premises of an atom have their traces already.
         for atom, height in heights.items():
-            # There are many firings, and only other derivations are compared with them again.
+            # There are many firings; only other derivations are compared with them again.
             firing = self._best[atom] if every else self._best.pop(atom)
             below: Support = firing.premises, firing.absent
             if firing.groups:
@@ -58,7 +58,7 @@ class Proofs:
             self._traces[atom] = self._derived_step(firing, below, self._others.get(atom, ()))
 
     def of(self, atom: clingo.Symbol) -> Trace:
-        """Return the trace of a true atom, of least height."""
+        """Return the trace of a true atom, of minimal height."""
         root = as_term(atom)
         trace = self._least(root) or self._leaf(root)
         if self._needs is not None:
@@ -66,16 +66,16 @@ class Proofs:
         return trace
 
     def _least(self, atom: TermId) -> Trace | None:
-        """Return the trace of an atom, or None if it is no reason for anything."""
+        """Return the trace of an atom, or None if its predicate is never cited."""
         if atom not in self._traces:
             leaf = self._leaf(atom)
             self._traces[atom] = leaf if is_cited(leaf) else None
         return self._traces[atom]
 
     def _add_others(self, root: TermId, needs: Needs) -> None:
-        """Add the other derivations of an atom and of all that any of its derivations rests on.
+        """Add the other derivations of an atom and of all atoms in its derivations.
 
-        Firings of one rule for the same values that rest on the same are one derivation.
+        Firings of one rule with equal values and equal premises are one derivation.
         """
         waiting = [root]
         while waiting:
@@ -118,7 +118,7 @@ class Proofs:
         return self._absences[pattern]
 
     def _absence(self, pattern: TermId) -> Absent | None:
-        """Return an absence, or None if it is no reason for anything."""
+        """Return an absence, or None if its predicate is never cited."""
         atom = text(pattern).replace("_any", "_")
         if atom.startswith("_not("):
             return Absent(f"not {atom.removeprefix('_not(').removesuffix(')')}")
@@ -134,12 +134,12 @@ class Proofs:
 
 
 def _beside_groups(firing: Firing, counted: CountedWithout) -> tuple[object, ...]:
-    """Return the key of a firing among those with the same groups."""
+    """Return a key of a firing: its rule, values and groups, and premises outside of groups."""
     held, lacking = counted.of_all(firing.groups)
     own = frozenset(firing.premises) - held, frozenset(firing.absent) - lacking
     return firing.rule, firing.values, firing.groups, *own
 
 
 def _derivation(firing: Firing, below: Support) -> tuple[object, ...]:
-    """Return the key of a derivation among those of its atom."""
+    """Return a key of a derivation, unique among the derivations of its atom."""
     return firing.rule, firing.values, *map(frozenset, below)

@@ -1,7 +1,7 @@
-"""Which variables belong to a rule and which to an element of it, and the atoms a head can give.
+"""The scope of variables, local to an element or global, and the atoms that a head can give.
 
-What stands outside of aggregates and conditions is global, as are their guards; other variables
-mean something in their own element alone (ASP-Core-2, section 2.1; gringo's local variables).
+Variables outside of aggregates and conditions are global, as are those of guards; the scope of
+other variables is their own element (ASP-Core-2, section 2.1; gringo's local variables).
 """
 
 import re
@@ -11,7 +11,7 @@ from clingo import ast
 
 _TYPE = ast.ASTType
 AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
-#: Before the names of variables that are local to an element of a head; no instance shows them.
+#: The prefix of renamed variables that are local to an element of a head; no instance shows them.
 OWN = "_Own_"
 # Reading a term's text is many times faster than walking its tree through the foreign interface.
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
@@ -24,14 +24,14 @@ def bare(node: ast.AST | str) -> str:
 
 
 def variables_of(nodes: Iterable[ast.AST | str]) -> set[str]:
-    """Return the names of the variables in nodes or texts of terms, but for anonymous ones."""
+    """Return the names of the variables in nodes or texts of terms, except anonymous ones."""
     return {name for node in nodes for name in _VARIABLE.findall(bare(node))}
 
 
 def global_variables(head: Iterable[ast.AST], literals: Iterable[ast.AST]) -> set[str]:
     """Return the variables of a rule that are not local to an aggregate or condition.
 
-    `head` are parts of the head of which all variables are global.
+    `head` are the terms or literals of the head whose variables are all global.
     """
     found = variables_of(head)
     for literal in literals:
@@ -53,8 +53,8 @@ def guards(aggregate: ast.AST) -> list[ast.AST]:
 def atoms_of_head(statement: ast.AST) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
     """Yield the literals of atoms that a rule's head can give, each with its own condition.
 
-    To stand in the body, a condition must not share the name of a local variable with an element
-    there: such variables are renamed, with `OWN` before.
+    Callers move the condition into the body. Its local variables that clash with local variables
+    there are renamed, with the prefix `OWN`.
     """
     head = statement.head
     found: list[tuple[ast.AST, Sequence[ast.AST]]] = []
@@ -80,7 +80,7 @@ class Renamed(ast.Transformer):
     """Renames variables of a tree."""
 
     def __init__(self, names: Mapping[str, str]) -> None:
-        """Map the names of variables to new ones; others keep theirs."""
+        """Prepare for a mapping of old to new names; other variables keep their names."""
         self._names = names
 
     def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name

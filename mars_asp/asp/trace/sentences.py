@@ -1,4 +1,4 @@
-"""What declarations of predicates say of atoms, and of atoms that do not hold."""
+"""Sentences for atoms and for absent atoms, from declarations of predicates."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -9,13 +9,13 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.asp.units import UNITS, measured, measured_alike
 
-#: A value of an argument that is left open.
+#: The value of an open argument.
 OPEN = "_any"
 _Index: TypeAlias = Mapping[tuple[Term, ...], Fact]
 
 
 class _Hole(NamedTuple):
-    """A place in a sentence: an argument, of the fact of `other` if it is not its own."""
+    """A hole of a sentence: an argument of the atom, or of a fact of the predicate `other`."""
 
     other: Declaration | None
     place: int
@@ -30,21 +30,21 @@ class _Form(NamedTuple):
 
 
 class Sentence(NamedTuple):
-    """A sentence, and the values that fill its holes as they are written in it."""
+    """A sentence, and the texts that fill its holes."""
 
     sentence: str
     values: tuple[str, ...]
 
 
 class Sentences:
-    """Sentences about atoms; what these name is looked up among the given facts."""
+    """Writes sentences about atoms; values of other predicates come from the given facts."""
 
     def __init__(
         self,
         declarations: Mapping[Signature, Declaration],
         facts: Mapping[str, Sequence[Fact]],
     ) -> None:
-        """Prepare; `facts` are those given, by the names of their predicates."""
+        """Prepare; `facts` are the given facts by the names of their predicates."""
         self._declared = {(s.signed, s.arity): each for s, each in declarations.items()}
         self._named = {name: each for (name, _), each in self._declared.items()}
         self._ordering = [each for each in declarations.values() if each.orders is not None]
@@ -54,14 +54,14 @@ class Sentences:
         self._forms: dict[tuple[str, int, str], _Form | None] = {}
 
     def says(self, atom: Atom) -> Sentence | None:
-        """Return the sentence of an atom, or None if nobody declares one."""
+        """Return the sentence of an atom, or None if none is declared."""
         declared = self._declared.get((atom.name, len(atom.arguments)))
         return None if declared is None else self._first(declared.says, declared, atom)
 
     def unless(self, pattern: Atom) -> str | None:
-        """Return the sentence of an atom that does not hold, where `OPEN` arguments are any.
+        """Return the sentence of an absent atom, where `OPEN` arguments are any value.
 
-        It is `None` where nobody declares one for what is not open.
+        It is None if no sentence is declared that needs only the values of other arguments.
         """
         declared = self._declared.get((pattern.name, len(pattern.arguments)))
         if declared is None:
@@ -70,7 +70,7 @@ class Sentences:
         return self._another_value(declared, pattern) or (found and found.sentence)
 
     def _another_value(self, declared: Declaration, pattern: Atom) -> str | None:
-        """Return that a property has another value than the pattern; None if none is stated."""
+        """Return the sentence that a property has another value, or None if no fact states one."""
         if declared.attribution is None or len(declared.arguments) != 2:
             return None
         thing, wanted = pattern.arguments
@@ -88,7 +88,7 @@ class Sentences:
         return f"`{declared.name}` of `{thing}` is {words[0]}, not {words[1]}"
 
     def rank(self, atom: Atom) -> int | None:
-        """Return the number that orders what an atom is about, or None if nothing does."""
+        """Return the number that orders the thing of an atom, or None without such an order."""
         own = self._declared.get((atom.name, len(atom.arguments)))
         for ordering in self._ordering if own is not None else ():
             assert own is not None and ordering.orders is not None
@@ -112,7 +112,7 @@ class Sentences:
         return None
 
     def _sentence_form(self, sentence: str, declared: Declaration) -> _Form | None:
-        """Return a sentence with its holes, or None if one names nothing."""
+        """Return a sentence with its holes, or None if a hole names an unknown argument."""
         holes = []
         for match in re.finditer(SENTENCE_HOLE, sentence):
             of = declared if match[1] is None else self._named.get(match[1])
@@ -138,8 +138,8 @@ class Sentences:
         return found
 
     def _joined(self, other: Declaration, own: Declaration, atom: Atom) -> Fact | None:
-        """Return the fact of another predicate with the arguments that are named alike."""
-        # A declaration is hashed slowly, and all live as long as this.
+        """Return the fact of another predicate that agrees in all arguments of the same names."""
+        # A declaration is hashed slowly, and all declarations live as long as this object.
         pairs = self._alike.get((id(other), id(own)))
         if pairs is None:
             pairs = self._alike[id(other), id(own)] = _alike(other, own)
@@ -163,7 +163,7 @@ class Sentences:
 
 
 def _alike(other: Declaration, own: Declaration) -> tuple[tuple[int, int], ...]:
-    """Return the positions of arguments of two predicates that have one name."""
+    """Return the pairs of positions of arguments that have the same name in two predicates."""
     names = [argument.name for argument in own.arguments]
     return tuple(
         (place, names.index(argument.name))
@@ -177,7 +177,7 @@ def _is_open(value: Term) -> bool:
 
 
 def _readable_value(value: Term, argument: PredicateArgument) -> str | None:
-    """Return a value as people read it, or None if it is open, or a term of the encoding."""
+    """Return a value in readable form, or None if it is open, or a term of the encoding."""
     if isinstance(value, int):
         unit = next((sort for sort in argument.sorts if sort in UNITS), None)
         return str(value) if unit is None else measured(value, unit)
@@ -187,5 +187,5 @@ def _readable_value(value: Term, argument: PredicateArgument) -> str | None:
         return None
     if not value.arguments:
         return value.name.replace("_", " ")
-    # Of a term that stands for something written, what is written.
+    # A term for something written: the strings among its arguments.
     return " ".join(each for each in value.arguments if each and isinstance(each, str)) or None

@@ -25,21 +25,21 @@ from mars_asp.asp.trace.tree import (
 from mars_asp.asp.units import UNIT
 from mars_asp.diagnostic import Span
 
-#: Where nobody knows how wide the lines can be.
+#: The width of lines if the width of the terminal is unknown.
 WIDTH = 80
-#: What `textwrap` counts as white space.
+#: The white space that `textwrap` replaces by spaces.
 _SPACE = re.compile(r"[\t\n\x0b\x0c\r]")
 #: A number before the end of a line, whose unit comes after it.
 _NUMBER = re.compile(r" [(-]?[\d.]+$")
 _ITS_UNIT = re.compile(f" {UNIT}")
-#: Among so many steps below a premise it is looked for what need not be said beside it.
+#: The number of steps below a premise that are searched for entries which need no repetition.
 NEAR = 200
-#: How far a level is indented, and how far what continues a line.
+#: The indentation of a level, and of the continuation of a line.
 _STEP, _FURTHER = 4, 2
 
 
 class Chosen(NamedTuple):
-    """How a chosen atom compares with answers that lack it, and what excludes those if anything."""
+    """The comparison of a chosen atom with answers that lack it, and reasons that exclude these."""
 
     remark: str
     reasons: tuple[str, ...] = ()
@@ -57,12 +57,12 @@ def traces_text(
     places: bool = False,
     chosen: Callable[[Derived], Chosen] = lambda _: CHEAPEST,
 ) -> Iterator[str]:
-    """Yield the lines of several traces, each under its title: messages, rules and places.
+    """Yield the lines of several traces, each under its title: messages, rules and locations.
 
-    What has no message is `folded` into what it supports, else told by its atom, as facts are then.
-    What is shared stands once; where it is needed again, it is referred to by a number. Several
-    derivations of an atom stand one below the other, each with its number. `places` adds where the
-    rules are. Quoted lines of files are as long as they are. `chosen` compares choices.
+    Steps without message are `folded` into the steps that they support; otherwise steps and facts
+    are shown by their atoms. A shared step is printed once, and later occurrences refer to its
+    number. Several derivations of an atom follow one another, each with its number. `places` adds
+    the locations of rules. Quoted lines of files are not wrapped. `chosen` compares choices.
     """
     teller = _Teller(line_at, depth, folded, chosen)
     entries = [entry for topic in topics for entry in teller.entries(*topic)]
@@ -88,7 +88,7 @@ def traces_text(
 
 
 class _NearStep(NamedTuple):
-    """What stands near below a step: steps by their `id`, facts, and the lines of these."""
+    """The nearest steps below a step by their `id`, their facts, and the lines of the facts."""
 
     steps: Set[int]
     facts: Set[str]
@@ -96,7 +96,7 @@ class _NearStep(NamedTuple):
 
 
 class _Quoted(NamedTuple):
-    """A line of a file, and what it says of a fact that cannot be seen in it."""
+    """A line of a file, and sentences of its facts that cannot be seen in the line."""
 
     place: str
     line: str
@@ -104,9 +104,9 @@ class _Quoted(NamedTuple):
 
 
 class _Entry(NamedTuple):
-    """One line to be: a title or leaf, or what a step says and what is added to that.
+    """One line of output: a title or leaf, or a step with a text after its message.
 
-    What a step says is written when it is printed, for there are many.
+    The message of a step is rendered only at printing: there are many steps.
     """
 
     level: int
@@ -121,7 +121,7 @@ def _said(step: Derived | NearMiss, folded: bool) -> str:
 
 
 def _head_words(head: TermId) -> str:
-    """Return what an atom is about where no rule says it: its predicate in words, and names."""
+    """Return a description of an atom without message: its predicate in words, and its names."""
     symbol = as_symbol(head)
     texts = (each for each in symbol.arguments if each.type == clingo.SymbolType.String)
     names = ", ".join(f"`{each.string}`" for each in texts)
@@ -130,7 +130,7 @@ def _head_words(head: TermId) -> str:
 
 
 class _Teller:
-    """Finds out what stands in which line. What it told in one trace it does not tell again."""
+    """Arranges traces in lines; a step of an earlier trace is not opened again."""
 
     def __init__(
         self,
@@ -140,12 +140,12 @@ class _Teller:
         chosen: Callable[[Derived], Chosen],
     ) -> None:
         self._read, self._chosen = line_at, chosen
-        #: What was read, by its place; a line is quoted wherever a trace leads to it.
+        #: The lines of files by location; a line is quoted in every trace that contains its fact.
         self._wrapped_lines: dict[Span, str] = {}
         self._paths: dict[str, str] = {}
         self._depth = depth
         self._folded = folded
-        #: The steps that come more than once.
+        #: The steps that occur more than once.
         self.again: set[int] = set()
         self._opened: set[int] = set()
         self._near: dict[int, _NearStep] = {}
@@ -159,7 +159,7 @@ class _Teller:
         if not isinstance(trace, Derived | Underivable):
             stack = [(leaf, 1) for leaf in self._leaves([trace])[::-1]]
         said_of: dict[int, str] = {}
-        #: The leaves told at each level since the last step above it.
+        #: The leaves printed at each level since the last step above it.
         items: list[set[str | _Quoted]] = []
         while stack:
             step, level = stack.pop()
@@ -208,7 +208,7 @@ class _Teller:
     ) -> Sequence[Trace | NearMiss | str | _Quoted]:
         """Return the entries below a step, leaves as quoted lines: each line of a file once.
 
-        Lines that follow each other are in the order of what they say and then of their places.
+        Adjacent lines are sorted by rank, then by location.
         """
         found: list[Trace | NearMiss | str | _Quoted] = []
         quoted: dict[tuple[object, ...], list[Given]] = {}
@@ -255,7 +255,7 @@ class _Teller:
         return [leaf._replace(place=leaf.place.ljust(width)) for leaf in found]
 
     def _plain(self, step: Trace) -> str | None:
-        """Return a leaf that is told in words, or by its atom where nothing is folded."""
+        """Return the line of an unquoted leaf: its sentence, or its atom if nothing is folded."""
         match step:
             case Given(atom, span, origin):
                 result = step.message or atom
@@ -280,10 +280,10 @@ class _Teller:
                 return None
 
     def _interesting(self, premises: Sequence[Trace], absences: bool) -> Sequence[Trace]:
-        """Return the premises that say something of their own, in their order.
+        """Return the premises that add information, in their order.
 
-        Those without a message give way to their premises; what another premise leads to as well is
-        left to that one. Beside a message an absence says nothing that the message leaves out.
+        Premises without a message are replaced by their own premises, and premises that also occur
+        below another premise are left out. Beside a message, absences are left out.
         """
         if not self._folded:
             told_once = {id(each): each for each in premises}.values()
@@ -324,7 +324,7 @@ class _Teller:
         ]
 
     def _is_seen(self, given: Given, nears: Sequence[_NearStep]) -> bool:
-        """Whether a fact stands below other steps, or is all that a line there says."""
+        """Whether a fact occurs below other steps, or a line quoted there shows all its values."""
         if any(given.atom in near.facts for near in nears):
             return True
         if given.span is None or _is_told(given):
@@ -336,12 +336,12 @@ class _Teller:
 
 
 def _is_told(given: Given) -> bool:
-    """Whether a fact is told in words and not by a line that states it."""
+    """Whether a fact is printed as a sentence and not by quoting the line that states it."""
     return given.span is None or given.origin != "stated" or is_pseudo(given.span)
 
 
 def _fact_sentence(given: Given, line: str) -> str | None:
-    """Return the sentence of a fact, unless all that it names can be seen in the line."""
+    """Return the sentence of a fact, or None if all its values can be seen in the line."""
     result = given.told
     if result is None or all(value.partition(" ")[0] in line for value in result.values):
         return None
@@ -349,7 +349,7 @@ def _fact_sentence(given: Given, line: str) -> str | None:
 
 
 def _quoted_lines(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
-    """Yield a line that is quoted, and behind or below it what it says."""
+    """Yield a quoted line, with its notes after or below it."""
     indent = " " * _indent(level, width)
     line = f"{indent}{leaf.place}  {_SPACE.sub(' ', leaf.line)}".rstrip(" ")
     if leaf.notes and len(line) + 4 + len(leaf.notes) <= width:
@@ -363,7 +363,7 @@ def _quoted_lines(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
 
 
 def _placed(line: str, span: Span, level: int, width: int) -> Sequence[str]:
-    """Return the last line of what a rule says with the place of the rule behind or below it."""
+    """Return a rule's last line with the rule's location after or below it."""
     place = f"{_shown_path(span.path)}:{span.line}"
     if len(line) + 1 + len(place) <= width:
         return (f"{line} {place}",)
@@ -371,15 +371,15 @@ def _placed(line: str, span: Span, level: int, width: int) -> Sequence[str]:
 
 
 def _shown_path(path: str) -> str:
-    """Return a path from the current directory, where it leads below that."""
+    """Return a path, relative to the current directory if it is below this."""
     return path.removeprefix(os.path.join(os.getcwd(), ""))  # noqa: PTH109, PTH118
 
 
 def _numbered(step: Derived, folded: bool) -> dict[int, str]:
-    """Return what is said of a step and of its others, by their `id`: `derivation 1 of 2`.
+    """Return a remark for a step and each of its others, by their `id`: `derivation 1 of 2`.
 
-    Where the same rule says the same in several, the values that are not the same in all of these
-    follow; where steps are folded, those of them that are names.
+    Derivations with the same rule and message are followed by the values in which they differ;
+    where steps are folded, only by names.
     """
     every = (step, *step.others)
     alike: dict[tuple[int, str | None], list[Derived]] = {}
@@ -407,7 +407,7 @@ def _differs(name: str, bindings: Sequence[Mapping[str, clingo.Symbol]]) -> bool
 
 
 def _near(step: Derived) -> _NearStep:
-    """Return what stands near below a step, the nearest first until there is enough."""
+    """Return the nearest steps and facts below a step, in breadth-first order up to a limit."""
     waiting = [step]
     seen = {id(step)}
     facts: set[str] = set()
@@ -443,7 +443,7 @@ def _below(step: Trace) -> list[Trace]:
 
 
 def leaves_of(trace: Trace) -> Sequence[Given]:
-    """Return the facts that a trace rests on, each once, in the order of their places."""
+    """Return the facts that a trace rests on, each once, in the order of their locations."""
     found: dict[str, Given] = {}
     for part in _below(trace):
         if isinstance(part, Given) and part.span is not None:
@@ -452,9 +452,9 @@ def leaves_of(trace: Trace) -> Sequence[Given]:
 
 
 def wrapped(text: str, level: int, width: int = WIDTH, end: str = "") -> Sequence[str]:
-    """Return a text's lines, indented by its level, what goes on further but not as far as below.
+    """Return a text's lines, indented by its level; continuations by less than a further level.
 
-    The `end` stands behind the last word, never alone in a line.
+    The `end` follows the last word, never alone in a line.
     """
     indent = " " * _indent(level, width)
     if not text.isprintable():
@@ -477,7 +477,7 @@ def wrapped(text: str, level: int, width: int = WIDTH, end: str = "") -> Sequenc
 
 
 def _indent(level: int, width: int) -> int:
-    """Return how far a level is indented: never more than half of the width."""
+    """Return the indentation of a level, at most half of the width."""
     return _STEP * min(level, width // 2 // _STEP)
 
 
@@ -490,10 +490,10 @@ def _wrapped_lines(text: str, indent: str, further: str, width: int) -> Iterator
             if _ITS_UNIT.match(text, max(end, 0)) and (number := _NUMBER.search(text[:end])):
                 end = number.start()
             if end < 0:
-                # A word that is longer than a line has one of its own.
+                # A word longer than a line is a line of its own.
                 end = len(text.partition(" ")[0])
         line = indent + text[:end].rstrip(" ")
-        # An atom has no spaces; it goes on behind one of its commas.
+        # An atom has no spaces; it is broken after a comma.
         while len(line) > width and (comma := line.rfind(",", len(further), width) + 1):
             yield line[:comma]
             line = further + line[comma:]

@@ -24,13 +24,13 @@ _VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
 
 
 class SentenceRenderer(NamedTuple):
-    """What tells an atom or its absence in words, when somebody asks for them."""
+    """The sentence of an atom or of its absence, rendered at the first use."""
 
     sentences: Sentences
     given: Atom | TermId
     declared: Declaration | None = None
 
-    # Taken apart when somebody asks, as of a derived atom.
+    # Converted at the first use, as of a derived atom.
     @property
     def atom(self) -> Atom:
         """Return the atom, or the pattern that no atom fits."""
@@ -47,9 +47,9 @@ def atom_of(symbol: clingo.Symbol) -> Atom:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Given:
-    """A fact and where it comes from; no place where nobody knows it.
+    """A fact and its source; `span` is None if the location is unknown.
 
-    What was computed has the place of what it was computed from.
+    A computed fact has the location of the text from which it was computed.
 
     >>> trace = Given("edge(a,b)", Span("graph.lp", 12, 1, 12, 11))
     >>> trace.span.line
@@ -70,13 +70,13 @@ class Given:
 
     @property
     def message(self) -> str | None:
-        """Return that sentence as text."""
+        """Return the sentence as text, or None."""
         result = self.told
         return None if result is None else result.sentence
 
     @property
     def rank(self) -> int | None:
-        """Return the number by which things like this are ordered, the highest first."""
+        """Return the number that orders facts of this kind, the highest first, or None."""
         return None if self.words is None else self.words.sentences.rank(self.words.atom)
 
     @property
@@ -91,9 +91,9 @@ class Given:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Absent:
-    """A premise `not atom` that holds because the atom does not; `_` stands for anything.
+    """A premise `not atom` that holds because the atom does not; `_` is any value.
 
-    Of an external, `external` is the place of its statement.
+    `external` is the location of the statement if the atom is an external.
 
     >>> Absent("edge(b,a)").atom
     'edge(b,a)'
@@ -113,12 +113,12 @@ class Absent:
 
     @property
     def sentence(self) -> str | None:
-        """Return the sentence that the vocabulary has for it, or None if it has none."""
+        """Return the sentence that the vocabulary has for the absence, or None if it has none."""
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
 
 def _absence(atom: str, words: SentenceRenderer | None) -> str:
-    """Return a sentence about an absence; of what nothing is declared it names the atom."""
+    """Return a sentence about an absence; without a declaration it names the atom."""
     if words is None:
         return f"no {plain(atom)}"
     pattern = words.atom
@@ -132,13 +132,14 @@ def _absence(atom: str, words: SentenceRenderer | None) -> str:
 class Derived:
     """An atom that one firing of a rule gives.
 
-    `chosen` is true where the rule only offers the atom and least cost picked it. `head` is the
-    atom and `values` what the variables stand for, `v(n("X",...),1,...)`. Premises that several
+    `chosen` is true if the rule only offers the atom and minimal cost selects it. `head` is the
+    atom, and `values` are the values of the variables, `v(n("X",...),1,...)`. Premises that several
     traces share are the same object.
 
-    `others` are the other derivations of the atom, where they were asked for: all firings of which
-    the premises stand without the atom. Premises alone never lead back to the atom; those of
-    `others` can, for each has a derivation without it, but the one of least height may be another.
+    `others` are the other derivations of the atom, if they were requested: all firings whose
+    premises can be derived without the atom. A path through `premises` alone never returns to the
+    atom. One through `others` can: each premise has a derivation without the atom, but its
+    derivation of minimal height may be another one.
 
     >>> from mars_asp.asp import Program
     >>> trace = Program.from_text("edge(a,b). reach(Y) :- edge(a,Y).").solve().why("reach(b)").trace
@@ -155,7 +156,7 @@ class Derived:
     chosen: bool = False
     others: Sequence["Derived"] = ()
 
-    # Written out when somebody asks: of many thousands of steps a reader sees few.
+    # Rendered at the first use: a reader sees few of many thousands of steps.
     @property
     def atom(self) -> str:
         """Return the text of the atom."""
@@ -183,7 +184,7 @@ class Derived:
 
 @dataclass(frozen=True, slots=True)
 class Unexplained:
-    """A true atom that no rule with a supported construct gives; `reason` names what is missing."""
+    """A true atom that no rule with a supported construct gives; `reason` names the obstacle."""
 
     atom: str
     reason: str
@@ -193,9 +194,9 @@ class Unexplained:
 class NearMiss:
     """The nearest that a rule comes to an absent `atom`.
 
-    `fails` is the literal that is false for these bindings, `value` what its aggregate amounts
-    to; `cause` says why it is false, and `held` are premises that do hold. Where `fails` is
-    `None`, a choice could give the atom and does not.
+    `fails` is the literal that is false for these bindings, `value` the value of its aggregate,
+    `cause` the reason why the literal is false, and `held` are premises that do hold. If `fails` is
+    None, a choice could give the atom and does not.
     """
 
     atom: str
@@ -209,9 +210,9 @@ class NearMiss:
 
     @property
     def sentence(self) -> str:
-        """Return that the rule does not give the atom; unbound variables are `...`.
+        """Return the sentence that rejects this instance of the rule; unbound variables are `...`.
 
-        The message itself may well hold, of this atom or another: the instance is denied.
+        The message itself may well hold: this atom or another one may be derived.
         """
         if self.message is not None:
             return f"{self.atom} would hold because {_HOLE.sub('...', self.message)}, but"
@@ -219,7 +220,7 @@ class NearMiss:
 
     @property
     def failure(self) -> str:
-        """Return that the literal is false, with its value or the values of its variables."""
+        """Return the sentence that the literal fails, with its value or its variables' values."""
         if self.fails is None:
             return "it may be chosen, and is not"
         if self.value is not None:
@@ -229,13 +230,13 @@ class NearMiss:
         return f"`{self.fails}` fails{' for ' if values else ''}{', '.join(values)}"
 
     def reasons(self, go_on: bool) -> "Sequence[Trace | NearMiss | str]":
-        """Return the steps below: the premise that fails, and why it does if they `go_on`."""
+        """Return the steps below: the failing premise, and its reasons if they `go_on`."""
         cause = self.cause
         if cause is None:
             return () if self.message is None else (self.failure,)
         if not isinstance(cause, Underivable):
             return (cause,)
-        # Without a message, and without a premise that is underivable, an attempt is one line.
+        # An attempt without message and without underivable premise is a single line.
         if cause.attempts and (
             go_on
             or all(
@@ -249,9 +250,9 @@ class NearMiss:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Underivable:
-    """An atom that does not hold, with the nearest that each rule comes; `_` is any value.
+    """An atom that does not hold, with the nearest miss of each rule; `_` is any value.
 
-    `followed` is false where no more was asked, as beyond a depth.
+    `followed` is false if the search ended here, as at the maximal depth.
 
     >>> from mars_asp.asp import Program
     >>> answer = Program.from_text("edge(a,b). reach(Y) :- edge(a,Y).").solve()
@@ -273,12 +274,12 @@ class Underivable:
 
     @property
     def sentence(self) -> str | None:
-        """Return the sentence that the vocabulary has for it, or None if it has none."""
+        """Return the sentence that the vocabulary has for the absence, or None if it has none."""
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
     @property
     def nearest(self) -> list[NearMiss]:
-        """Return the attempts with a message; one without gives way to those of its cause."""
+        """Return the attempts with a message; the attempts of their cause replace others."""
         found: list[NearMiss] = []
         seen: set[int] = set()
         stack = list(reversed(self.attempts))
@@ -296,7 +297,7 @@ class Underivable:
 
 
 def is_pseudo(span: Span) -> bool:
-    """Whether a place is in no file: `<...>` is where a question, a run or the like is."""
+    """Whether a location is in no file: `<...>` is the path of a question, a run or the like."""
     return span.path.startswith("<")
 
 
@@ -315,7 +316,7 @@ def _string_names(names: TermId) -> tuple[str, ...]:
     return tuple(as_symbol(name).string for name in arguments(names))
 
 
-# The same few names stand in the messages of very many steps.
+# The same few names occur in the messages of very many steps.
 @lru_cache(maxsize=100_000)
 def _text(value: TermId) -> str:
     return text(value)
