@@ -1,7 +1,7 @@
-"""Which rules the cases fire, and which they let fail by one premise alone.
+"""The rules that the cases fire, and the rules that they make fail by one premise.
 
-A rule *fires* in a case where its body holds in a wanted answer set; it *just does not* where the
-body holds but for one premise. A constraint fires where leaving it out gives another answer.
+A rule *fires* in a case if its body holds in an expected answer set; it is *near* if all literals
+except one hold. A constraint fires if another answer exists without it.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -15,14 +15,14 @@ from mars_asp.asp.cases.probes import FIRED, NEAR, fired, probes
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 
-#: Of the number of a constraint, whether it refuses nothing.
+#: The external atom, with the number of a constraint, that disables the constraint.
 LEFT_OUT = "_left_out"
-#: Answer sets of a case that are looked at.
+#: The maximal number of answer sets of a case that are examined.
 _MOST_ANSWERS = 100
 
 
 class Case(NamedTuple):
-    """A file of cases: their facts, the stages of their rules, and what runs them all."""
+    """A file of cases: their facts, the stages of their rules, and a function that runs them."""
 
     path: Path
     texts: tuple[str, ...]
@@ -31,10 +31,10 @@ class Case(NamedTuple):
 
 
 class Measure(NamedTuple):
-    """How cases are run: which probes hold in them, and which constraints refuse a candidate.
+    """How cases are run: `held` finds the probes that hold, `refusing` the constraints that refuse.
 
-    Probes are texts by stage, and answered by the name and the number of each; constraints have
-    numbers.
+    Probes are texts by stage, and results are their names with the numbers of rules; constraints
+    have numbers.
     """
 
     held: Callable[[Mapping[str, Sequence[str]], Rulebook, Sequence[Case]], set[tuple[str, int]]]
@@ -43,9 +43,9 @@ class Measure(NamedTuple):
 
 @dataclass(frozen=True)
 class Coverage:
-    """The rules that were looked at; of these, who fire in no case, and who never just do not.
+    """The examined rules: `silent` ones never fire, `never_near` ones never fail by one premise.
 
-    What has no premise is not looked at, and never does not fire.
+    Rules without premises are not examined, because they always fire.
     """
 
     rules: tuple[Rule, ...]
@@ -59,7 +59,7 @@ def covered(
     cases: Sequence[Case],
     measure: Measure | None = None,
 ) -> Coverage:
-    """Run every case with probes beside the rules of its stages, as `measure` does it."""
+    """Run every case, as `measure` does, with probes for the rules of its stages."""
     measure = measure or Measure(_one_by_one, _refusing)
     looked_at = [rule for rule in rules if rule.ast.body]
     probed = {number: tuple(probes(number, rule)) for number, rule in enumerate(looked_at)}
@@ -76,7 +76,7 @@ def covered(
         tuple(
             rule
             for number, rule in enumerate(looked_at)
-            # What metadata lists has the body of its rule, where each premise is tried.
+            # A rule made from metadata repeats the body of its rule, where each premise is tried.
             if rule.listed is None
             and (NEAR, number) not in held
             and any(name == NEAR for name, _ in probed[number])
@@ -85,12 +85,12 @@ def covered(
 
 
 def is_constraint(rule: Rule) -> bool:
-    """Whether a rule derives nothing, and forbids."""
+    """Whether a rule is a constraint."""
     return str(rule.ast.head) == "#false"
 
 
 def watched(rules: str, constraints: Mapping[int, Rule]) -> str:
-    """Return rules in which `_fired` holds, of its number, instead of each of some constraints."""
+    """Return rules with each of `constraints` replaced by a rule for `_fired` with its number."""
     for number, rule in constraints.items():
         rules = rules.replace(rule.text, fired(number, rule))
     return rules
@@ -99,7 +99,7 @@ def watched(rules: str, constraints: Mapping[int, Rule]) -> str:
 def _refusing(
     constraints: Mapping[int, Rule], rulebook: Rulebook, cases: Sequence[Case]
 ) -> set[int]:
-    """Return which constraints alone refuse a candidate in some case."""
+    """Return the numbers of constraints that alone refuse a candidate in some case."""
     rest = dict(constraints)
     for case in cases:
         mine = {number: rule for number, rule in rest.items() if rule.stage in case.stages}
@@ -114,9 +114,9 @@ def _refusing(
 
 
 def refusals(program: str, numbers: Iterable[int], name: str) -> Iterator[int]:
-    """Yield the numbers of which the atom `name` can hold where they alone are left out.
+    """Yield each number for which the atom `name` can hold if only its constraint is left out.
 
-    The program holds an external atom for each of them, `_left_out`.
+    The program has an external atom `_left_out` for each number.
     """
     control = clingo.Control(["--opt-mode=ignore", "--warn=none"])
     control.add("base", [], program)
@@ -143,7 +143,7 @@ def _one_by_one(
 
 
 def _true_probes(program: str) -> set[tuple[str, int]]:
-    """Return the probes that hold in an answer set, least where something is minimised."""
+    """Return the probes that hold in an answer set, in an optimal one if the program minimises."""
     control = clingo.Control(["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=none"])
     control.add("base", [], program)
     control.ground()

@@ -1,4 +1,4 @@
-"""What a file of cases expects: the lines of comments that state it, and the blocks they are of."""
+"""The expectations of a file of cases: its comment lines, and the blocks that they belong to."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -9,7 +9,7 @@ import clingo
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.spelling import nearest
 
-#: What is named by a word, as `%has: ...`, and what by a sign, as `%= ...`.
+#: The kinds that are written as words, as `%has: ...`; others are signs, as `%= ...`.
 _WORDS = ("only", "has", "not", "case")
 _LINE = re.compile(
     r"%(?:(?P<sign>[=>~])|(?P<word>[a-z]+):(?=[ \t\r]|$))[ \t]*(?P<rest>.*?)[ \t\r]*$"
@@ -17,7 +17,7 @@ _LINE = re.compile(
 _CONTINUED = re.compile(r"%\+(.*?)[ \t\r]*$")
 #: A line with atoms that looks like a continuation.
 _STRAY = re.compile(r"%\+[ \t]+[-_a-z]")
-#: A value that is left open, or a string, in which nothing is.
+#: An open value; strings match as well, because they can contain `_`.
 ANYTHING = re.compile(r'("(?:[^"\\]|\\.)*")|(?<![A-Za-z0-9_\'])_(?![A-Za-z0-9_\'])')
 _CODE = "case"
 #: Represents any value.
@@ -26,7 +26,7 @@ ANY = clingo.Function("_any")
 
 @dataclass(frozen=True, slots=True)
 class StatedAtom:
-    """An atom of an expectation, as it is written and where."""
+    """An atom of an expectation in its written form, with its location."""
 
     text: str
     span: Span
@@ -36,14 +36,14 @@ class StatedAtom:
         """Return the atom as a term in which `_any` is any value.
 
         Raises:
-            RuntimeError: it cannot be read.
+            RuntimeError: the text cannot be read as a term.
         """
         return clingo.parse_term(ANYTHING.sub(lambda match: match[1] or "_any", self.text))
 
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """One expectation: `kind` is its sign or word, `last` the last line that it takes."""
+    """One expectation: `kind` is its sign or word, `last` its last line."""
 
     kind: str
     stated: tuple[StatedAtom, ...]
@@ -58,7 +58,7 @@ class Expectation:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """One case of a file: its title, the text without those of others, and what it expects."""
+    """One case of a file: its title, its expectations, and the text with other cases blanked."""
 
     title: str | None
     text: str
@@ -71,7 +71,7 @@ class Block:
 
 
 def blocks_of(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Block, ...]:
-    """Return the cases of a file; note what cannot be read of what they expect."""
+    """Return the cases of a file; add expectations that cannot be read to `problems`."""
     lines = text.split("\n")
     found = list(_read_expectations(lines, shown, problems))
     begins = [each for each in found if each.kind == "case"]
@@ -153,7 +153,7 @@ def _unread(kind: str, stated: Sequence[StatedAtom], span: Span) -> Iterator[Dia
 
 
 def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[StatedAtom]:
-    """Yield the atoms of a line, which blanks part outside of brackets and strings."""
+    """Yield the atoms of a line; blanks outside of brackets and strings separate them."""
     depth, begin, at = 0, 0, 0
     while at <= len(text):
         character = text[at : at + 1]

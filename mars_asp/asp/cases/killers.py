@@ -1,9 +1,9 @@
-"""What notices a mutant of a rule: a case, or a stronger check where one is given.
+"""The cases that detect mutants of rules, or a stronger check if one is provided.
 
-A case can notice a mutant only where the mutant derives other heads than the rule from the case's
-own answer, or says something else, or derives anything where the rule may support itself in a
-circle. This is looked at for all mutants of a case at once, so that few programs are solved for
-each mutant. A mutant whose message names what nothing binds any more is refused when it is read.
+A case can detect a mutant only if the mutant derives other heads or messages than its rule from the
+case's own answer, or derives anything at all in a recursive rule. All mutants of a case are
+examined for this at once, so that few programs are solved for each mutant. A mutant whose message
+names unbound variables is rejected without a case.
 """
 
 from collections import Counter
@@ -26,24 +26,23 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.diagnostic import MarsError
 
-#: What notices a mutant that takes more time or memory than it may.
+#: The killer of a mutant that exceeds its time or memory.
 RUNS_AWAY = "it runs away"
-#: Seconds of the processor that a case may take: a mutant that takes more runs away.
+#: The seconds of CPU time for a case; a mutant that needs more runs away.
 _SECONDS = 5.0
 _TYPE = ast.ASTType
-#: What a message names, by the file and the line of its rule.
+#: The holes of messages, by the file and the line of their rule.
 _Holes: TypeAlias = Mapping[tuple[str, int], Sequence[str]]
 
 
 @dataclass(frozen=True)
 class Bench:
-    """What mutants are tried on.
+    """The rulebook and the cases for trying mutants.
 
     Attributes:
-        deterministic: stages without choices: what a case derives in them is one answer, known once
-            it is grounded.
-        expansions: what keys of metadata stand for.
-        check: what else can notice a mutant of a stage; it names itself where it does.
+        deterministic: stages without choices, in which grounding alone gives the answer of a case.
+        expansions: the expansions of metadata keys into rules.
+        check: another check of a mutant of a stage; it returns its name if it detects the mutant.
     """
 
     rulebook: Rulebook
@@ -113,7 +112,7 @@ def _killing_case(cases: Iterable[Case], rulebook: Rulebook) -> str | None:
 
 
 def _exchanged(bench: Bench, file: MutatedFile, mutant: Mutant) -> Rulebook:
-    """Return the rulebook with a mutant in the place of its statement."""
+    """Return the rulebook in which a mutant replaces its statement."""
     rulebook = bench.rulebook
     old = file.content.decode()
     texts = tuple((s, file.mutated(mutant) if text == old else text) for s, text in rulebook.texts)
@@ -129,15 +128,15 @@ def _exchanged(bench: Bench, file: MutatedFile, mutant: Mutant) -> Rulebook:
 
 
 def _is_of(rule: Rule, mutant: Mutant) -> bool:
-    """Whether a rule is the one that a mutant takes the place of, or is listed by it."""
+    """Whether a rule is the original of a mutant, or was made from the metadata of the original."""
     if (rule.span.path, rule.span.line) != (mutant.path, mutant.line):
         return False
-    # Others may stand in its line.
+    # Other rules may be in the same line.
     return rule.listed is not None or written(rule.ast) == mutant.before
 
 
 def _expanded_rules(rule: Rule, expansions: Expansions) -> Iterator[Rule]:
-    """Yield the rules that its metadata stand for, which have its body."""
+    """Yield the rules that are made from the metadata of a rule; they have its body."""
     for key, listed in rule.lists:
         yield from expanded(rule, key, listed, rule.span, expansions[key])
 
@@ -185,7 +184,7 @@ def _useful(
 
 
 def _head(tree: ast.AST) -> ast.AST | None:
-    """Return the atom that a rule derives, if it derives one and does not choose."""
+    """Return the atom that a rule derives, or None for choices, constraints and others."""
     if tree.ast_type != _TYPE.Rule or tree.head.ast_type != _TYPE.Literal:
         return None
     atom: ast.AST = tree.head.atom
@@ -193,7 +192,7 @@ def _head(tree: ast.AST) -> ast.AST | None:
 
 
 def _probe(name: str, statement: str, holes: Sequence[str]) -> str:
-    """Return a rule that keeps what a statement derives and the values of its message's holes."""
+    """Return a rule that records the head of a statement and the values of message holes."""
     trees: list[ast.AST] = []
     ast.parse_string(statement, trees.append)
     tree = trees[-1]
@@ -202,7 +201,7 @@ def _probe(name: str, statement: str, holes: Sequence[str]) -> str:
 
 
 def _is_told(mutant: Mutant, holes: _Holes) -> bool:
-    """Return whether a mutant still binds what its message names."""
+    """Whether a mutant still binds the variables of its message."""
     named = holes.get((mutant.path, mutant.line), ())
     return not mutant.after or not named or is_safe(_probe("0", mutant.after, named))
 
@@ -213,7 +212,7 @@ def _different(
     circular: set[tuple[str, str]],
     holes: _Holes,
 ) -> set[int]:
-    """Return the numbers of the mutants that derive something else than their rules do."""
+    """Return the numbers of mutants that may derive other heads or messages than their rules."""
     originals = {mutant.before: index for index, (_, mutant) in enumerate(mutants)}
     named = {mutant.before: holes.get((mutant.path, mutant.line), ()) for _, mutant in mutants}
     text = [program]
@@ -241,7 +240,7 @@ def _different(
 
 @cache
 def _circular(files: tuple[MutatedFile, ...]) -> set[tuple[str, str]]:
-    """Return the rules, as path and text, whose heads and bodies depend on each other."""
+    """Return the recursive rules, as path and text."""
     uses: nx.DiGraph[tuple[str, int]] = nx.DiGraph()
     rules = [
         (file.path, statement.text, *_signatures(statement))

@@ -14,7 +14,7 @@ from mars_asp.asp.cases.probes import is_safe
 _TYPE = ast.ASTType
 _SIGN = ast.Sign
 _IS = ast.ComparisonOperator
-#: A changed node, and what was done.
+#: A changed node, and a description of the change.
 _Variant: TypeAlias = tuple[ast.AST, str]
 
 _FLIPPED = {
@@ -37,13 +37,13 @@ _is_safe = cache(is_safe)
 
 @dataclass(frozen=True, slots=True)
 class Mutant:
-    """One change of one statement; `before` and `after` are the statement, white space evened out.
+    """One change of one statement; `before` and `after` are statements in clingo's formatting.
 
     Attributes:
         path: the file, as it is shown.
-        line: where the statement begins, from 1.
-        change: what was done, such as "drop `not p(X)`".
-        place: where the statement stands in the list of those of the file.
+        line: the first line of the statement, from 1.
+        change: the description of the change, such as "drop `not p(X)`".
+        place: the index of the statement in the file's list of statements.
     """
 
     path: str
@@ -55,7 +55,7 @@ class Mutant:
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """Return the key of the mutant, which is the same while its statement is."""
+        """Return the key of the mutant, which is stable as long as its statement is."""
         return self.path, self.before, self.after
 
     def __str__(self) -> str:
@@ -64,14 +64,14 @@ class Mutant:
 
 @dataclass(frozen=True, slots=True)
 class MutantVerdict:
-    """What noticed a mutant, or None if nothing did."""
+    """The detection of a mutant: the name of its killer, or None if it survives."""
 
     mutant: Mutant
     killer: str | None
 
 
 def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
-    """Return so many mutants by chance, each of which stays drawn while others come and go."""
+    """Return `number` random mutants; adding or removing others keeps most of the choice."""
     return sorted(mutants, key=lambda m: sha256(f"{seed} {m.key}".encode()).digest())[:number]
 
 
@@ -86,7 +86,7 @@ class MutatedStatement:
 
     @property
     def text(self) -> str:
-        """Return the statement with its white space evened out."""
+        """Return the statement in clingo's formatting."""
         return written(self.tree)
 
 
@@ -100,10 +100,10 @@ class MutatedFile:
     statements: tuple[MutatedStatement, ...]
 
     def mutated(self, mutant: Mutant) -> str:
-        """Return the text of the file with one statement exchanged, its lines where they were."""
+        """Return the text of the file with one statement replaced, and all lines in their place."""
         old = self.statements[mutant.place]
         lines = self.content[old.begin : old.end].count(b"\n")
-        # What is minimised stands in braces, which are no part of its tree.
+        # The tree of a minimise statement has the span of the element within the braces.
         minimised = old.tree.ast_type == _TYPE.Minimize
         after = mutant.after
         new = after.removeprefix(_MINIMIZE).removesuffix(_MINIMIZED) if minimised else after
@@ -133,7 +133,7 @@ def rule_file(path: str, stage: str, content: bytes) -> MutatedFile:
 
 
 def written(tree: ast.AST) -> str:
-    """Return a statement as text; what is minimised as it is written here."""
+    """Return a statement as text; a minimise statement in one fixed form."""
     if tree.ast_type != _TYPE.Minimize:
         return str(tree)
     terms = ",".join([f"{tree.weight}@{tree.priority}", *map(str, tree.terms)])
@@ -141,7 +141,7 @@ def written(tree: ast.AST) -> str:
 
 
 def rule_mutants(file: MutatedFile) -> Iterator[Mutant]:
-    """Yield the mutants of a file; what does not parse, or is unsafe, is none."""
+    """Yield the mutants of a file, without texts that do not parse or are unsafe."""
     levels = sorted({_level(s.tree) for s in file.statements if s.tree.ast_type == _TYPE.Minimize})
     for place, statement in enumerate(file.statements):
         before = statement.text
@@ -160,7 +160,7 @@ def _level(tree: ast.AST) -> int:
 
 
 def _of_cost(tree: ast.AST, levels: Sequence[int]) -> Iterator[_Variant]:
-    """Yield what else can be done to what is minimised: another level, weight or direction."""
+    """Yield the variants of a minimise statement: another level, weight or direction."""
     if tree.ast_type != _TYPE.Minimize:
         return
     place = levels.index(_level(tree))
@@ -175,7 +175,7 @@ def _of_cost(tree: ast.AST, levels: Sequence[int]) -> Iterator[_Variant]:
 
 
 def _variants(node: ast.AST, in_body: bool) -> Iterator[_Variant]:
-    """Yield a tree with one thing changed, for each thing that can be."""
+    """Yield the trees with one change."""
     yield from _own(node, in_body)
     for key in node.child_keys:
         if key in ("location", "priority"):
@@ -213,7 +213,7 @@ def _own(node: ast.AST, in_body: bool) -> Iterator[_Variant]:
         yield from _negated(node)
     elif node.ast_type == _TYPE.Guard:
         others = _FLIPPED[ast.ComparisonOperator(node.comparison)]
-        # What is one more or one less than a number is tried with the number.
+        # A number one greater or smaller is tried by changing the number.
         for other in others[1:] if _is_number(node.term) and len(others) > 1 else others:
             new = node.update(comparison=int(other))
             yield new, f"flip `{_guard(node)}` -> `{_guard(new)}`"

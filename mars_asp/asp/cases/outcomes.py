@@ -1,4 +1,4 @@
-"""What came of cases: each expectation that the rules do not meet, with what they gave instead."""
+"""The results of cases: the unmet expectations, each with the result of the rules."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -12,7 +12,7 @@ from mars_asp.asp.signature import plain
 from mars_asp.diagnostic import Span
 from mars_asp.spelling import nearest
 
-#: What kinds of expectations ask for, in words.
+#: The kinds of expectations, in words.
 _WORDS = {"only": "only", "has": "at least", "not": "none of", ">": "the message", "~": "the cost"}
 _NONE_EXPECTED = (
     "  nothing is expected, so no answer set may be found; rules of your own go with --rules"
@@ -21,10 +21,10 @@ _NONE_EXPECTED = (
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """An expectation that is not met, with its place.
+    """An expectation that is not met, with its location.
 
-    `expected` is what it asks for in words, `found` what is there instead, and `nearest` what
-    resembles it most of all that is there. `lines` show the difference.
+    `expected` describes the expectation, `found` are the results instead, and `nearest` is the most
+    similar result. `lines` show the difference.
     """
 
     span: Span
@@ -36,7 +36,7 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """A case: its title where it has one, its place, and what it expects in vain."""
+    """A case: its title if it has one, its location, and its unmet expectations."""
 
     title: str | None
     span: Span
@@ -44,15 +44,15 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the rules gave what is expected."""
+        """Whether all expectations are met."""
         return not self.failures
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of the cases of a file, and its text with what was found as what is expected.
+    """The results of the cases of a file, and its text with updated expectations.
 
-    `updated` is `None` where that is the text as it is.
+    `updated` is None if the text would not change.
     """
 
     path: Path
@@ -65,14 +65,14 @@ class Outcome:
         return all(check.passed for check in self.checks)
 
     def difference(self) -> Iterator[str]:
-        """Yield lines that say what is missing and what is too much."""
+        """Yield lines with the missing and the surplus results."""
         for check in self.checks:
             yield from difference(check)
 
 
 @dataclass(frozen=True, slots=True)
 class FoundAnswer:
-    """An answer set: what `%=` compares, all its atoms, what rules say, and what it costs."""
+    """An answer set: the texts that `%=` compares, all its atoms, its messages, and its cost."""
 
     compared: tuple[str, ...]
     atoms: tuple[clingo.Symbol, ...]
@@ -81,7 +81,7 @@ class FoundAnswer:
 
 
 def difference(check: Check) -> Iterator[str]:
-    """Yield lines that say what is missing in a case and what is too much."""
+    """Yield lines with the missing and the surplus results of a case."""
     for failure in check.failures:
         if not any(line.startswith("  - ") for line in failure.lines):
             yield f"  - {failure.expected}"
@@ -135,7 +135,7 @@ def _exactly(
 
 
 def _even(stated: StatedAtom) -> str:
-    """Return an atom as clingo writes it."""
+    """Return an atom in clingo's formatting."""
     if " " not in stated.text:
         return stated.text
     try:
@@ -206,7 +206,7 @@ def _failure(span: Span, expected: str, found: tuple[str, ...], near: str | None
 
 
 def shown_beside(found: Iterable[str], near: str | None) -> tuple[str, ...]:
-    """Return lines that show what was found instead of what was expected, and what is near it."""
+    """Return lines that show the results instead of the expected one, and the nearest result."""
     nearest_one = () if near is None else (f"    nearest: {near}",)
     return (*(f"  + {each}" for each in found), *nearest_one)
 
@@ -216,7 +216,7 @@ def _atom_texts(atoms: Iterable[clingo.Symbol]) -> tuple[str, ...]:
 
 
 def matches(pattern: clingo.Symbol, found: clingo.Symbol) -> bool:
-    """Whether a term is one that a pattern with `_any` stands for."""
+    """Whether a term matches a pattern; `_any` matches any value."""
     if pattern in (found, ANY):
         return True
     if clingo.SymbolType.Function not in (pattern.type, found.type) or pattern.type != found.type:
@@ -229,7 +229,7 @@ def matches(pattern: clingo.Symbol, found: clingo.Symbol) -> bool:
 
 
 def _same_sort(pattern: clingo.Symbol, found: clingo.Symbol) -> bool:
-    """Whether two atoms have one predicate, and one first argument where that is a constant."""
+    """Whether two atoms have one predicate, and one first argument if this is a constant."""
     if plain(found.name) != pattern.name or found.positive != pattern.positive:
         return False
     if len(found.arguments) != len(pattern.arguments):
@@ -240,7 +240,7 @@ def _same_sort(pattern: clingo.Symbol, found: clingo.Symbol) -> bool:
 
 
 def _nearest(pattern: clingo.Symbol, atoms: Sequence[clingo.Symbol]) -> str | None:
-    """Return the atom of the same predicate that agrees in most, or one of a name like it."""
+    """Return the atom of the same predicate that agrees most, or else one of a similar name."""
     same = [atom for atom in atoms if plain(atom.name) == pattern.name]
     if same:
         best = max(sorted(same), key=lambda atom: _agreement(pattern, atom))
@@ -261,11 +261,11 @@ def rewritten(
     answers: Mapping[Block, Sequence[FoundAnswer]],
     own: Sequence[str] | None,
 ) -> str:
-    """Return a text of cases in which what was found is what is expected.
+    """Return a text of cases with expectations replaced by the results.
 
-    Facts stay as they are, and so does what a case has or has not whatever else there is: `%has:`
-    and `%not:`. A case without expectations is given the atoms of the patterns that are a
-    pack's `own`; an exact answer set if there are none.
+    Facts stay unchanged, and so do `%has:` and `%not:`, which are open to other results. A case
+    without expectations receives the atoms of the patterns that are a pack's `own`; if `own` is
+    None, an exact answer set.
     """
     lines = text.split("\n")
     edits: list[tuple[int, int, list[str]]] = []
@@ -276,7 +276,7 @@ def rewritten(
             edits.append((place, place, list(_closed(given[0], own, "#show" in block.text))))
         else:
             edits += _edits(block, given, len(lines))
-    # New lines end as the others do.
+    # New lines have the same line ending as the others.
     mark = "\r" if "\r\n" in text else ""
     for begin, end, new in sorted(edits, reverse=True):
         lines[begin:end] = [f"{line}{mark}" for line in new]
@@ -286,7 +286,7 @@ def rewritten(
 def _edits(
     block: Block, answers: Sequence[FoundAnswer], count: int
 ) -> Iterator[tuple[int, int, list[str]]]:
-    """Yield lines, from and up to which others take their place."""
+    """Yield edits: the first line, the end, and the lines that replace this range."""
     exact = block.of("=")
     for each in block.of("only") if answers else ():
         patterns = [declared.pattern for declared in each.stated]
@@ -315,9 +315,9 @@ def _edits(
 
 
 def _closed(answer: FoundAnswer, own: Sequence[str], shows: bool) -> Iterator[str]:
-    """Yield lines for the compared patterns of a pack: all their atoms, or that there are none.
+    """Yield lines for the patterns of a pack: all their atoms, or that there are none.
 
-    Whether there is none is known of findings, unless the case shows predicates itself.
+    The absence is certain only for findings, and only if the case does not show predicates itself.
     """
     compared = [clingo.parse_term(atom) for atom in answer.compared if not atom.startswith("%")]
     for pattern in own:
@@ -330,13 +330,13 @@ def _closed(answer: FoundAnswer, own: Sequence[str], shows: bool) -> Iterator[st
 
 
 def _as_expected_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:
-    """Return atoms in the order in which they were expected, others behind."""
+    """Return atoms in the order in which they were expected, others last."""
     order = {_even(each): at for at, each in enumerate(e for one in exact for e in one.stated)}
     return sorted(atoms, key=lambda atom: (order.get(atom, len(order)), atom))
 
 
 def _last_line(block: Block, count: int) -> int:
-    """Return behind which line of a file the text of a block ends."""
+    """Return the number of the last line of a block's text."""
     lines = block.text.split("\n")
     last = max((n for n, line in enumerate(lines, 1) if line.strip()), default=count)
     return max(last, block.span.line)

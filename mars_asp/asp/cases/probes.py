@@ -1,4 +1,4 @@
-"""Rules that tell, beside the rules of a program, which of these hold and which just do not."""
+"""Rules added to a program that show which of its rules fire, and which fail by one premise."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -15,10 +15,10 @@ _TYPE = ast.ASTType
 
 
 def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
-    """Yield rules with the predicates that they derive of the number of a rule.
+    """Yield pairs of a predicate and a rule that derives it with the number of a rule.
 
-    `_fired` holds where the body does, `_near` where it does but for one literal. Variables that
-    only this literal binds count as any value. What clingo finds unsafe is left out.
+    `_fired` holds if the body holds, `_near` if all literals except one hold. Variables that only
+    this literal binds match any value. Probes that clingo finds unsafe are left out.
     """
     for name, body in probed(rule):
         yield name, _probe_of(name, number, body)
@@ -26,12 +26,12 @@ def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
 
 @cache
 def probed(rule: Rule) -> tuple[tuple[str, Sequence[ast.AST]], ...]:
-    """Return the predicates that `probes` derives, each with the literals that it needs."""
+    """Return the predicates that `probes` derives, each with the body of its probe."""
     return tuple((name, body) for name, body in _bodies(rule) if is_safe(_probe_of(name, 0, body)))
 
 
 def fired(number: int, rule: Rule) -> str:
-    """Return the rule by which it is known that a rule fires."""
+    """Return the rule that derives `_fired` if a rule fires."""
     name, body = next(_bodies(rule))
     return _probe_of(name, number, body)
 
@@ -72,7 +72,7 @@ def _bodies(rule: Rule) -> Iterator[tuple[str, Sequence[ast.AST]]]:
 
 
 def _failing(literal: ast.AST, own: set[str]) -> Iterator[ast.AST]:
-    """Yield the literal that holds where this one does not, if it can be said as one."""
+    """Yield the literal that holds if `literal` fails, if there is a single one."""
     if literal.ast_type != _TYPE.Literal:
         return
     if literal.sign == ast.Sign.NoSign:

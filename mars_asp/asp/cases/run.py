@@ -1,4 +1,4 @@
-"""Where cases are, and what the rules make of one."""
+"""Finds case files, and runs their cases with the rules."""
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -20,18 +20,18 @@ from mars_asp.asp.signature import SPACE, Signature, plain, signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 
-#: What is asked to be said here, beside what cases ask of rules themselves.
+#: The stage name for messages of cases.
 _STAGE = "case"
-#: The beginning of an expectation, as `expectations.py` reads it.
+#: The beginning of an expectation, as in `expectations.py`.
 _EXPECTED = re.compile(r"(?m)^[ \t]*%(?:[=>~]|(?:only|has|not|case):)")
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
 
 
 def find_cases(paths: Iterable[Path], packs: Iterable[Path] = ()) -> tuple[Path, ...]:
-    """Return the case files that paths name, those of folders in the order of their names.
+    """Return the case files at some paths, those of folders sorted by name.
 
-    Of a folder these are the files that state an expectation and are not of rule packs.
+    In a folder, these are the files that have an expectation and do not belong to the rule packs.
     """
     rules = {path.resolve() for path in packs}
     found: list[Path] = []
@@ -49,14 +49,14 @@ def _states_expectation(path: Path) -> bool:
     try:
         return _EXPECTED.search(path.read_text(encoding="utf-8")) is not None
     except (OSError, UnicodeDecodeError):
-        # Who runs it reports the error.
+        # The error is reported when the file is run.
         return True
 
 
 def stages_of(path: Path, stages: Collection[str]) -> tuple[str, ...]:
-    """Return the stages, of those there are, that the folders of a case are named after.
+    """Return the stages that the folders of a case are named after.
 
-    Where a case lies in the current folder, what that folder is called says nothing.
+    For a case below the current folder, only folders below the current one count.
     """
     full, here = path.absolute(), Path.cwd()
     parts = full.relative_to(here).parts if full.is_relative_to(here) else full.parts
@@ -64,19 +64,19 @@ def stages_of(path: Path, stages: Collection[str]) -> tuple[str, ...]:
 
 
 def case_texts(path: Path) -> tuple[str, ...]:
-    """Return the text of each case of a file, its lines where they are in the file.
+    """Return the text of each case of a file; lines keep their numbers.
 
     Raises:
-        MarsError: it may not be given to clingo, or what it expects cannot be read.
+        MarsError: clingo must not read it, or an expectation cannot be read.
     """
     return tuple(block.text for block in _blocks(path)[0])
 
 
 def _blocks(path: Path) -> tuple[tuple[Block, ...], tuple[Piece, ...], str]:
-    """Return the cases of a file, what it is made of, and its text.
+    """Return the cases of a file, its statements, and its text.
 
     Raises:
-        MarsError: it may not be given to clingo, or what it expects cannot be read.
+        MarsError: clingo must not read it, or an expectation cannot be read.
     """
     text, written = read_case(path)
     problems: list[Diagnostic] = []
@@ -91,10 +91,10 @@ def run_case(
 ) -> Outcome:
     """Run the cases of a file with the rules of the base and of `stages`.
 
-    `finding` is the predicate that `%=` compares where a case shows none.
+    `finding` is the predicate that `%=` compares if a case shows none.
 
     Raises:
-        MarsError: a case may not be given to clingo, or what it expects cannot be read.
+        MarsError: clingo must not read a case, or an expectation cannot be read.
     """
     blocks, written, text = _blocks(path)
     answers = {
@@ -109,7 +109,7 @@ def run_case(
 def _own_sorts(rulebook: Rulebook, finding: Signature) -> Sequence[str] | None:
     """Return the patterns of all that packs derive: their predicates, and their kinds of findings.
 
-    It is None without packs, or where a rule of a pack may find any kind.
+    It is None without packs, or if a rule of a pack can find any kind.
     """
     own = rulebook.rules[len(rulebook.rules) - rulebook.pack_rules :]
     if not rulebook.packs or any(finding in r.heads and finding not in r.firsts for r in own):
@@ -142,10 +142,10 @@ def _answers(
     stages: Collection[str],
     finding: Signature,
 ) -> tuple[FoundAnswer, ...]:
-    """Return the answer sets of a case, least where something is minimised.
+    """Return the answer sets of a case, the optimal ones if something is minimised.
 
     Raises:
-        MarsError: clingo refuses it, or an operation has no value.
+        MarsError: clingo refuses the program, or an operation has no value.
     """
     wanted, stages = wanted or (finding,), ("base", *stages)
     messages, exact = block.of(">"), bool(block.of("="))
@@ -175,7 +175,7 @@ def _message_line(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
 
 
 def _grounded(program: Sequence[Fragment]) -> clingo.Control:
-    """Return a control with a program.
+    """Return a control with a grounded program.
 
     Raises:
         MarsError: clingo refuses it, or an operation has no value.
@@ -219,7 +219,8 @@ def _solved(
         compared |= entries | ({cost} if with_costs else set())
         key = tuple(sorted(compared))
         kept = tuple(_public_atoms(atoms)) if with_atoms else ()
-        # Where atoms are looked for, answer sets that agree in what is compared differ in others.
+        # With atoms requested, answer sets that agree in the compared ones are distinguished by
+        # others.
         found[(*key, *sorted(map(str, kept)))] = FoundAnswer(key, kept, frozenset(entries), cost)
 
     control.solve(on_model=keep)

@@ -1,6 +1,6 @@
-"""What is noteworthy in rules: a function from rules and declarations to diagnostics.
+"""Lint: a function from rules and declarations to diagnostics.
 
-Each family of lints has a file; `catalogue` says of each lint what it does and why.
+Each family of lints has a file; `catalogue` documents each lint with its reason.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -43,14 +43,14 @@ def _any_rule(_: Rule) -> bool:
 
 @dataclass(frozen=True)
 class Host:
-    """What lint cannot read in rules.
+    """The facts about the host program that lint cannot read in rules.
 
-    `finding` is the predicate that tells users what was found, `forms` are those of sorts, `things`
-    the sorts of which there are many values, `unbounded` the positions from 0 of numbers that users
-    state. `kinds` says of a sort of which argument it has all values that rules give. `exists` is
-    whether the example of a rule is there. In `demanding` stages constraints belong, in `choosing`
-    ones also those over chosen atoms. `placing` are, by the predicate that introduces a
-    thing, those that give it a place.
+    `finding` is the predicate of findings that users see, `forms` are those of sorts, `things` the
+    sorts with many values, `unbounded` the positions from 0 of numbers that users state. `kinds`
+    maps a sort to an argument that has all its derived values. `exists` returns whether the example
+    of a rule exists. Constraints belong in `demanding` stages, and those over chosen atoms also in
+    `choosing` ones. `placing` maps a predicate that introduces a thing to the predicates that place
+    it.
     """
 
     finding: Signature | None = None
@@ -65,9 +65,9 @@ class Host:
 
 
 def lint(rulebook: Rulebook, host: Host) -> tuple[LintFinding, ...]:
-    """Return what is noteworthy about the rules of packs, or of all rules where there are none.
+    """Return the findings about the rules of packs, or about all rules if there are no packs.
 
-    Findings that a rule allows are left out; in the order of their places.
+    They are in the order of their locations, without the findings that a rule allows.
     """
     first = len(rulebook.rules) - rulebook.pack_rules if rulebook.packs else 0
     own = rulebook.rules[first:]
@@ -94,7 +94,7 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
     circle = recursive_components(clauses)
     functions = MessageFunctions(clauses, declared)
     reported = frozenset({host.finding} if host.finding else ())
-    # The predicates that rules of choosing stages derive, by the stage.
+    # The predicates that rules of choosing stages derive, by stage.
     decided = {
         stage: {s.unsigned for rule in rules if rule.stage == stage for s in rule.heads}
         for stage in host.choosing
@@ -114,7 +114,7 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
                     yield each
                 entries.add(what)
             if rule.listed is not None:
-                # Of its body all is said where that stands.
+                # Its body is judged at the rule whose metadata it comes from.
                 continue
             yield from wrong_bodies(clause, replaced)
             yield from apart_by_keys(clause, declared, replaced)
@@ -148,7 +148,7 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
 def _expanded_clauses(
     rules: list[Rule], read: Mapping[int, tuple[Clause, ...]], number: int
 ) -> list[Clause]:
-    """Return the rules that the metadata of one stands for; they come after it."""
+    """Return the clauses of the rules that were made from the metadata of a rule."""
     found: list[Clause] = []
     while (number := number + 1) < len(rules) and rules[number].listed is not None:
         found += read[number]
@@ -156,7 +156,7 @@ def _expanded_clauses(
 
 
 def _public(rulebook: Rulebook) -> set[Signature]:
-    """Return the predicates that are shown, that costs rest on, and that many may derive."""
+    """Return the predicates that are shown, read by costs, or declared public."""
     found = {each.signature for each in rulebook.declarations.values() if each.public}
     for _, text in rulebook.texts:
         found |= read_by_costs(text)
@@ -165,7 +165,7 @@ def _public(rulebook: Rulebook) -> set[Signature]:
 
 
 def _is_large(atom: ClauseAtom, known: KnownValue, things: frozenset[str]) -> bool:
-    """Whether an atom may hold of very many values: a variable in it is one of many things."""
+    """Whether a variable of an atom has one of the sorts with many values."""
     return any(
         values is not None and name_of(term) and any(each.sort in things for each in values)
         for term, values in zip(atom.terms, known.arguments(atom.signature), strict=False)

@@ -1,4 +1,4 @@
-"""Aggregates that count less, or something else, than they seem to."""
+"""Aggregates that count less, or other values, than they seem to."""
 
 from collections.abc import Iterator
 
@@ -33,7 +33,7 @@ def wrong_aggregates(clause: Clause) -> Iterator[LintFinding]:
 
 
 def _fixed_choice(clause: Clause) -> Iterator[LintFinding]:
-    """Yield a choice between the instances of one atom, all variables of which the body binds."""
+    """Yield a choice over the instances of one atom if the body binds all its variables."""
     if clause.sort != "choice" or len(clause.heads) != 1:
         return
     ((head, condition),) = clause.heads
@@ -95,7 +95,7 @@ def _element(
 
 
 def _lost(element: Element, told: frozenset[str]) -> str:
-    """Return what of a condition is in no tuple, so that equal weights are one."""
+    """Return the variable, or "others" for `_`, that is missing in a tuple; otherwise ""."""
     for atom in element.scope.positive:
         for name in sorted(names_in(atom.node) - told):
             return f"`{name}`"

@@ -1,4 +1,4 @@
-"""Lints that a rule allows, by `%! allow: CODE REASON`, and such lines that allow nothing."""
+"""Lints that a rule allows, by `%! allow: CODE REASON`, and wrong lines of this kind."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -11,7 +11,7 @@ ALLOW = "rule-allow"
 
 
 def allowed(rules: Iterable[Rule], told: Sequence[LintFinding]) -> Iterator[LintFinding]:
-    """Yield the findings that no rule allows, and the faults of lines that allow."""
+    """Yield the findings that no rule allows, and the findings about wrong `allow` lines."""
     owners = {rule.span: rule for rule in rules if rule.listed is None}
     used: set[tuple[object, str]] = set()
     for each in told:

@@ -1,4 +1,4 @@
-"""Arithmetic in rules of which nothing shows that it fits into the 32 bits of clingo's integers."""
+"""Arithmetic in rules that may not fit into the 32 bits of clingo's integers."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
@@ -13,7 +13,7 @@ from mars_asp.asp.signature import Signature
 ARITHMETIC = "rule-arithmetic"
 #: The greatest number of clingo.
 _MOST = 2**31 - 1
-#: Comparisons of a variable, on the left, by which it is no greater than a number plus so much.
+#: Comparisons of a variable, on the left, with a number; their upper bound is the number plus this.
 _BOUNDING = {"<": -1, "<=": 0, "=": 0}
 
 
@@ -23,14 +23,14 @@ def risks(
     """Yield the operations that may not fit: products, and sums of numbers that a user states.
 
     `read` are the variants of each rule without pools. `unbounded` are the positions from 0 of such
-    numbers in the given predicates that hold them. A rule is left out if its metadata has `fits`,
-    or if its comparisons bound all its operands.
+    numbers in the predicates that hold them. A rule is left out if its metadata has `fits`, or if
+    its comparisons bound all its operands.
     """
     read = tuple(read)
     declared = _unbounded_positions([clause for variants in read for clause in variants], unbounded)
     for variants in read:
         rule = variants[0].rule
-        # Rules made from metadata repeat a body that is judged where it is written.
+        # Rules made from metadata repeat a body that is judged at its own rule.
         if rule.fits is not None or rule.listed is not None:
             continue
         large = frozenset[str]().union(*(_large(each, declared) for each in variants))
@@ -48,7 +48,7 @@ def risks(
 
 
 def _risky(read: Iterable[Operand], large: Set[str]) -> Iterator[Operation]:
-    """Yield the outermost operations that may not fit, where some variables are `large`."""
+    """Yield the outermost operations that may not fit if the variables `large` are unbounded."""
     for operand in read:
         if isinstance(operand, Operation):
             if _is_risky(operand, large):
@@ -63,7 +63,7 @@ def _is_risky(operation: Operation, large: Set[str]) -> bool:
         return True
     if len(inside) < 2 or large.isdisjoint(_variables(operation)):
         return False
-    # What users state is never negative, so the difference of two of them fits.
+    # A number of a user is never negative, so the difference of two such numbers fits.
     computed = any(isinstance(each, Operation) for each in inside)
     return sign in ("+", "*", "**") or (sign == "-" and computed)
 

@@ -69,7 +69,7 @@ def _contradiction(
         return None
     if outer.comparisons and never([*map(compared, outer.comparisons), *bounds], constants):
         return None
-    # Of what excludes each other as little is named as does so.
+    # Name as few of the contradictory comparisons as possible.
     least = list(comparisons)
     for one_of in comparisons:
         rest = [other for other in least if other is not one_of]
@@ -88,7 +88,7 @@ def _contradiction(
 
 
 def _exclude(one: ClauseAtom, other: ClauseAtom) -> bool:
-    """Whether the first, which is not negated, and another are never true together."""
+    """Whether an atom that is not negated and another one are never true together."""
     if one.signature[:2] != other.signature[:2] or one is other:
         return False
     if one.signature.positive != other.signature.positive:
@@ -103,12 +103,12 @@ def _exclude(one: ClauseAtom, other: ClauseAtom) -> bool:
 
 
 def _bare(term: SyntaxNode) -> set[str]:
-    """Return the variables of a term, with `_` among them where it has such."""
+    """Return the names of the variables of a term; `_` is one of them."""
     return {each.name for each in below(term) if each.ast_type is Kind.Variable}
 
 
 def _aggregate_bounds(number: int, aggregate: Aggregate) -> Iterator[Compared]:
-    """Yield what an aggregate is compared with, by a name of its own, and what it never is."""
+    """Yield the bounds of an aggregate, compared with a name made for it, and its natural bound."""
     if aggregate.sign:
         return
     name = f"#{number}"
@@ -120,7 +120,7 @@ def _aggregate_bounds(number: int, aggregate: Aggregate) -> Iterator[Compared]:
 def _needless(
     clause: Clause, bounds: Sequence[Compared], replaced: Set[str]
 ) -> Iterator[LintFinding]:
-    """Yield the comparisons that hold anyway."""
+    """Yield the comparisons and aggregate bounds that hold in any case."""
     own = clause.body.comparisons
     constants = constants_in(own, replaced)
     kept = list(own)
@@ -153,7 +153,7 @@ def _needless(
 
 def _holds_anyway(each: Comparison, rest: Sequence[Comparison], constants: Set[str]) -> bool:
     if each.sign == "=" and str(each.left) != str(each.right):
-        # It may be what binds a variable.
+        # The comparison may bind a variable.
         return False
     return never([*map(compared, rest), _denied(compared(each))], constants)
 
@@ -163,7 +163,7 @@ def _denied(each: Compared) -> Compared:
 
 
 def _repeated(clause: Clause) -> Iterator[LintFinding]:
-    """Yield the literals that stand twice in a body, an element or a condition."""
+    """Yield the repeated literals of a body, an element or a condition."""
     for literals in (
         clause.node.body,
         *(element.node.condition for each in clause.aggregates for element in each.elements),
@@ -184,7 +184,7 @@ def _repeated(clause: Clause) -> Iterator[LintFinding]:
 
 
 def _without(clause: Clause, literal: SyntaxNode) -> tuple[Fix, ...]:
-    """Return how a literal is taken out of a body, with what separates it from the one before."""
+    """Return the fix that removes a literal and the separator before it; empty if there is none."""
     body = list(clause.node.body)
     if literal not in body or body.index(literal) == 0:
         return ()

@@ -1,4 +1,4 @@
-"""What each lint does and why, with a rule that it reports and one that it does not."""
+"""Each lint with its purpose and reason, a rule that it reports and a rule that it accepts."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 class Page(NamedTuple):
     """The documentation of a lint; `bad` is reported, `good` is not. Both are whole files.
 
-    `fixed` says what `--fix` writes, where that is safe.
+    `fixed` describes the text that `--fix` writes, if there is a safe fix.
     """
 
     code: str

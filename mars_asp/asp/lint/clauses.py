@@ -1,4 +1,4 @@
-"""Rules as they are written: literals, comparisons and aggregates with their terms and places."""
+"""Rules in their written form: literals, comparisons and aggregates with terms and locations."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from mars_asp.asp.rules.trees import Kind, SyntaxNode, elements_of, guards_of, n
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
-#: A comparison's sign as it is written, by clingo's numbers.
+#: The signs of comparisons, by clingo's numbers.
 SIGNS = (">", "<", "<=", ">=", "!=", "=")
 OPPOSITE = {">": "<=", "<": ">=", "<=": ">", ">=": "<", "!=": "=", "=": "!="}
 TURNED = {">": "<", "<": ">", "<=": ">=", ">=": "<=", "!=": "!=", "=": "="}
 _FUNCTIONS = ("count", "sum", "sum+", "min", "max")
-#: Clingo's numbers of operations.
+#: The operations that are computed, by their signs.
 _COMPUTED = {"+": int.__add__, "-": int.__sub__, "*": int.__mul__}
 _OPERATIONS = ("^", "?", "&", "+", "-", "*", "/", "\\", "**")
 
-#: What heads are: one atom, some of several atoms, one of several, or none.
+#: The kinds of heads: one atom, some of several atoms, one of several, or none.
 Sort: TypeAlias = Literal["rule", "choice", "disjunction", "constraint", "other"]
 _SORTS: Mapping[Kind, Sort] = {
     Kind.Aggregate: "choice",
@@ -33,9 +33,9 @@ _SORTS: Mapping[Kind, Sort] = {
 
 
 class ClauseAtom(NamedTuple):
-    """A literal of a predicate; `sign` is how often it is negated by `not`, 0 to 2.
+    """A literal of a predicate; `sign` is the number of its negations by `not`, 0 to 2.
 
-    `named` are those of its arguments that are variables: positions from 0, and names.
+    `named` are its arguments that are variables: positions from 0, and names.
     """
 
     signature: Signature
@@ -46,7 +46,7 @@ class ClauseAtom(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Return it as it is written, without `not`."""
+        """Return the atom as it is written, without `not`."""
         inside = ",".join(map(str, self.terms))
         minus = "" if self.signature.positive else "-"
         return f"{minus}{self.signature.name}({inside})" if self.terms else self.signature.name
@@ -84,13 +84,13 @@ class ClauseScope(NamedTuple):
 
     atoms: tuple[ClauseAtom, ...] = ()
     comparisons: tuple[Comparison, ...] = ()
-    #: Whatever else there is, such as `#false`.
+    #: Other literals, such as `#false`.
     others: tuple[SyntaxNode, ...] = ()
     positive: tuple[ClauseAtom, ...] = ()
 
 
 class Element(NamedTuple):
-    """An element of an aggregate: what is counted, and where it counts."""
+    """An element of an aggregate: the terms of its tuple, and its condition as a scope."""
 
     terms: tuple[SyntaxNode, ...]
     scope: ClauseScope
@@ -98,7 +98,7 @@ class Element(NamedTuple):
 
 
 class Aggregate(NamedTuple):
-    """An aggregate in a body: `function` is `set` for `{ ... }`; guards stand to its left."""
+    """An aggregate in a body: `function` is `set` for `{ ... }`; guards are written to its left."""
 
     function: str
     guards: tuple[tuple[str, SyntaxNode], ...]
@@ -108,7 +108,7 @@ class Aggregate(NamedTuple):
 
 
 class Conditional(NamedTuple):
-    """A literal that has to hold wherever its condition does."""
+    """A literal that has to hold for all instances of its condition."""
 
     literal: ClauseScope
     condition: ClauseScope
@@ -116,7 +116,7 @@ class Conditional(NamedTuple):
 
 @dataclass(frozen=True)
 class Clause:
-    """A rule, without its pools: one for each way to read them."""
+    """A rule without pools: one for each choice of their members."""
 
     rule: Rule
     node: SyntaxNode
@@ -128,7 +128,7 @@ class Clause:
 
     @cached_property
     def bound(self) -> frozenset[str]:
-        """Return the variables that are shared by all of the rule."""
+        """Return the global variables of the rule."""
         found = {name for atom in self.body.atoms for each in atom.terms for name in names_in(each)}
         for each in self.body.comparisons:
             found |= names_in(each.left) | names_in(each.right)
@@ -141,17 +141,17 @@ class Clause:
 
     @property
     def has_set(self) -> bool:
-        """Whether it has atoms in braces."""
+        """Whether the rule has atoms in braces."""
         return self.sort == "choice" or any(each.function == "set" for each in self.aggregates)
 
     @cached_property
     def kinds(self) -> frozenset[tuple[object, ...]]:
-        """Return of what its body is: predicates with their signs, and what else there is."""
+        """Return the kinds of the literals of the body: predicates with their signs, or types."""
         return frozenset(map(kind_of, self.node.body))
 
     @property
     def scopes(self) -> Iterator[ClauseScope]:
-        """Yield the literals of the body, and with them those of each element and condition."""
+        """Yield the literals of the body, and these joined with each element and condition."""
         yield self.body
         for inner in self.inner:
             yield joined(self.body, inner)
@@ -167,18 +167,18 @@ class Clause:
 
     @cached_property
     def read(self) -> tuple[ClauseAtom, ...]:
-        """Return all atoms but heads."""
+        """Return all atoms except heads."""
         inner = (*self.inner, *(each.literal for each in self.conditionals))
         return (*self.body.atoms, *(atom for scope in inner for atom in scope.atoms))
 
     def place(self, node: SyntaxNode) -> Span:
-        """Return where a node begins in its file; a rule that metadata stands for is there."""
+        """Return the location of a node, or of the metadata line that lists its rule."""
         if self.rule.listed is not None:
             return self.rule.listed
         return placed(self.rule.span, places(self.rule.text)(node))
 
     def span(self, node: SyntaxNode) -> Span | None:
-        """Return where a node is in its file, so that it can be replaced."""
+        """Return the span of a node in its file, or None for a rule made from metadata."""
         if self.rule.listed is not None:
             return None
         where = places(self.rule.text)
@@ -197,7 +197,7 @@ def joined(one: ClauseScope, other: ClauseScope) -> ClauseScope:
 
 
 def clauses_of(rules: Iterable[Rule]) -> dict[int, tuple[Clause, ...]]:
-    """Return how each of some rules is written, by its number."""
+    """Return the clauses of each rule, by its number."""
     return {
         number: tuple(_clause(rule, node) for node in variants(rule.text))
         for number, rule in enumerate(rules)
@@ -208,7 +208,7 @@ def clauses_of(rules: Iterable[Rule]) -> dict[int, tuple[Clause, ...]]:
 
 
 def name_of(term: SyntaxNode) -> str | None:
-    """Return the name of a variable, but for `_`; `None` for other terms."""
+    """Return the name of a variable, or None for `_` and other terms."""
     if term.ast_type is Kind.Variable and term.name != "_":
         name: str = term.name
         return name
@@ -216,7 +216,7 @@ def name_of(term: SyntaxNode) -> str | None:
 
 
 def is_constant(term: SyntaxNode) -> bool:
-    """Whether a term is one value."""
+    """Whether a term is a single value."""
     kind = term.ast_type
     return kind is Kind.SymbolicTerm or (
         kind is Kind.Function and not term.external and all(map(is_constant, term.arguments))
@@ -224,7 +224,7 @@ def is_constant(term: SyntaxNode) -> bool:
 
 
 def number_of(term: SyntaxNode) -> int | None:
-    """Return the number that a term is, if it is one."""
+    """Return the number that a term evaluates to, or None."""
     if term.ast_type is Kind.SymbolicTerm and term.symbol.type == SymbolType.Number:
         number: int = term.symbol.number
         return number
@@ -238,13 +238,13 @@ def number_of(term: SyntaxNode) -> int | None:
 
 
 def operation_of(term: SyntaxNode) -> str | None:
-    """Return the sign of the operation that a term is, if it is one."""
+    """Return the sign of a binary operation, or None for other terms."""
     kind = term.ast_type
     return _OPERATIONS[term.operator_type] if kind is Kind.BinaryOperation else None
 
 
 def kind_of(literal: SyntaxNode) -> tuple[object, ...]:
-    """Return what two literals must have in common to match."""
+    """Return a key that is equal for two literals if they can match."""
     if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.SymbolicAtom:
         symbol = literal.atom.symbol
         if symbol.ast_type is Kind.Function:

@@ -1,8 +1,8 @@
-"""Rules that others make superfluous: the same rule again, or one that asks for more.
+"""Rules that others make superfluous: repeated rules, and rules with more premises.
 
-Two rules are compared only where one holds the rarest mark of the other, a predicate of its body or
-a constant or function of the rule, so that thousands of rules with one head take no longer than as
-many with others.
+Two rules are compared only if one has the rarest mark of the other: a predicate of its body, or a
+constant or function of the rule. So thousands of rules with one head take no longer than as many
+with different heads.
 """
 
 from collections import Counter
@@ -15,16 +15,16 @@ from mars_asp.asp.rules.trees import Kind, SyntaxNode, below
 
 DUPLICATE, SUBSUMED = "rule-duplicate", "rule-subsumed"
 _Binding = dict[str, str]
-#: What a rule must have to be covered by one that has it.
+#: A feature of a rule; a rule that covers it has no further features.
 _Mark: TypeAlias = tuple[object, ...]
-#: What rules with the same head have in common.
+#: The key of rules with the same head.
 _About: TypeAlias = tuple[object, ...]
-#: So many ways to match two rules are tried.
+#: The maximal number of attempts to match two rules.
 _MOST = 2000
 
 
 def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[LintFinding]:
-    """Yield the rules of which all follows from another one; `judged` are those looked at."""
+    """Yield the rules that follow from another rule; `judged` are the clauses to report."""
     plain = [
         (number, clause)
         for number, clause in enumerate(clauses)
@@ -33,7 +33,7 @@ def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[L
     alike: dict[_About, list[int]] = {}
     for number, clause in plain:
         alike.setdefault(_head_pattern(clause), []).append(number)
-    # What holds of any value holds of a constant.
+    # A rule for any value covers a rule for a constant.
     general = {about: [about] if about[-1] == "" else [about, (*about[:-1], "")] for about in alike}
     compared = {
         each
@@ -62,7 +62,7 @@ def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[L
 def _by_rarest(
     alike: Mapping[_About, Sequence[int]], marks: Mapping[int, frozenset[_Mark]]
 ) -> dict[_About, dict[_Mark, list[int]]]:
-    """Return the rules with the same head by the mark of theirs that the fewest rules have."""
+    """Return the rules with the same head, by their mark that the fewest rules have."""
     counts = Counter(mark for each in marks.values() for mark in each)
     found: dict[_About, dict[_Mark, list[int]]] = {}
     for about, numbers in alike.items():
@@ -74,7 +74,7 @@ def _by_rarest(
 
 
 def _marks(clause: Clause) -> frozenset[_Mark]:
-    """Return what a rule asks for: predicates, and constants and functions that they have."""
+    """Return the marks of a rule: the kinds of its literals, and their constants and functions."""
     found: set[_Mark] = set(clause.kinds)
     for literal in (clause.node.head, *clause.node.body):
         kind = kind_of(literal)
@@ -87,7 +87,7 @@ def _marks(clause: Clause) -> frozenset[_Mark]:
 
 
 def _head_pattern(clause: Clause) -> _About:
-    """Return the predicate and the constants that rules with the same head share."""
+    """Return the key of rules with the same head: predicate and constant first argument."""
     if not clause.heads:
         return (clause.sort, None, "")
     head = clause.heads[0][0]
@@ -111,7 +111,7 @@ def _subsumed(clauses: Sequence[Clause], number: int, other: int) -> LintFinding
         advice = "leave out one of the two"
         return found(DUPLICATE, message, place, own.rule, advice, labels=labels)
     if own.rule.because is not None and own.rule.because != rival.rule.because:
-        # It says why in its own words, and traces show that.
+        # Its own message is shown in traces, so the rule is not superfluous.
         return None
     message = "whatever this rule gives, another one gives without some of its premises"
     advice = "leave out this rule, or what makes the other one too general"
@@ -119,7 +119,7 @@ def _subsumed(clauses: Sequence[Clause], number: int, other: int) -> LintFinding
 
 
 def _covers(general: Clause, special: Clause) -> bool:
-    """Whether one rule gives all that another does: some of its premises are among the others."""
+    """Whether a rule derives all that another derives, by a part of the premises."""
     if not general.kinds <= special.kinds:
         return False
     given, wanted = special.node.body, general.node.body
@@ -145,7 +145,7 @@ def _all_match(
 
 
 def _match(general: SyntaxNode, special: SyntaxNode, binding: _Binding) -> _Binding | None:
-    """Return the substitution that makes one tree another."""
+    """Return the substitution that turns one tree into another, or None if there is none."""
     if general.ast_type is Kind.Variable:
         text = str(special)
         if general.name == "_":
@@ -169,5 +169,5 @@ def _match(general: SyntaxNode, special: SyntaxNode, binding: _Binding) -> _Bind
 
 
 def _own(node: SyntaxNode) -> list[object]:
-    """Return what a node says by itself."""
+    """Return the texts and numbers of a node, without its children."""
     return [v for name, v in vars(node).items() if name[0] != "_" and isinstance(v, str | int)]

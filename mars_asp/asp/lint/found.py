@@ -1,4 +1,4 @@
-"""What lint finds: a diagnostic, the rule it is about, and what would mend it."""
+"""A finding of lint: a diagnostic, its rule, and its fixes."""
 
 from collections.abc import Iterable
 from itertools import accumulate
@@ -9,7 +9,7 @@ from mars_asp.diagnostic import Diagnostic, Severity, Span
 
 
 class Fix(NamedTuple):
-    """A stretch of a file, and what is to be written there instead."""
+    """A span of a file, and the text that replaces it."""
 
     span: Span
     text: str
@@ -22,7 +22,7 @@ def titled(fixes: Iterable[Fix]) -> str:
 
 
 class LintFinding(NamedTuple):
-    """A diagnostic about a rule, or about a file where there is none."""
+    """A diagnostic about a rule, or about a file without a rule."""
 
     diagnostic: Diagnostic
     rule: Rule | None
@@ -44,9 +44,9 @@ def found(
 
 
 def fixed(text: str, path: str, lints: Iterable[LintFinding]) -> tuple[str, int]:
-    """Return the text of a file with the fixes of what was found, and of how many findings.
+    """Return the text of a file after the fixes of findings, and the number of fixed findings.
 
-    Where two fixes are about one stretch, the first counts.
+    If two fixes overlap, the first is applied.
     """
     lines = text.split("\n")
     starts = [0, *accumulate(len(line) + 1 for line in lines)]

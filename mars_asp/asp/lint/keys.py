@@ -1,4 +1,4 @@
-"""Premises that are one fact, by the key of their predicate, and yet are to differ."""
+"""Premises that are one fact by the key of their predicate, although they are to differ."""
 
 from collections.abc import Iterator, Mapping, Sequence, Set
 from itertools import combinations
@@ -22,7 +22,7 @@ from mars_asp.asp.signature import Signature
 def apart_by_keys(
     clause: Clause, declared: Mapping[Signature, Declaration], replaced: Set[str]
 ) -> Iterator[LintFinding]:
-    """Yield what never holds as a predicate holds once for each value of its key."""
+    """Yield the bodies that never hold because a predicate holds once for each value of its key."""
     first = _contradicted_key(clause, ClauseScope(), clause.body, declared, replaced)
     if first is not None:
         yield first
@@ -70,7 +70,7 @@ def _contradicted_key(
 def _unlike(
     one: ClauseAtom, other: ClauseAtom, comparisons: Sequence[Comparison], replaced: Set[str]
 ) -> str:
-    """Return the comparisons that two atoms of one fact contradict, `-` where they do it alone."""
+    """Return the comparisons that exclude that two atoms are one fact, `-` if their terms do."""
     pairs = [
         (left, right)
         for left, right in zip(one.terms, other.terms, strict=True)

@@ -1,4 +1,4 @@
-"""What metadata says: messages that depend on chance, and files and words that do not exist."""
+"""Faults of metadata: messages that depend on the derivation, wrong holes, missing examples."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
@@ -20,7 +20,7 @@ _VARIABLE = re.compile(r'"(?:\\.|[^"\\])*"|(?<!\w)_*[A-Z]\w*\'*')
 def open_messages(
     clause: Clause, reported: frozenset[Signature], functions: "MessageFunctions"
 ) -> Iterator[LintFinding]:
-    """Yield the holes in the message of a finding that two derivations of it may fill unlike."""
+    """Yield the message holes of a finding that two derivations may fill differently."""
     rule = clause.rule
     if rule.because is None or clause.sort != "rule":
         return
@@ -38,10 +38,11 @@ def open_messages(
 def rival_messages(
     clauses: Sequence[Clause], judged: Set[int], reported: frozenset[Signature]
 ) -> Iterator[LintFinding]:
-    """Yield the rules that give a finding another message than an earlier rule gives to it.
+    """Yield the rules whose message for a finding differs from that of an earlier rule.
 
-    Whether two bodies hold together is not known: such as ask for different constants, negate what
-    the other one asks for, both compare, or rest on what rules derive, are taken to be apart.
+    Whether two bodies can hold together is unknown. They count as apart if their atoms of a
+    predicate have different constants or signs, or if both compare; rules with derived premises are
+    skipped.
     """
     derived = {head.signature for clause in clauses for head, _ in clause.heads}
     earlier: dict[str, list[Clause]] = {}
@@ -68,13 +69,13 @@ def rival_messages(
 
 
 def _numbered(names: dict[str, str], match: re.Match[str]) -> str:
-    """Return a name for a variable by its number; a string stays as it is."""
+    """Return a name for a variable by its number, and a string unchanged."""
     text = match[0]
     return text if text.startswith('"') else names.setdefault(text, f"V{len(names)}")
 
 
 def _are_apart(one: Clause, other: Clause) -> bool:
-    """Whether two bodies seem to be for different things."""
+    """Whether two bodies seem to exclude each other."""
     if one.body.comparisons and other.body.comparisons:
         return True
     return any(
@@ -105,7 +106,7 @@ class MessageFunctions:
         self._settled: dict[tuple[Signature, frozenset[int]], frozenset[int]] = {}
 
     def closed(self, clause: Clause, names: frozenset[str]) -> frozenset[str]:
-        """Return the variables of a body that have one value where others have."""
+        """Return the variables of a body whose values are determined by some variables."""
         known = names
         while True:
             more = known
@@ -133,14 +134,14 @@ class MessageFunctions:
         return frozenset[str]().union(*(names_in(atom.terms[at]) for at in settled))
 
     def settled(self, signature: Signature, given: frozenset[int]) -> frozenset[int]:
-        """Return the arguments that have one value where those at some positions have."""
+        """Return the positions of arguments that the arguments at `given` positions determine."""
         keys = self._keys.get(signature.unsigned, ())
         every = frozenset(range(signature.arity))
         if any(given >= set(key) for key in keys):
             return every
         asked = (signature, given)
         if asked not in self._settled:
-            # While it is looked at, a predicate that reads itself settles nothing.
+            # During its own computation, a recursive predicate determines no further argument.
             self._settled[asked] = given
             rules = self._rules.get(signature, [])
             if len(rules) == 1:
@@ -155,17 +156,17 @@ class MessageFunctions:
         return self._settled[asked]
 
     def _is_table(self, rules: Sequence[tuple[Clause, ClauseAtom]], given: frozenset[int]) -> bool:
-        """Whether facts list what belongs together, each of what is given once."""
+        """Whether facts define a predicate as a table, without repeated `given` arguments."""
         rows = [tuple(str(head.terms[at]) for at in sorted(given)) for _, head in rules]
         plain = all(not clause.node.body and not names_in(head.node) for clause, head in rules)
         return plain and bool(given) and len(set(rows)) == len(rows)
 
 
 def wrong_holes(clause: Clause, known: KnownValue, things: Set[str]) -> Iterator[LintFinding]:
-    """Yield the holes that are to be written in the unit of another sort than they have.
+    """Yield the holes in a unit that does not suit the sort of their value.
 
-    And those of which the value is a number that stands for one of the `things`, and braces that do
-    not match.
+    Also yield holes whose value is a number that identifies one of the `things`, and unmatched
+    braces.
     """
     rule = clause.rule
     holes = [(key, *hole) for key, text in rule.sentences for hole in HOLE.findall(text)]

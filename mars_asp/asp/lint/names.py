@@ -17,9 +17,8 @@ NAME = "rule-name"
 def shared_names(rulebook: Rulebook) -> Iterator[LintFinding]:
     """Yield the predicates that share their name with an earlier one of other arity.
 
-    Who reads one of them takes it for the other, and a forgotten argument shows nowhere. Of the
-    rules that packs add to, what packs cannot read counts for nothing: it is in no name space of
-    theirs.
+    A reader confuses them, and a forgotten argument shows nowhere. With packs, a name in built-in
+    rules counts only if packs may read the predicate: others are outside of their name space.
     """
     hidden = frozenset(rulebook.built_in.paths) if rulebook.packs else frozenset()
     open_to_packs = {
@@ -35,7 +34,7 @@ def shared_names(rulebook: Rulebook) -> Iterator[LintFinding]:
         (path, tuple(_declarations(path, text)))
         for path, (_, text) in zip(rulebook.paths, rulebook.texts, strict=True)
     ]
-    # To find the places in rules takes long, and hardly any name is shared.
+    # Finding the locations in rules takes long, and hardly any name is shared.
     arities: dict[str, set[int]] = {}
     for signature, _ in chain.from_iterable(found_in for _, found_in in declared):
         arities.setdefault(signature.name, set()).add(signature.arity)
@@ -67,7 +66,7 @@ def shared_names(rulebook: Rulebook) -> Iterator[LintFinding]:
 
 
 def declared_in(rulebook: Rulebook, texts: Sequence[tuple[str, str]]) -> dict[Signature, Span]:
-    """Return where some of the texts say that a predicate is given, by `#defined`."""
+    """Return the locations of the `#defined` statements of some texts, by predicate."""
     return {
         signature: place
         for path, each in zip(rulebook.paths, rulebook.texts, strict=True)
@@ -77,13 +76,13 @@ def declared_in(rulebook: Rulebook, texts: Sequence[tuple[str, str]]) -> dict[Si
 
 
 def _declarations(path: str, text: str) -> Iterator[tuple[Signature, Span]]:
-    """Yield the predicates that a file declares as given, with their places."""
+    """Yield the predicates that a file declares by `#defined`, with their locations."""
     for signature, place in defined_at(text):
         yield signature, point(path, *place)
 
 
 def _named_predicates(rule: Rule) -> Iterator[tuple[Signature, Span]]:
-    """Yield the predicates that a rule names, with their places."""
+    """Yield the predicates that occur in a rule, with their locations."""
     literals = {
         (literal.place, literal.signature.unsigned)
         for statement in rule.statements

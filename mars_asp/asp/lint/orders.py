@@ -1,7 +1,7 @@
-"""What comparisons of terms exclude, each by itself and all together.
+"""Contradictions between comparisons of terms, single or in combination.
 
-A term is a base and a number added to it: `X + 2`, or 7, of which the base is nothing. Comparisons
-bound the differences of bases, so the shortest paths between them show whether all can hold.
+A term is a base and a number added to it: `X + 2`, or 7 with an empty base. Comparisons bound the
+differences of bases, so the shortest paths between bases show whether all comparisons can hold.
 """
 
 from collections.abc import Iterable, Mapping, Set
@@ -25,7 +25,7 @@ class Compared(NamedTuple):
 
 
 def compared(comparison: Comparison) -> Compared:
-    """Return a comparison as one of bases."""
+    """Return a comparison as a comparison of bases."""
     (left, one), (right, other) = parted(comparison.left), parted(comparison.right)
     return Compared(left, comparison.sign, right, one - other)
 
@@ -37,7 +37,7 @@ def guarded(name: str, sign: str, term: SyntaxNode) -> Compared:
 
 
 def never(comparisons: Iterable[Compared], constants: Set[str] = frozenset()) -> bool:
-    """Return whether comparisons cannot all hold.
+    """Whether comparisons cannot all hold.
 
     Each of `constants` differs from the others and from all numbers.
     """
@@ -55,7 +55,7 @@ def never(comparisons: Iterable[Compared], constants: Set[str] = frozenset()) ->
 
 
 def constants_in(comparisons: Iterable[Comparison], replaced: Set[str]) -> frozenset[str]:
-    """Return the constants that are compared, which are values of their own; numbers apart."""
+    """Return the compared constants that no `#const` replaces, without numbers."""
     return frozenset(
         str(term)
         for comparison in comparisons
@@ -82,7 +82,7 @@ def parted(term: SyntaxNode) -> tuple[str, int]:
 
 
 def _paths(given: Iterable[Compared], constants: Set[str]) -> _Distances | None:
-    """Return the most by which bases differ from others, or None if nothing is possible."""
+    """Return the upper bounds of differences between bases, or None in a contradiction."""
     paths: _Distances = {}
     for left, sign, right, plus in given:
         for base in (left, right):
@@ -105,7 +105,7 @@ def _bound(paths: Mapping[str, dict[str, int]], one: str, other: str, most: int)
 
 
 def _is_fixed(paths: _Distances, one: str, other: str, difference: int) -> bool:
-    """Whether one base is another and some number."""
+    """Whether the difference of two bases is fixed to a number."""
     there, back = paths[one].get(other), paths[other].get(one)
     return there == difference and back == -difference
 

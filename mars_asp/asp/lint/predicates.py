@@ -1,4 +1,4 @@
-"""Predicates that nothing reads, and such as can never hold."""
+"""Predicates that no rule reads, and predicates that can never hold."""
 
 from collections.abc import Iterator, Mapping, Sequence, Set
 
@@ -17,10 +17,11 @@ def unused(
     public: Set[Signature],
     circle: Mapping[Signature, int],
 ) -> Iterator[LintFinding]:
-    """Yield the predicates that some rules derive and nothing reads, each once.
+    """Yield the derived predicates that no other rule reads, each once.
 
-    `judged` are the numbers of the clauses that are looked at; all read. `public` are predicates
-    that others read, `circle` tells which rest on each other: what only these read, nothing does.
+    `judged` are the numbers of the clauses to report; all clauses read. `public` are predicates
+    with other readers. `circle` maps recursive predicates to their component: a component does not
+    count as a reader of itself.
     """
     read: set[Signature] = set(public)
     for clause in clauses:
@@ -32,7 +33,7 @@ def unused(
             for atom in clause.read
             if own is None or circle.get(atom.signature) != own
         }
-    # Who reads one of a circle reads all of it.
+    # A reader of one predicate of a component uses the whole component.
     wanted = {number for each, number in circle.items() if each.unsigned in read}
     read |= {each.unsigned for each, number in circle.items() if number in wanted}
     entries: set[Signature] = set()
@@ -50,13 +51,13 @@ def unused(
 def unfounded(
     clauses: Sequence[Clause], judged: Set[int], circle: Mapping[Signature, int]
 ) -> Iterator[LintFinding]:
-    """Yield the predicates that are derived from each other alone, so that none ever holds."""
+    """Yield the predicates that are derived only from each other, so that none ever holds."""
     rules: dict[Signature, list[int]] = {}
     for number, clause in enumerate(clauses):
         for head, _ in clause.heads:
             if head.signature not in circle:
                 continue
-            # What is a premise of itself is reported as such.
+            # A rule with its head as premise has a finding of its own.
             if head.text not in {atom.text for atom in clause.body.positive}:
                 rules.setdefault(head.signature, []).append(number)
     founded: set[Signature] = set()
@@ -85,7 +86,7 @@ def unfounded(
 def _begins(
     clause: Clause, signature: Signature, circle: Mapping[Signature, int], founded: Set[Signature]
 ) -> bool:
-    """Whether a rule can derive a predicate from what is known not to rest on that alone."""
+    """Whether a rule can derive a predicate without unfounded predicates of its component."""
     needed = [*clause.body.positive]
     for head, condition in clause.heads:
         needed += condition.positive if head.signature == signature else ()
@@ -96,7 +97,7 @@ def _begins(
 def documented_in_vain(
     clauses: Sequence[Clause], own: Sequence[Declaration], given: Set[Signature]
 ) -> Iterator[LintFinding]:
-    """Yield the documented predicates that nothing gives, declares or derives."""
+    """Yield the documented predicates that no rule derives and no input gives or declares."""
     known = {head.signature.unsigned for clause in clauses for head, _ in clause.heads} | given
     for each in own:
         signature = each.signature.unsigned
@@ -115,10 +116,10 @@ def undefined(
     documented: Set[Signature],
     attributes: Set[Signature],
 ) -> Iterator[LintFinding]:
-    """Yield what is declared by `#defined` though nothing reads it, or constraints alone do.
+    """Yield the predicates with `#defined` that no rule reads, or constraints alone.
 
-    `declared` says where that is, `documented` are predicates that somebody gives, `attributes`
-    those of them that users state for these rules alone.
+    `declared` are the locations of `#defined`, `documented` the predicates that the input provides,
+    `attributes` those among them that users state for these rules alone.
     """
     derived = {head.signature.unsigned for clause in clauses for head, _ in clause.heads}
     read: dict[Signature, set[str]] = {}

@@ -19,7 +19,7 @@ RECURSION, NEGATION = "rule-recursion", "rule-negation"
 
 
 def wrong_recursion(clause: Clause, circle: Mapping[Signature, int]) -> Iterator[LintFinding]:
-    """Yield the heads of a rule that grow with each turn, and what negates itself."""
+    """Yield the heads of a rule that grow with each turn, and premises that negate recursively."""
     for head, condition in clause.heads:
         number = circle.get(head.signature)
         if number is None:
@@ -64,7 +64,7 @@ def _growing(
             continue
         if any(str(meant) == str(t) for a in others for t in a.terms):
             continue
-        # What is taken apart as well is put together again.
+        # A term that is also taken apart is only rebuilt.
         if any(name_of(t) is None and names_in(t) & grown for a in again for t in a.terms):
             continue
         message = f"`{meant!s}` grows with each turn of `{head.signature}`"
@@ -74,7 +74,7 @@ def _growing(
 
 
 def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, SyntaxNode]:
-    """Return the terms that further variables stand for: `Y = X + 1`."""
+    """Return the terms that further variables are equal to: `Y = X + 1`."""
     return {
         name: term
         for each in clause.body.comparisons
@@ -106,7 +106,7 @@ def _is_led(
 
 
 def _is_counted(clause: Clause, head: ClauseAtom, again: list[ClauseAtom]) -> bool:
-    """Whether an argument counts the turns, and a comparison says how many there are."""
+    """Whether an argument counts the turns, and a comparison bounds the count."""
     if any(atom.signature != head.signature for atom in again):
         return False
     pairs = zip(head.terms, *(atom.terms for atom in again), strict=True)
@@ -121,7 +121,7 @@ def _is_counted(clause: Clause, head: ClauseAtom, again: list[ClauseAtom]) -> bo
 
 
 def _shrinks(clause: Clause, head: ClauseAtom, carried: frozenset[str]) -> bool:
-    """Whether an argument gets less with each turn, and a comparison says how far."""
+    """Whether an argument decreases with each turn, and a comparison bounds it."""
     compared = frozenset[str]().union(*(names_in(each.node) for each in clause.body.comparisons))
     return any(
         operation_of(term) in ("/", "-")
@@ -150,7 +150,7 @@ def _limited(clause: Clause, direction: str) -> frozenset[str]:
 
 
 def _met(again: list[ClauseAtom]) -> frozenset[str]:
-    """Return the variables on which two predicates of the circle have to agree."""
+    """Return the variables that two predicates of the component share."""
     first: dict[str, Signature] = {}
     found = set()
     for atom in again:
@@ -161,7 +161,7 @@ def _met(again: list[ClauseAtom]) -> frozenset[str]:
 
 
 def _direction(term: SyntaxNode, carried: frozenset[str]) -> str | None:
-    """Return where a term leads that is made of what is carried: `+`, `-` or `()`, if anywhere."""
+    """Return the direction in which a term grows beyond variables: `+`, `-`, `()`, or None."""
     kind = term.ast_type
     if not names_in(term) & carried:
         return None

@@ -23,16 +23,16 @@ from mars_asp.spelling import nearest
 
 SORT, UNIT, VALUE, FORM = "rule-sort", "rule-unit", "rule-value", "rule-form"
 _WORDS = {"number": "a number", "string": "a string", "name": "a constant", "function": "a term"}
-#: Numbers nobody means in thousandths or less: what is less than one of the unit people use.
-#: What may be a sum or a difference; the arrow of a rule is none.
+#: A sum or a difference, without the arrow of a rule.
 _SUM = re.compile(r"\+|(?<!:)-")
+#: Fine units: a number of less than one shown unit (hertz, millimetre, %) is a likely mistake.
 _FINE = ("millihertz", "micrometres", "millionths")
 
 
 def wrong_values(
     clause: Clause, known: KnownValue, names: Mapping[Signature, Declaration]
 ) -> Iterator[LintFinding]:
-    """Yield the variables of a rule that stand for two things, and values that never are."""
+    """Yield the variables of a rule that have two sorts, and constants that never occur."""
     for head, _ in clause.heads:
         yield from _wrong_constants(clause, head, True, known, names)
     for atom in clause.read:
@@ -187,7 +187,7 @@ def _wrong_constants(
 def _never(
     clause: Clause, term: SyntaxNode, values: Values, what: str, known: KnownValue
 ) -> LintFinding:
-    """Return the finding about a constant that an argument never is."""
+    """Return the finding about a constant that an argument never has."""
     text, values = str(term), values or frozenset()
     place = clause.place(term)
     (given,) = known.of(term, {}) or {Value(None)}
@@ -221,7 +221,7 @@ def _replaced(clause: Clause, term: SyntaxNode, text: str) -> tuple[Fix, ...]:
 def _wrong_heads(
     clause: Clause, head: ClauseAtom, environment: Environment, known: KnownValue
 ) -> Iterator[LintFinding]:
-    """Yield the variables of a head that are none of what its predicate declares."""
+    """Yield the variables of a head whose sort differs from the declared one."""
     declared = known.declared.get(head.signature.unsigned, ())
     for term, values in zip(head.terms, declared, strict=False):
         name = name_of(term)
@@ -239,10 +239,9 @@ def _wrong_heads(
 def mixed_units(
     clauses: Sequence[Clause], judged: Set[int], known: KnownValue
 ) -> Iterator[LintFinding]:
-    """Yield the rules that give numbers of another unit than an earlier rule to one argument.
+    """Yield the rules that give an argument numbers of another unit than an earlier rule.
 
-    `judged` are the numbers of the clauses that are looked at. What an argument is declared to be,
-    it is.
+    `judged` are the numbers of the clauses to report. Arguments with a declared sort are skipped.
     """
     first: dict[tuple[Signature, int], str] = {}
     for number, clause in enumerate(clauses):
@@ -281,7 +280,7 @@ def _mixed_sums(
 
 
 def _too_small(clause: Clause, term: SyntaxNode, values: Values) -> Iterator[LintFinding]:
-    """Yield a number that is too small to be meant in the unit of what it is compared with."""
+    """Yield a number that is too small for the unit of the values that it is compared with."""
     if term.ast_type is Kind.Interval:
         yield from _too_small(clause, term.left, values)
         yield from _too_small(clause, term.right, values)
@@ -297,7 +296,7 @@ def _too_small(clause: Clause, term: SyntaxNode, values: Values) -> Iterator[Lin
 
 
 def _units(values: Values) -> list[str]:
-    """Return the sorts of measures that values are, words such as `none` apart, if they all are."""
+    """Return the measures of values, ignoring words such as `none`; empty if others occur."""
     numbers = [each for each in values or () if each.form != "name"]
     sorts = sorted(each.sort for each in numbers if each.sort in UNITS)
     return sorts if len(sorts) == len(numbers) else []
@@ -314,7 +313,7 @@ def _in_words(values: Values) -> str:
 
 
 def _with_article(text: str) -> str:
-    """Return a sort with its article; what is written, and measures, have none."""
+    """Return a sort with its article; quoted text and measures have no article."""
     if text.startswith(("`", "a ")) or text in UNITS:
         return text
     return f"{'an' if text[0] in 'aeiou' else 'a'} {text}"

@@ -1,7 +1,7 @@
-"""What the values of arguments are: sorts that predicates declare, and constants that rules give.
+"""The possible values of arguments: sorts that predicates declare, and constants of rules.
 
-Both are handed on from rule to rule. A name, or what identifies a thing, is of one sort alone, so
-that a variable of two never has a value.
+Both are propagated from rule to rule. A name, or an identifier of a thing, has one sort alone, so a
+variable of two sorts never has a value.
 """
 
 from collections import deque
@@ -27,41 +27,41 @@ from mars_asp.asp.rules.trees import Kind, SyntaxNode
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import UNITS, times_as_many
 
-#: What values are made of.
+#: The forms of values.
 Form: TypeAlias = Literal["number", "string", "name", "function"]
 
 
 class Value(NamedTuple):
-    """Some values: those of a sort, of a form, or the one that is written `text`."""
+    """Some values: those of a sort, of a form, or the single one with this `text`."""
 
     form: Form | None
     sort: str = ""
     text: str = ""
 
 
-#: All that a value can be, or None if it can be anything.
+#: All possible values, or None if any value is possible.
 Values: TypeAlias = frozenset[Value] | None
 Environment: TypeAlias = Mapping[str, Values]
 
 NUMBERS: Values = frozenset({Value("number")})
 _NOTHING: frozenset[Value] = frozenset()
 _NUMBER: Form = "number"
-#: Of more values than this nothing is known.
+#: Larger sets of values are treated as unknown.
 _MOST = 200
 
 
 class Use(NamedTuple):
-    """An atom that says what a variable is, and what that is."""
+    """An atom that restricts a variable, and the values that it allows."""
 
     atom: ClauseAtom
     values: frozenset[Value]
 
 
 class KnownValue:
-    """What the arguments of predicates are.
+    """The possible values of the arguments of predicates.
 
-    `forms` are those of sorts, `replaced` the constants that stand for other values. `kinds` says
-    of a sort of which argument, at a position from 0, it has all values that rules give.
+    `forms` are those of sorts, `replaced` the constants that `#const` replaces. `kinds` maps a sort
+    to an argument, with its position from 0, that has all derived values of the sort.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class KnownValue:
         self._arguments: dict[Signature, list[Values]] = {
             signature: list(values) for signature, values in self.declared.items()
         }
-        #: The positions of what rules give, of which nothing is declared.
+        #: The undeclared positions of derived predicates.
         self.derived: dict[Signature, tuple[int, ...]] = {}
         self._infer(clauses)
         for sort, (signature, at) in (kinds or {}).items():
@@ -89,7 +89,7 @@ class KnownValue:
             self._close(sort, given)
 
     def _close(self, sort: str, given: Values) -> None:
-        """Replace a sort that is declared by the values that it has, if these are known."""
+        """Replace a declared sort by its constants, if these are known."""
         names = given and all(each.text and each.form == "name" for each in given)
         of = frozenset({Value(self.forms.get(sort), sort)})
         for signature, values in self.declared.items() if names else ():
@@ -104,7 +104,7 @@ class KnownValue:
         return self._arguments.get(signature.unsigned, ())
 
     def alike(self, one: Value, other: Value) -> Value | None:
-        """Return what is both of two, if anything can be."""
+        """Return the intersection of two values, or None if it is empty."""
         if one == other:
             return one
         if other.text:
@@ -116,7 +116,7 @@ class KnownValue:
         return one if one.text or one.sort else other
 
     def meet(self, one: Values, other: Values) -> Values:
-        """Return the values that are in both."""
+        """Return the values that are in both sets."""
         if one is None:
             return other
         if other is None or one == other:
@@ -125,16 +125,16 @@ class KnownValue:
         return frozenset(each for each in found if each is not None)
 
     def are_apart(self, one: Values, other: Values) -> bool:
-        """Whether values are of other sorts or forms, whichever of them they are.
+        """Whether all values of two sets differ in sort or form.
 
-        Of terms it is not known what stands for what.
+        Terms may represent anything, so they are never apart.
         """
         if not one or not other or any(each.form == "function" for each in one | other):
             return False
         return not self.meet(_of_any_text(one), _of_any_text(other))
 
     def comparable(self, one: Values, other: Values) -> bool:
-        """Whether values have an order that somebody may ask for: numbers, and terms, have one."""
+        """Whether an order between two sets of values is meaningful, as for numbers and terms."""
         forms = [{each.form for each in values or ()} for values in (one, other)]
         return bool(
             self.meet(_of_any_text(one), _of_any_text(other))
@@ -143,7 +143,7 @@ class KnownValue:
         )
 
     def uses(self, variable: str, atoms: Iterable[ClauseAtom]) -> Iterator[Use]:
-        """Yield the atoms that say what a variable is."""
+        """Yield the atoms that restrict the values of a variable."""
         for atom in atoms:
             for term, values in zip(atom.terms, self.arguments(atom.signature), strict=False):
                 if values is not None and name_of(term) == variable:
@@ -157,7 +157,7 @@ class KnownValue:
         for comparison in scope.comparisons:
             for one, other in comparison.equal:
                 equal = name_of(one)
-                # Sides that are never equal are reported where the two are compared.
+                # Sides that are never equal have a finding at their comparison.
                 if equal is not None and equal not in found:
                     found[equal] = self.of(other, found)
         for aggregate in clause.aggregates:
@@ -189,7 +189,7 @@ class KnownValue:
             yield self.of(element.terms[0], inside) if element.terms else None
 
     def _variable_values(self, scope: ClauseScope) -> Iterator[tuple[str, Values]]:
-        """Yield the variables of the atoms of a scope with what these say of them."""
+        """Yield the variables of positive atoms in a scope, with the values that they allow."""
         for atom in scope.atoms:
             known = self.arguments(atom.signature) if atom.sign == 0 else ()
             for at, name in atom.named if known else ():
@@ -211,7 +211,7 @@ class KnownValue:
         return NUMBERS if kind is Kind.Interval else None
 
     def _computed(self, term: SyntaxNode, environment: Environment) -> Values:
-        """Return what a sum or a multiple is: of the sort of what is added or multiplied."""
+        """Return the values of a sum or a multiple: of the sort of its operands."""
         inside = [self.of(each, environment) for each in (term.left, term.right)]
         sorts = [
             {each.sort for each in values or () if each.sort and each.form == "number"}
@@ -240,7 +240,7 @@ class KnownValue:
             return frozenset({Value("number", text=text)})
         if term.symbol.type == SymbolType.String:
             return frozenset({Value("string", text=text)})
-        # What is less, or more, than any other value.
+        # `#inf` and `#sup`.
         return frozenset({Value("name", text=text)})
 
     def _argument_values(self, argument: PredicateArgument) -> Values:
@@ -252,7 +252,7 @@ class KnownValue:
     # ---- From rule to rule -----------------------------------------------------------------------
 
     def _infer(self, clauses: Sequence[Clause]) -> None:
-        """Hand on what rules give: at first nothing, and more until nothing changes."""
+        """Propagate the values that rules derive, from none until nothing changes."""
         for clause in clauses:
             for head, _ in clause.heads:
                 signature = head.signature.unsigned
@@ -266,7 +266,7 @@ class KnownValue:
         for number, clause in enumerate(clauses):
             for signature in {atom.signature.unsigned for atom in clause.read}:
                 reading.setdefault(signature, []).append(number)
-        # Once each in the order in which they were asked for, so that long chains take no longer.
+        # A queue without duplicates, so that long chains take no longer.
         waiting = deque(range(len(clauses)))
         asked = set(waiting)
         while waiting:
@@ -278,7 +278,7 @@ class KnownValue:
                 asked.update(more)
 
     def _handed_on(self, clause: Clause) -> Iterator[Signature]:
-        """Note what a rule gives to its heads, and yield the predicates of which more is known."""
+        """Add the values that a rule gives its heads; yield the predicates whose values grow."""
         shared: dict[str, Values] | None = None
         for head, condition in clause.heads:
             signature = head.signature.unsigned
@@ -309,9 +309,9 @@ def _of_any_text(values: Values) -> Values:
 def _converted(
     sorts: Set[str], sign: str | None, left: int | None, right: int | None
 ) -> frozenset[str]:
-    """Return the measures that numbers are in when they are multiplied or divided by a number.
+    """Return the units of numbers after multiplication or division by a number.
 
-    1000 times as many as there are seconds are milliseconds.
+    1000 times a number of seconds is a number of milliseconds.
     """
     factor = right if sign in ("*", "/") and right else left if sign == "*" else None
     if not factor:

@@ -1,4 +1,4 @@
-"""Variables that occur once, so that nothing is said of what they stand for."""
+"""Variables that occur once, so that no premise restricts their values."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,13 +11,13 @@ SINGLETON = "rule-singleton"
 
 
 def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Iterator[LintFinding]:
-    """Yield the variables of a rule that occur once, in whichever way its pools are read.
+    """Yield the variables of a rule that occur once in every variant of its pools.
 
-    `listed` are the rules that its metadata stands for. Of a variable whose name begins with `_`
-    it is meant to be so.
+    `listed` are the rules that were made from its metadata. A name that begins with `_` declares a
+    single occurrence, so it is reported if it is repeated.
     """
     rule = clauses[0].rule
-    # Of `{ p(X) }` it is the atoms that count, one for each X.
+    # `{ p(X) }` has an atom for each X, so the single X counts atoms.
     sets = (clause.node for clause in clauses if clause.has_set)
     counted = frozenset[str]().union(*map(_counting_variables, sets))
     result = (
@@ -45,7 +45,7 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
 
 
 def _counting_variables(node: SyntaxNode) -> frozenset[str]:
-    """Return the variables of the atoms of which some number holds."""
+    """Return the variables of the atoms in braces."""
     sets = (each for each in below(node) if each.ast_type is Kind.Aggregate)
     elements = (element.literal for each in sets for element in each.elements)
     return frozenset[str]().union(*map(names_in, elements))

@@ -1,1 +1,1 @@
-"""Ground programs: terms and atoms, components, and what is least of each."""
+"""Ground programs: terms and atoms, independent components, and their optima."""

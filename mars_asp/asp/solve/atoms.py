@@ -18,12 +18,12 @@ class Atom(NamedTuple):
     arguments: tuple[Term, ...] = ()
 
     def __str__(self) -> str:
-        """Return the atom as clingo reads it."""
+        """Return the atom in clingo's syntax."""
         return function_text(self.name, [term_text(each) for each in self.arguments])
 
 
 def function_text(name: str, arguments: Sequence[str]) -> str:
-    """Return a constant, function or tuple as clingo reads it; a tuple has no name."""
+    """Return a constant, function or tuple in clingo's syntax; a tuple has no name."""
     if not arguments and name:
         return name
     comma = "," if not name and len(arguments) == 1 else ""
@@ -31,7 +31,7 @@ def function_text(name: str, arguments: Sequence[str]) -> str:
 
 
 def term_text(term: Term) -> str:
-    r"""Return a term as clingo reads it: strings quoted, with `\\`, `\"` and `\n` escaped."""
+    r"""Return a term in clingo's syntax: strings quoted, with `\\`, `\"` and `\n` escaped."""
     if isinstance(term, str):
         escaped = term.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
         return f'"{escaped}"'
@@ -39,7 +39,7 @@ def term_text(term: Term) -> str:
 
 
 class Fact(NamedTuple):
-    """A given atom and where it comes from."""
+    """A given atom and its location."""
 
     atom: Atom
     span: Span

@@ -1,9 +1,9 @@
-"""The undecided part of a ground program, cut into independent components.
+"""The undecided rules of a ground program, divided into independent components.
 
-Atoms are clingo's integers; a negative one in a body is a negated atom. Only rules on which a
-choice, a constraint or a cost depends are kept, because all else follows from the decisions. Two
-atoms belong together when a rule names both, so components can be solved apart and their costs add
-up.
+Atoms are clingo's integers; a negative one in a body is a negated atom. Only rules are kept on
+which a choice, a constraint or a cost depends; all other atoms follow from the decisions. Two atoms
+are in one component if a rule names both, so components can be solved separately and their costs
+added.
 """
 
 from array import array
@@ -18,13 +18,13 @@ from mars_asp.asp.solve.term_ids import TermId, text
 
 Weighted: TypeAlias = tuple[tuple[int, int], ...]
 
-#: A rule as it is recorded: so many fixed numbers, then head and body.
+#: A recorded rule: `_FIXED` numbers, then head and body.
 Flat: TypeAlias = "array[int]"
 _FIXED = 4
 
 
 class GroundRule(NamedTuple):
-    """A ground rule; where `bound` is positive, it and `weighted` replace `body`."""
+    """A ground rule; a positive `bound` and `weighted` replace `body`."""
 
     choice: bool
     head: tuple[int, ...]
@@ -44,9 +44,9 @@ class Component:
 
 
 class Partition(NamedTuple):
-    """Components with their own numbering, each with the ground atoms that its numbers stand for.
+    """Components with their own numbers for atoms, each with the ground atoms for these numbers.
 
-    `constant` is the cost, level by level, of what is decided already.
+    `constant` is the cost of decided atoms, level by level.
     """
 
     components: tuple[tuple[Component, tuple[int, ...]], ...]
@@ -56,12 +56,12 @@ class Partition(NamedTuple):
 def partition(
     program: Recorded, names: Mapping[int, TermId], asked: Iterable[int] = ()
 ) -> Partition:
-    """Cut a program into components.
+    """Divide a program into components.
 
-    Equal components come out equal: the atoms that tell answers apart are numbered first, in the
-    order of their `names`, all others in the order in which clingo grounded them; without names,
-    so are these. Rules on which `asked` atoms depend are kept besides those on which choices,
-    constraints and costs do.
+    Components of the same form become equal values. For this, projected atoms are numbered first,
+    in the order of their `names`; all others, and without names these as well, in the order in
+    which clingo grounded them. Rules on which `asked` atoms depend are kept besides those for
+    choices, constraints and costs.
     """
     facts = frozenset(program.facts)
     rules: list[Flat] = []
@@ -103,7 +103,7 @@ def partition(
 def _ordered(
     members: Sequence[int], projected: set[int], names: Mapping[int, TermId]
 ) -> tuple[int, ...]:
-    """Return the atoms of a component in the order in which it numbers them."""
+    """Return the atoms of a component in the order of their new numbers."""
     entries = [atom for atom in members if atom in projected]
     if names:
         entries.sort(key=lambda atom: text(names[atom]))
@@ -113,10 +113,9 @@ def _ordered(
 def _relevant(
     program: Recorded, facts: Set[int], asked: Iterable[int]
 ) -> Iterator[tuple[Flat, Sequence[int]]]:
-    """Yield the rules on which a choice, a constraint, a cost or an asked atom depends.
+    """Yield the rules on which a choice, a constraint, a cost or an atom of `asked` depends.
 
-    They are without atoms that are facts or that no rule gives. Each comes with the atoms that it
-    names.
+    Facts and underivable atoms are removed from them. Each rule comes with its atoms.
     """
     numbers = program.rules
     by_head: defaultdict[int, list[int]] = defaultdict(list)
@@ -167,9 +166,9 @@ def _atoms(rule: Flat) -> list[int]:
 
 
 def _simplified(rule: Flat, facts: Set[int], unsettled: Set[int]) -> "Flat | None":
-    """Return a rule without what is settled, or nothing where that settles the rule.
+    """Return a rule without decided literals, or None if they decide the rule.
 
-    What is neither a fact nor unsettled is false.
+    An atom that is neither a fact nor unsettled is false.
     """
     choice, heads, _, bound = rule[:_FIXED]
     head, body = rule[_FIXED : _FIXED + heads], rule[_FIXED + heads :]

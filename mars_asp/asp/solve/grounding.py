@@ -1,4 +1,4 @@
-"""Ground rules and facts with clingo, and find the least answer, component by component."""
+"""Ground rules and facts with clingo, and find the optimal answer, component by component."""
 
 import re
 import time
@@ -28,27 +28,27 @@ from mars_asp.asp.solve.optimum import (
 from mars_asp.asp.solve.term_ids import Labelled, TermId, as_symbol, labelled, state
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 
-# What is least is found component by component; the whole is never minimised.
+# The components are minimised one by one, and never the whole program.
 _OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined", "--opt-mode=ignore")
 _MOST_MESSAGES = 10_000
 _UNSATISFIABLE = "no answer satisfies the rules that choose"
-#: Each component has at least this long, for most need less, and one must not spoil all others.
+#: The minimal time for each component: most need less, and a slow one must not stop the others.
 _LEAST_SECONDS = 0.05
-#: How answers compare that lack an atom: there are none, they are as good, cost as little, or more.
+#: How answers without an atom compare: none exist, or without costs, or equal or greater cost.
 Lack: TypeAlias = Literal["never", "free", "equal", "dearer"]
 _PROJECTED = re.compile(r"^#project (\w+)/(\d+)\.", re.MULTILINE)
-# What is shown is read from the atoms: the texts that clingo would write of it for its solver grow
-# with the square of a long list, each item of which stands beside the whole list.
+# Shown terms are read from the atoms: the texts that clingo would write for its solver grow with
+# the square of a long list, because each item is in a text with the whole list.
 _NOTHING_SHOWN = "#show."
 _SHOWN = re.compile(r"^#show (\w+)/(\d+)\.", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class ChosenAnswer:
-    """An answer of rules that choose: what follows from the literals that decide it.
+    """An answer of rules that choose: the consequences of the decided literals.
 
-    It is found in one go, without any search, so it also shows that the decisions for the
-    components are an answer of the whole.
+    It is found by propagation alone, without search, so it also shows that the decisions of the
+    components together are an answer of the whole program.
     """
 
     grounding: "Grounding"
@@ -77,27 +77,27 @@ class ChosenAnswer:
             }
 
     def count(self, predicate: Signature) -> int:
-        """Return how many atoms of a predicate are true that costs something."""
+        """Return the number of true atoms of a predicate; its open atoms must be in components."""
         true = self.grounding.facts.union(self.decided)
         found = labelled(self.grounding.control, *predicate)
         return sum(is_fact or literal in true for _, literal, is_fact in found)
 
     @cached_property
     def taken(self) -> frozenset[TermId]:
-        """Return the true atoms that are no facts, and some that are."""
+        """Return the true atoms of predicates that are not decided completely."""
         return frozenset(atom for atoms in self.true.values() for atom in atoms)
 
     @property
     def exists(self) -> bool:
-        """Whether the decisions for the components fit together."""
+        """Whether the decisions of the components are consistent with each other."""
         with self.grounding.control.solve(assumptions=self.decided, yield_=True) as handle:
             return handle.model() is not None
 
     def check(self) -> None:
-        """Check that there is this answer.
+        """Check that this answer exists.
 
         Raises:
-            MarsError: there is none, so the decisions for the components do not fit together.
+            MarsError: the decisions of the components contradict each other.
         """
         with self._model():
             pass
@@ -113,10 +113,10 @@ class ChosenAnswer:
 
 @dataclass(frozen=True)
 class Resolution:
-    """The least answer of rules that choose.
+    """The optimal answer of rules that choose.
 
-    `cost` and `bound` map the levels of the minimisation to values; `count` is how many optima
-    there are, or None if nobody counted.
+    `cost` and `bound` map the levels of the minimisation to values; `count` is the number of
+    optima, or None if it is unknown.
     """
 
     answer: ChosenAnswer
@@ -127,7 +127,7 @@ class Resolution:
 
     @property
     def taken(self) -> frozenset[TermId]:
-        """Return the true atoms that are no facts, and some that are."""
+        """Return the true atoms of predicates that are not decided completely."""
         return self.answer.taken
 
 
@@ -136,7 +136,7 @@ class NoAnswerError(MarsError):
 
 
 class Part(NamedTuple):
-    """A component, the ground atoms that its numbers from 1 stand for, and its optimum."""
+    """A component, the ground atoms for its numbers from 1, and its optimum."""
 
     component: Component
     atoms: tuple[int, ...]
@@ -149,7 +149,7 @@ class Part(NamedTuple):
 
 
 class Grounding:
-    """One clingo control with what rules derive as facts, then rules that choose."""
+    """One clingo control with the facts that rules derive, and then with rules that choose."""
 
     def __init__(
         self,
@@ -158,10 +158,11 @@ class Grounding:
         options: Sequence[str] = (),
         solved: bool = True,
     ) -> None:
-        """Ground rules and facts that leave nothing open, and state atoms that others derived.
+        """Ground rules and facts that leave nothing open, and state atoms of other groundings.
 
-        `options` are further ones of clingo's command line. What is not `solved` is hidden from the
-        solver, which takes less: then what holds is read from decided literals and facts alone.
+        `options` are additional ones of clingo's command line. Without `solved` the program is
+        hidden from the solver, which takes less time; then only decided literals and facts can be
+        read.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
@@ -182,14 +183,14 @@ class Grounding:
             self.control.register_observer(clingo.Observer(), replace=True)
         self.add([*program, Fragment(_NOTHING_SHOWN, "rules")])
         self.state(stated)
-        #: What is a fact, whatever later rules choose.
+        #: The signatures whose atoms are decided before any choice.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
 
     def add(self, program: Sequence[Fragment], undefined: bool = False) -> None:
-        """Ground rules and facts over what is grounded already.
+        """Ground further rules and facts.
 
-        What is wrong with them is told with its place in their files. Where operations may be
-        `undefined`, such as `1/0`, instances with such a one are left out, as clingo does.
+        Errors are reported with their locations in the files. With `undefined`, instances with an
+        undefined operation such as `1/0` are left out, as clingo does.
 
         Raises:
             MarsError: clingo refuses a rule.
@@ -219,10 +220,10 @@ class Grounding:
             raise self.refused("an operation is undefined")
 
     def derive(self, program: Sequence[Fragment]) -> None:
-        """Ground rules for the sake of their atoms alone; answers cannot be asked for any more.
+        """Ground rules for their atoms alone; afterwards answers cannot be searched any more.
 
-        Neither the solver nor what recorded the ground program is told of them, which is most of
-        the cost.
+        Neither the solver nor the recorded program receives the rules, which saves most of the
+        cost.
 
         Raises:
             MarsError: clingo refuses a rule.
@@ -231,7 +232,7 @@ class Grounding:
         self.add(program)
 
     def refused(self, reason: str) -> MarsError:
-        """Return the error that says why clingo cannot use the rules, with all places known."""
+        """Return the error with clingo's reasons to refuse the rules, and all known locations."""
         entries = [message.strip() for _, message in self._messages]
         found = tuple(refusals(entries, self._fragments))
         details = "; ".join(entries[:5]) or reason
@@ -245,11 +246,11 @@ class Grounding:
         return MarsError(found or (whole,))
 
     def symbols(self, name: str, arity: int) -> Iterable[clingo.Symbol]:
-        """Yield the atoms of a predicate that are grounded, facts or not."""
+        """Yield the grounded atoms of a predicate, facts or not."""
         return (atom.symbol for atom in self.control.symbolic_atoms.by_signature(name, arity))
 
     def atoms(self, name: str, arity: int) -> Iterable[tuple[clingo.Symbol, bool]]:
-        """Yield the atoms of a predicate and whether each is a fact."""
+        """Yield the atoms of a predicate, each with whether it is a fact."""
         found = self.control.symbolic_atoms.by_signature(name, arity)
         return ((atom.symbol, atom.is_fact) for atom in found)
 
@@ -259,22 +260,22 @@ class Grounding:
         deadline: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Resolution:
-        """Ground rules that choose, and find their least answer.
+        """Ground rules that choose, and find their optimal answer.
 
         `deadline` is a time of `time.monotonic`, after which answers are no longer improved;
-        `progress` is told components done and in all.
+        `progress` is called with the numbers of finished and of all components.
 
         Raises:
             NoAnswerError: the rules have no answer.
             MarsError: the rules are refused.
-            TooCostlyError: the costs of a component do not fit; nothing is solved then.
+            TooCostlyError: the costs of a component are too great; nothing is solved then.
         """
         with self._choosing(program):
             return self._minimal(COST_LEVEL, deadline, progress)
 
     @contextmanager
     def _choosing(self, program: Sequence[Fragment]) -> Iterator[None]:
-        """Ground rules that choose, and tell what their names are; inside, they are solved."""
+        """Ground rules that choose, and read the names of their atoms; solve them inside."""
         self._program = record(self.control)
         able = self._able_to_fire(program)
         self._ground([each._replace(text=_SHOWN.sub("", each.text)) for each in able])
@@ -295,15 +296,15 @@ class Grounding:
         counting: bool = False,
         externals: Mapping[clingo.Symbol, bool | None] = MappingProxyType({}),
     ) -> Resolution:
-        """Ground a program of any sort, and find its least answer; all that is open tells it apart.
+        """Ground a program of any kind, and find its optimal answer; all open atoms are projected.
 
-        `deadline` is as in `resolve`. Answers that cost as little are only counted with `counting`.
-        `externals` are the values of those that do not keep the one with which they begin.
+        `deadline` is as in `resolve`. Optima are only counted with `counting`. `externals` are the
+        values of externals that differ from their initial ones.
 
         Raises:
             MarsError: clingo refuses a rule.
             UnsatisfiableError: there is no answer.
-            TooCostlyError: the costs of a component do not fit; nothing is solved then.
+            TooCostlyError: the costs of a component are too great; nothing is solved then.
         """
         self._program = record(self.control)
         self.add(program, undefined=True)
@@ -318,9 +319,9 @@ class Grounding:
         return self._minimal(None, deadline, None, counting)
 
     def _assign(self, externals: Mapping[clingo.Symbol, bool | None]) -> None:
-        """Give externals their values, in the solver and in the program that is cut."""
+        """Set the values of externals, in the solver and in the recorded program."""
         for atom in self.control.symbolic_atoms if self._program.externals else ():
-            # What a rule gives is no longer external.
+            # An atom that a rule derives is no longer external.
             if not atom.is_external:
                 continue
             value = externals.get(atom.symbol, self._program.externals.get(atom.literal))
@@ -338,7 +339,7 @@ class Grounding:
         progress: Callable[[int, int], None] | None,
         counting: bool = True,
     ) -> Resolution:
-        """Find the least answer; those are counted that cost the same at levels from `counted`."""
+        """Find the optimal answer; optima cost the same at levels from `counted`."""
         parts = partition(self._program, self._names)
         known: dict[Component, Optimum] = {}
         for component, _ in parts.components:
@@ -370,17 +371,17 @@ class Grounding:
         declared: dict[tuple[str, bool], list[TermId]] = {}
         for (name, _, positive), terms in atoms.items():
             declared.setdefault((name, positive), []).extend(terms)
-        # Clingo makes its program anew for whatever is to be stated, even for nothing.
+        # Clingo copies its program for each use of the backend, even without facts.
         if declared:
             state(self.control, declared)
 
     @property
     def facts(self) -> frozenset[int]:
-        """Return the facts, whatever is chosen, by their numbers in the ground program."""
+        """Return the numbers of atoms that are facts in every answer, in the ground program."""
         return frozenset(self._program.facts)
 
     def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
-        """Yield the predicates that the rules leave open, at least in part, and their atoms."""
+        """Yield the predicates with open atoms, each with all its atoms."""
         for signature in self.control.symbolic_atoms.signatures:
             if signature not in self._settled:
                 found = labelled(self.control, *signature)
@@ -392,7 +393,7 @@ class Grounding:
     ) -> dict[int, int] | None:
         """Return the additional cost of the cheapest answer with an atom, level by level.
 
-        `None` where no answer has it. To be asked after `resolve`.
+        It is None if no answer has the atom. Call it after `resolve`.
 
         Raises:
             TimeoutError: the time limit passed before any answer was found.
@@ -411,7 +412,7 @@ class Grounding:
         return None
 
     def lacks(self, symbol: clingo.Symbol) -> Lack:
-        """Return how answers without an open atom compare with that of `choose`."""
+        """Return how answers without an open atom compare with the answer of `choose`."""
         part, given = self.part_of(symbol), self.control.symbolic_atoms[symbol]
         if part is None or given is None:
             return "never"
@@ -434,7 +435,7 @@ class Grounding:
 
     @cached_property
     def symbol_of(self) -> dict[int, clingo.Symbol]:
-        """Return the open atoms by the numbers that stand for them in components."""
+        """Return the open atoms by their numbers in the ground program."""
         found = (each for _, atoms in self.open_predicates() for each in atoms)
         return {literal: as_symbol(atom) for atom, literal, is_fact in found if not is_fact}
 
@@ -447,7 +448,7 @@ class Grounding:
 
 
 def unsolved(program: Iterable[Fragment]) -> clingo.Control:
-    """Return a control with a program grounded as far as possible, without a solver."""
+    """Return a control with a program that is grounded as far as possible, without a solver."""
     control = clingo.Control(_OPTIONS, lambda *_: None, _MOST_MESSAGES)
     control.register_observer(clingo.Observer(), replace=True)
     with suppress(RuntimeError):
@@ -459,5 +460,5 @@ def unsolved(program: Iterable[Fragment]) -> clingo.Control:
 def _noting(
     messages: list[tuple[clingo.MessageCode, str]],
 ) -> Callable[[clingo.MessageCode, str], None]:
-    # A method would keep its control alive, and what is large in it Python's collector cannot see.
+    # A method would keep its control alive, whose large data are invisible to Python's collector.
     return lambda code, message: messages.append((code, message))

@@ -1,8 +1,8 @@
-"""What clingo grounds, noted as numbers while it grounds.
+"""A ground program, recorded as numbers while clingo grounds it.
 
-Clingo tells of a large program rule by rule, and its Python package makes two lists of each. They
-are read where clingo keeps them if its package offers that, though not in its documented interface;
-otherwise as documented, more slowly.
+Clingo passes a large program rule by rule, and its Python package makes two lists of each rule. If
+the package offers it, though not in its documented interface, they are read from clingo's memory;
+otherwise the documented interface is used, which is slower.
 """
 
 import importlib
@@ -18,11 +18,11 @@ import clingo
 class Recorded:
     """A ground program, which grows while clingo grounds.
 
-    Of each rule, `rules` has four numbers: whether it is a choice, how many numbers head and body
-    are, and the bound of a weight body, else 0; then head and body. A weight body lists literals
-    and weights. Rules that state a fact are in `facts` alone. `costs` are (level, weight, literal);
-    `projected` are the atoms that tell answers apart, `externals` have the value with which each
-    begins, where None leaves it open.
+    For each rule, `rules` has four numbers: whether it is a choice, the lengths of head and body,
+    and the bound of a weight body or 0; then head and body. A weight body lists literals and
+    weights. Rules that state a fact are in `facts` alone. `costs` are (level, weight, literal);
+    `projected` are the atoms that distinguish answers, `externals` have their initial values, where
+    None is open.
     """
 
     rules: "array[int]" = field(default_factory=lambda: array("i"))
@@ -32,7 +32,7 @@ class Recorded:
     externals: dict[int, bool | None] = field(default_factory=dict)
 
     def note(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Note a rule or a fact."""
+        """Add a rule or a fact."""
         if not body and len(head) == 1 and not choice:
             self.facts.append(head[0])
         else:
@@ -40,7 +40,7 @@ class Recorded:
 
 
 class _Rare(clingo.Observer):
-    """Notes all but plain rules."""
+    """Records everything except plain rules."""
 
     def __init__(self, noted: Recorded) -> None:
         self.noted = noted
@@ -66,7 +66,7 @@ class _Rare(clingo.Observer):
 
 
 class _All(_Rare):
-    """Notes plain rules, too."""
+    """Records plain rules as well."""
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         self.noted.note(choice, head, body)

@@ -10,28 +10,28 @@ import clingo
 
 from mars_asp.asp.solve.components import Component, GroundRule
 
-#: Levels below this order optima by taste; they are no cost and do not tell optima apart.
+#: Levels below this one order optima by preference; answers that differ in them are all optima.
 COST_LEVEL = 10
-#: Beyond this many, optima are not counted; of a large component, beyond so many times its atoms,
-#: for each answer takes time in proportion to them.
+#: The maximal number of counted optima. For a large component, the number of its atoms limits it as
+#: well: each answer takes time in proportion to them.
 MOST_COUNTED = 10_000
 _MOST_ATOMS_COUNTED = 4_000_000
-#: To show that there is no other optimum may take longer than to find one: it is given up after so
-#: many conflicts, for a time limit would make the answer depend on the machine.
+#: Proving that there is no other optimum may take longer than finding one. The proof is given up
+#: after this number of conflicts; with a time limit, the answer would depend on the machine.
 _MOST_CONFLICTS = 100_000
-#: clasp reports sums of costs as 32 bit integers, which wrap without a word.
+#: clasp reports sums of costs as 32 bit integers, which wrap without a message.
 MOST_COST = 2**31 - 1
-#: So many searches shrink cores at most: beyond, a bound is less than it could be.
+#: The maximal number of searches that shrink cores; beyond it, a bound is not the best possible.
 _MOST_SEARCHES = 500
 _OPTIONS = ("--opt-strategy=usc,stratify", "--seed=1", "--warn=none")
 
 
 @dataclass(frozen=True, slots=True)
 class Optimum:
-    """The least answer of a component.
+    """The optimal answer of a component.
 
-    `true` are its true atoms; `cost` and `bound` map levels to values (equal where `proven`);
-    `count` is how many optima there are, or `None` where that was not counted.
+    `true` are its true atoms; `cost` and `bound` map levels to values (equal if `proven`); `count`
+    is the number of optima, or None if it is unknown.
     """
 
     true: frozenset[int]
@@ -42,10 +42,10 @@ class Optimum:
 
 
 class TooCostlyError(Exception):
-    """What could be chosen together costs more, at a level, than clasp can add up."""
+    """The costs of a level add up to more than clasp can represent."""
 
     def __init__(self, level: int, total: int) -> None:
-        """Keep the level and what all its costs make together."""
+        """Keep the level and the sum of all its costs."""
         super().__init__(f"costs on level {level} add up to {total}")
         self.level = level
         self.total = total
@@ -56,7 +56,7 @@ class UnsatisfiableError(Exception):
 
 
 class LateError(TimeoutError):
-    """The deadline passed before any answer was found; `bound` is what each costs at least."""
+    """The deadline passed before any answer was found; `bound` is a lower bound of the cost."""
 
     def __init__(self, bound: dict[int, int]) -> None:
         """Keep the bound, level by level."""
@@ -65,10 +65,10 @@ class LateError(TimeoutError):
 
 
 def check_costs(component: Component) -> None:
-    """Check that clasp can add up whatever costs a component has, level by level.
+    """Check that clasp can represent the sum of the costs of each level.
 
     Raises:
-        TooCostlyError: it cannot.
+        TooCostlyError: the sum of a level is too great.
     """
     for level, total in _totals(component).items():
         if total > MOST_COST:
@@ -88,11 +88,12 @@ def optimise(
     counted: int | None = COST_LEVEL,
     counting: bool = True,
 ) -> Optimum:
-    """Find the least answer of a component; of equal ones the first in the order of its atoms.
+    """Find the optimal answer of a component; among equal ones the first in the order of its atoms.
 
-    `deadline` is a time of `time.monotonic`; when it passes the best answer so far is returned, or
-    the first that satisfies the rules, which is found whatever time that takes. Answers are counted
-    that cost the same at the levels from `counted`, of `None` at all; without `counting` none are.
+    `deadline` is a time of `time.monotonic`. When it passes, the best answer so far is returned, or
+    else the first answer found, however long that takes. Answers count as optima if they cost the
+    same at the levels from `counted`, or at all levels if it is None; without `counting` there is
+    no count.
 
     Raises:
         UnsatisfiableError: there is no answer.
@@ -106,14 +107,14 @@ def optimise(
     costs = {
         level: cost for level, cost in found.cost.items() if counted is None or level >= counted
     }
-    # A second optimum is looked for in any case: a single one needs no choice among several.
+    # A second optimum is searched in any case: a single one needs no choice by name.
     count = _count_optima(component, costs, deadline, MOST_COUNTED if counting else 1)
     true = found.true if count == 1 else _first_by_name(component, found, deadline)
     return Optimum(true, found.cost, found.bound, True, count if counting else None)
 
 
 def least(component: Component, deadline: float | None = None) -> Optimum:
-    """Find a least answer of a component; how many there are is not counted.
+    """Find an optimal answer of a component, without counting.
 
     Raises:
         UnsatisfiableError: there is no answer.
@@ -135,7 +136,7 @@ def least(component: Component, deadline: float | None = None) -> Optimum:
     if result.unsatisfiable:
         raise UnsatisfiableError
     values = dict(zip(levels, cost, strict=False))
-    # Without anything to minimise the first answer ends the search, and none is better.
+    # Without costs the first answer ends the search, and none is better.
     if true is not None and (result.exhausted or not levels):
         return Optimum(true, values, values, True, None)
     lower = control.statistics["summary"]["lower"] if levels else []
@@ -146,10 +147,10 @@ def least(component: Component, deadline: float | None = None) -> Optimum:
 
 
 def least_with(component: Component, atom: int, deadline: float | None = None) -> Optimum:
-    """Find a least answer in which an atom is true.
+    """Find an optimal answer among those in which an atom is true.
 
     Raises:
-        UnsatisfiableError: no answer has it.
+        UnsatisfiableError: no answer has the atom.
         TimeoutError: the time limit passed before any answer was found.
     """
     forced = replace(component, rules=(*component.rules, GroundRule(False, (), (-atom,))))
@@ -159,7 +160,7 @@ def least_with(component: Component, atom: int, deadline: float | None = None) -
 def has_without(
     component: Component, atom: int, costs: Mapping[int, int] = MappingProxyType({})
 ) -> bool:
-    """Return whether an answer that costs no more lacks an atom, as far as that is easily found."""
+    """Whether an answer of at most `costs` may lack an atom; False only if this is disproved."""
     control = _bounded(component, costs, (f"--solve-limit={_MOST_CONFLICTS}",))
     return not control.solve(assumptions=[-atom]).unsatisfiable
 
@@ -167,10 +168,10 @@ def has_without(
 def others(
     component: Component, best: Optimum, most: int, deadline: float | None = None
 ) -> Iterator[Optimum]:
-    """Yield answers in the order of their cost, each without a decision of every one before it.
+    """Yield further answers in the order of their cost, without those that add to earlier answers.
 
-    `best` is the first of those before. Each is least among what is left, so those that only add
-    to an earlier one are left out; at most `most` are found.
+    `best` is the first answer. An answer with all decisions of an earlier one is left out; at most
+    `most` are found.
 
     Raises:
         TimeoutError: the deadline passed before the next was found.
@@ -179,7 +180,8 @@ def others(
     for _ in range(most):
         decided = tuple(atom for atom in component.projected if atom in found.true)
         same = GroundRule(False, (), decided or tuple(-atom for atom in component.projected))
-        # Each search begins anew: clasp may never end where rules come to what it has optimised.
+        # Each search begins anew: clasp may never end if rules are added to a program that it
+        # optimised.
         left = replace(left, rules=(*left.rules, same))
         try:
             found = least(left, deadline)
@@ -189,7 +191,7 @@ def others(
 
 
 class Core(NamedTuple):
-    """Of these atoms every answer has one, which costs at least `weight` beside other needs."""
+    """Atoms of which every answer has one; this costs at least `weight` beside other cores."""
 
     weight: int
     atoms: tuple[int, ...]
@@ -198,13 +200,13 @@ class Core(NamedTuple):
 def disjoint_needs(
     component: Component, best: Optimum, level: int, deadline: float | None = None
 ) -> tuple[Core, ...]:
-    """Return needs that bound the cost at a level from below, where none is higher above it.
+    """Return cores that are a lower bound of the cost at a level, with optimal levels above.
 
-    No atom costs less than all needs in which it is weigh together, so where each costs 1 no atom
-    is in two of them, and no answer that is least above the level costs less than the sum. First
-    come the atoms that all such answers have. The others are unsatisfiable cores (Andres et al.,
-    Unsatisfiability-based optimization in clasp, ICLP 2012), each shrunk until every atom in it is
-    needed, as long as that takes few searches. The sum may be less than what is least.
+    The weights of the cores with an atom add up to at most its cost, so no answer that is optimal
+    above the level costs less than the sum of weights. First come the atoms that all such answers
+    have. The others are unsatisfiable cores (Andres et al., Unsatisfiability-based optimization in
+    clasp, ICLP 2012), each shrunk until every atom in it is needed, unless that takes too many
+    searches. The sum may be less than the optimum.
 
     Raises:
         TimeoutError: the deadline passed.
@@ -218,7 +220,8 @@ def disjoint_needs(
     needs = []
     for atom in sorted(_in_all(control, best.true.intersection(left), component, deadline)):
         needs.append(Core(left.pop(atom), (atom,)))
-    # The atoms that are not true cost nothing, so what is left bounds what can still be found.
+    # Atoms that are not true cost nothing, so the other costs bound the cores that can still be
+    # found.
     open_cost = sum(weight for atom, weight in left.items() if atom in best.true)
     searches = 0
     while open_cost and searches < _MOST_SEARCHES:
@@ -242,7 +245,7 @@ def disjoint_needs(
 def _in_all(
     control: clingo.Control, atoms: Set[int], component: Component, deadline: float | None
 ) -> Set[int]:
-    """Return which of some atoms that one answer has all answers have."""
+    """Return the atoms, among those of one answer, that all answers have."""
     common = set(atoms)
     while common:
         with control.backend() as backend:
@@ -262,7 +265,7 @@ def _in_all(
 def _core(
     control: clingo.Control, assumptions: Sequence[int], deadline: float | None
 ) -> list[int] | None:
-    """Return assumptions that cannot hold together, or `None` where all can."""
+    """Return assumptions that cannot hold together, or None if all can."""
     with _solving(control, deadline, assumptions) as handle:
         if not handle.wait(_left(deadline)):
             raise TimeoutError
@@ -272,7 +275,7 @@ def _core(
 def _solving(
     control: clingo.Control, deadline: float | None, assumptions: Sequence[int] = ()
 ) -> clingo.SolveHandle:
-    """Begin to solve, in a thread of its own only where that may have to end: it costs more."""
+    """Begin to solve; a deadline needs a thread, which costs more."""
     entries = list(assumptions)
     if deadline is None:
         return control.solve(assumptions=entries, yield_=True)
@@ -280,12 +283,12 @@ def _solving(
 
 
 def _left(deadline: float | None) -> float | None:
-    """Return the seconds before a deadline; clingo takes less than 0 for all the time there is."""
+    """Return the seconds before a deadline, at least 0, or None without a limit."""
     return None if deadline is None else max(0.0, deadline - time.monotonic())
 
 
 def _models(handle: clingo.SolveHandle, deadline: float | None) -> Iterator[clingo.Model]:
-    """Yield models until there is no other, or the deadline passes: there the search ends."""
+    """Yield models until there is no other, or the deadline passes and the search is cancelled."""
     handle.resume()
     while handle.wait(_left(deadline)) and (model := handle.model()) is not None:
         yield model
@@ -311,7 +314,7 @@ def _control(component: Component, options: Sequence[str] = ()) -> clingo.Contro
 
 
 def _first(component: Component, bound: dict[int, int]) -> Optimum:
-    """Find any answer, without looking for a cheap one."""
+    """Find any answer, without minimising its cost."""
     control = _control(component)
     with control.solve(yield_=True) as handle:
         model = handle.model()
@@ -336,10 +339,10 @@ def _bounded(
             if most >= totals[level]:
                 continue
             terms = [(lit, weight) for at, weight, lit in component.costs if at == level]
-            # What a true atom saves is what a false one costs.
+            # A negative cost of an atom is a positive cost of its negation, apart from a constant.
             saved = sum(-weight for _, weight in terms if weight < 0)
             terms = [(lit, w) if w > 0 else (-lit, -w) for lit, w in terms]
-            # Beyond the cost the sum reaches `most` + 1.
+            # With a higher cost the sum reaches `most` + 1.
             backend.add_weight_rule([], most + saved + 1, terms)
         backend.add_project(component.projected)
     return control
@@ -353,12 +356,12 @@ def _count_optima(
     control = _bounded(component, costs, ("--project=project", *limits))
     with _solving(control, deadline) as handle:
         count = sum(1 for _ in _models(handle, deadline))
-        # Who reaches a limit has exhausted nothing.
+        # A search that reaches a limit is not exhausted.
         return count if handle.get().exhausted else None
 
 
 def _first_by_name(component: Component, found: Optimum, deadline: float | None) -> frozenset[int]:
-    """Decide the atoms one by one, true where some optimum has them so, while that is easy."""
+    """Decide the atoms one by one, true if some optimum allows it, as far as this is easy."""
     control = _bounded(component, found.cost, (f"--solve-limit={_MOST_CONFLICTS}",))
     true = found.true
     assumed: list[int] = []

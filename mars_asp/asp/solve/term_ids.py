@@ -1,8 +1,8 @@
 """Ground terms and atoms as numbers, which are compared and taken apart faster than symbols.
 
-A number stands for one term as long as the process lives. Its size says nothing: sort by symbols.
-Numbers and symbols are clingo's own where its Python package offers them, though not in its
-documented interface; otherwise they are counted here, more slowly.
+A number identifies a term for the life of the process. Numbers have no meaningful order: sort by
+symbols. Numbers and symbols are clingo's own if its Python package offers them, though not in its
+documented interface; otherwise they are counted here, which is slower.
 """
 
 import importlib
@@ -18,12 +18,13 @@ TermId = NewType("TermId", int)
 Labelled: TypeAlias = tuple[TermId, int, bool]
 
 
-#: What is stated of a predicate, its name and sign: the arguments of these atoms of any.
+#: Facts to state: the name and sign of a predicate, and atoms or terms with the arguments of its
+#: facts.
 Stated: TypeAlias = Mapping[tuple[str, bool], Iterable[TermId]]
 
 
 class TermReader(NamedTuple):
-    """How terms are read: each function is documented where it is defined for all."""
+    """Functions that read terms; each is documented at the module's name for it."""
 
     as_term: Callable[[clingo.Symbol], TermId]
     as_symbol: Callable[[TermId], clingo.Symbol]
@@ -35,7 +36,7 @@ class TermReader(NamedTuple):
 
 
 def plain_reader() -> TermReader:
-    """Return a reader by the documented interface alone."""
+    """Return a reader that uses the documented interface alone."""
     symbols: list[clingo.Symbol] = []
     numbers: dict[clingo.Symbol, TermId] = {}
 
@@ -71,7 +72,7 @@ def plain_reader() -> TermReader:
 
 
 def raw_reader() -> TermReader | None:
-    """Return a reader by clingo's own numbers, or None if they cannot be had."""
+    """Return a reader that uses clingo's own numbers, or None if they are not available."""
     try:
         internal: Any = importlib.import_module("clingo._internal")
         ffi, lib, check = internal._ffi, internal._lib, internal._handle_error
@@ -131,7 +132,7 @@ def _raw_atoms(
     following, is_valid = lib.clingo_symbolic_atoms_next, lib.clingo_symbolic_atoms_is_valid
 
     def begin(control: clingo.Control, name: str, arity: int, positive: bool) -> Any:
-        """Go to the first atom, and return what holds them all."""
+        """Move to the first atom, and return clingo's handle of all atoms."""
         symbolic: Any = control.symbolic_atoms
         base = symbolic._rep
         check(lib.clingo_signature_create(name.encode(), arity, positive, signature))
@@ -139,7 +140,7 @@ def _raw_atoms(
         check(is_valid(base, place[0], valid))
         return base
 
-    # A call of `check` for each of these would take as long as they do.
+    # A call of `check` for each of these calls would double their time.
     def atoms(control: clingo.Control, name: str, arity: int, positive: bool) -> list[TermId]:
         found: list[TermId] = []
         base = begin(control, name, arity, positive)
@@ -193,13 +194,13 @@ _READER = raw_reader() or plain_reader()
 as_term = _READER.as_term
 #: The symbol of a number.
 as_symbol = _READER.as_symbol
-#: A term as clingo reads it.
+#: The text of a term in clingo's syntax.
 text = _READER.text
 #: The arguments of a function or tuple.
 arguments = _READER.arguments
 #: The atoms of a predicate: its name, arity and whether it is not classically negated.
 atoms = _READER.atoms
-#: The same with their literals.
+#: The atoms of a predicate with their literals, and whether each is a fact.
 labelled = _READER.labelled
-#: State facts of predicates with the arguments that other atoms have. To begin takes a millisecond.
+#: State facts of predicates with the arguments of other atoms. The first one takes a millisecond.
 state = _READER.state

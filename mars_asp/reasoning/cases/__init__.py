@@ -1,6 +1,6 @@
 """Cases for the rules of MARS: facts with their answer sets, and configurations.
 
-A configuration is a case where lines of comments state what is expected of it:
+A configuration is a case if its comments contain expectations:
 
     # expect: warning unwatched_effector(Platform) at 4
     # only: unwatched_effector

@@ -1,4 +1,4 @@
-"""Configurations as cases: what their comments expect to be found in them and introduced."""
+"""Configurations as cases: their comments state the expected findings and introduced nodes."""
 
 import re
 from collections import Counter
@@ -38,14 +38,14 @@ _COUNT = re.compile(r"(?P<name>\w+)[ \t]+(?P<count>\d+)")
 _NONE = "no specification"
 #: The severities that are counted.
 _COUNTED = ("error", "warning")
-#: What lines with counts may count; nodes are those of the robot's packs, too.
+#: The names that lines with counts can have; nodes also have those of the robot's packs.
 _KNOWN = {"expect nodes": (), "expect cost": tuple(COSTS), "expect findings": _COUNTED}
 _NUMBERED = ("nodes", "cost", "findings", "order")
 
 
 @dataclass(frozen=True)
 class ExpectedFinding:
-    """A finding that a line speaks of; what is `None` is left open."""
+    """The finding of an expectation; None matches any value."""
 
     severity: str | None
     kind: str
@@ -53,7 +53,7 @@ class ExpectedFinding:
     lines: tuple[int, ...] = ()
 
     def fits(self, found: "ReportedFinding", anywhere: bool = False) -> bool:
-        """Whether a finding is one of these; `anywhere` leaves its severity and lines open."""
+        """Whether a finding matches; `anywhere` ignores the severity and lines."""
         if self.kind != found.kind or self.subject not in (None, found.subject):
             return False
         if anywhere:
@@ -77,7 +77,7 @@ class ReportedFinding:
 
 @dataclass(frozen=True)
 class ExpectationLine:
-    """A line that expects something: `what` it is about, and its text with the place of that."""
+    """A line with an expectation: its keyword `what`, and the texts `before` and after it."""
 
     what: str
     before: str
@@ -88,7 +88,7 @@ class ExpectationLine:
 
 
 def is_case(path: Path) -> bool:
-    """Whether a configuration states what is expected of it."""
+    """Whether a configuration contains an expectation."""
     try:
         return _LINE.search(read_text(path)) is not None
     except MarsError:
@@ -96,7 +96,7 @@ def is_case(path: Path) -> bool:
 
 
 def snapshot(path: Path, rulebook: Rulebook) -> str:
-    """Return the text of a robot whose last lines expect the findings and the specification it has.
+    """Return the text of a robot with expectations of its findings and specification at the end.
 
     An earlier snapshot in the text is replaced; other expectations stay.
 
@@ -130,7 +130,7 @@ def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
     """Run a configuration as a case.
 
     Raises:
-        MarsError: the configuration is wrong, or what it expects cannot be read.
+        MarsError: the configuration is wrong, or an expectation cannot be read.
     """
     text = read_text(path)
     robot = _Robot(str(path), rulebook)
@@ -145,7 +145,7 @@ def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
 
 
 class _Robot:
-    """A configuration with what follows from it, found when a line asks for it."""
+    """A configuration with its results, which are computed at their first use."""
 
     def __init__(self, path: str, rulebook: Rulebook, text: str | None = None) -> None:
         self.path, self.rulebook = path, rulebook
@@ -153,11 +153,11 @@ class _Robot:
 
     @cached_property
     def told(self) -> tuple[ReportedFinding, ...]:
-        """Return its findings."""
+        """Return the findings of the configuration."""
         return tuple(map(self._reported_finding, self._reasoner.analysis.consequences))
 
     def counted_of(self, what: str) -> Mapping[str, int] | None:
-        """Return the counts that a line is about; None where there is no specification."""
+        """Return the counts for the keyword of a line, or None if there is no specification."""
         if what == "expect findings":
             return self.findings
         if not self.is_realised:
@@ -171,7 +171,7 @@ class _Robot:
 
     @cached_property
     def nodes(self) -> Mapping[str, int]:
-        """Return how many nodes there are of each kind that there could be, by its name."""
+        """Return the number of nodes of each possible kind, by the name of the kind."""
         found = self._reasoner.synthesis
         kinds = () if found is None else [node.kind for node in found.specification.nodes]
         counted = Counter(self.names[kind] for kind in kinds)
@@ -185,7 +185,7 @@ class _Robot:
 
     @cached_property
     def orders(self) -> tuple[str, ...]:
-        """Return the controllers of each module with several, the lowest priority first."""
+        """Return the order of the controllers of each module with several, by rising priority."""
         configuration = self._reasoner.project.configuration
         ranks: dict[str, dict[str, int]] = {}
         for line in (
@@ -205,7 +205,7 @@ class _Robot:
 
     @cached_property
     def names(self) -> Mapping[str, str]:
-        """Return how nodes are named, by their kinds."""
+        """Return the names of nodes, by their kinds."""
         return node_names(self._reasoner.project.configuration.kinds)
 
     @cached_property
@@ -232,14 +232,14 @@ class _Robot:
         return ReportedFinding(found.severity, found.kind, found.subject, tuple(lines))
 
 
-# ---- What lines expect ---------------------------------------------------------------------------
+# ---- Expectations -------------------------------------------------------------------------------
 
 
 def _expectation_lines(text: str, robot: _Robot) -> tuple[ExpectationLine, ...]:
-    """Return the lines that expect something.
+    """Return the lines with expectations.
 
     Raises:
-        MarsError: what cannot be read of them.
+        MarsError: the expectations that cannot be read.
     """
     problems: list[Diagnostic] = []
     found = []
@@ -271,7 +271,7 @@ def _expectation_line(
         return ExpectationLine(what, before, text, span)
     if what == "expect" and text == _NONE:
         return ExpectationLine(what, before, text, span)
-    # A list of kinds has commas, and so have the lines after `at`.
+    # A list of kinds is separated by commas, and so are the lines after `at`.
     texts = re.split(r",[ \t]*", text) if what == "only" else [text]
     wanted = (_finding(each, span, robot, problems) for each in texts)
     return ExpectationLine(what, before, text, span, tuple(filter(None, wanted)))
@@ -320,7 +320,7 @@ def _start_span(path: str) -> Span:
     return Span(path, 1, 1, 1, 1)
 
 
-# ---- What they do not get ------------------------------------------------------------------------
+# ---- Unmet expectations -------------------------------------------------------------------------
 
 
 def _unmet(
@@ -397,13 +397,13 @@ def _failure(span: Span, expected: str, found: Iterable[object], near: object = 
     return Failure(span, expected, shown, nearest_one, shown_beside(shown, nearest_one))
 
 
-# ---- What they would get -------------------------------------------------------------------------
+# ---- Updates ------------------------------------------------------------------------------------
 
 
 def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
-    """Return a text whose lines expect what was found; where it has none, it gets some.
+    """Return a text with updated expectations; a text without expectations receives some.
 
-    What must not be found stays as it is, and so does what is expected and not found at all.
+    `never` lines stay unchanged, and so do expected findings without a similar result.
     """
     if not lines:
         own = robot.own_kinds
@@ -426,7 +426,7 @@ def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
 
 
 def _told_instead(line: ExpectationLine, robot: _Robot) -> str | None:
-    """Return what a line is to expect, where it is to expect something else."""
+    """Return the new text of an expectation, or None if it stays unchanged."""
     if line.counts is not None:
         there = robot.counted_of(line.what)
         if there is None or all(there[name] == n for name, n in line.counts.items()):

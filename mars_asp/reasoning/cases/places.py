@@ -1,4 +1,4 @@
-"""Where cases are, and whose: those of a pack lie in its folders `cases` and `tests`."""
+"""Finds case files and their packs: cases of a pack are in its folders `cases` and `tests`."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -14,16 +14,16 @@ _SUFFIXES = (".lp", SUFFIX)
 
 
 class FoundCase(NamedTuple):
-    """A file of cases, and the pack that it is of, or None if it is of none."""
+    """A file of cases, and its pack, or None if it is in no pack."""
 
     path: Path
     pack: Path | None
 
 
 def cases_of(paths: Iterable[Path], rules: Sequence[Path] = ()) -> tuple[FoundCase, ...]:
-    """Return the files of cases that paths name, those of folders in the order of their names.
+    """Return the case files at some paths, those of folders sorted by name.
 
-    `rules` are packs given besides, whose files are no cases.
+    `rules` are additional packs; their rule files are left out.
     """
     found: dict[Path, FoundCase] = {}
     for path in paths:
@@ -33,7 +33,7 @@ def cases_of(paths: Iterable[Path], rules: Sequence[Path] = ()) -> tuple[FoundCa
 
 
 def pack_of_case(case: Path) -> Path | None:
-    """Return the folder of the pack that a file of cases is of, if it is of one."""
+    """Return the folder of the pack of a case file, or None if it is in no pack."""
     return pack_of(case, FOLDERS) if case.suffix in _SUFFIXES else None
 
 
@@ -45,7 +45,7 @@ def _of_folder(folder: Path, rules: Sequence[Path]) -> Iterator[Path]:
 
 
 def _is_rule(path: Path, given: Path) -> bool:
-    """Whether a file that was found in a folder is of a pack there, but none of its cases."""
+    """Whether a file belongs to a pack within a folder, but not to the cases of the pack."""
     if pack_of_case(path) is not None:
         return False
     around = folders_around(path.parent)

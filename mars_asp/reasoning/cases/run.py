@@ -1,4 +1,4 @@
-"""Run a case by its stages, whichever form it has."""
+"""Runs a case of either form with the rules of its stages."""
 
 from pathlib import Path
 
@@ -17,10 +17,10 @@ DETERMINISTIC = ("base", "verify", "run", "repair")
 
 
 def run_case(path: Path, rulebook: Rulebook) -> Outcome:
-    """Run the cases of a file; what one does not show is compared by its consequences.
+    """Run the cases of a file; `%=` compares consequences if a case shows no predicates.
 
     Raises:
-        MarsError: it may not be given to clingo, or what it expects cannot be read.
+        MarsError: clingo must not read it, or an expectation cannot be read.
     """
     if path.suffix == SUFFIX:
         return run_configuration(path, rulebook)
@@ -28,9 +28,9 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
 
 
 def stages_of(path: Path) -> tuple[str, ...]:
-    """Return the stages that the folders of a case are named after, and those that follow them.
+    """Return the stages after which the folders of a case are named, and those that follow.
 
-    A configuration is resolved, so that it has the rules of that, too.
+    A configuration also has the rules of `resolve`.
     """
     named = cases.stages_of(path, STAGES)
     if path.suffix == SUFFIX:
@@ -39,13 +39,13 @@ def stages_of(path: Path) -> tuple[str, ...]:
 
 
 def tried(path: Path, rulebook: Rulebook) -> Case:
-    """Return the cases of a file as facts for some rules, with their stages, and what runs them.
+    """Return the cases of a file as facts, with their stages and a function that runs them.
 
     Raises:
-        MarsError: it may not be given to clingo, or what it expects cannot be read.
+        MarsError: clingo must not read it, or an expectation cannot be read.
     """
     if path.suffix == SUFFIX:
-        # Attributes are facts by the packs that declare them.
+        # The facts of attributes depend on the packs that declare them.
         project = with_brought(load_project(str(path)), rulebook.brought)
         texts: tuple[str, ...] = (facts_text(project_facts(project)),)
     else:
