@@ -1,4 +1,1 @@
-"""Modules read out of annotations in source code.
-
-Nothing is imported here: a configuration without annotations needs none of it.
-"""
+"""Modules that annotations in source code declare."""

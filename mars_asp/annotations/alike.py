@@ -1,8 +1,8 @@
 """Module blocks that differ in their names alone, read once.
 
 Robots of one kind have modules of one kind, so a file of ten thousand modules repeats its blocks.
-What is read of a block in order is kept by its text without the name; a block of the same text is
-the same module at another place.
+The module of a block without problems is kept by the text of the block without the name; a block of
+the same text is the same module with another name and location.
 """
 
 import re
@@ -19,21 +19,22 @@ from mars_asp.model.declarations import Function, Module, Service, Vertex
 from mars_asp.model.names import BARE
 
 _Placed = TypeVar("_Placed", Attribute, Function, Service, Vertex)
-#: What stands before the name of a block, and behind it.
+#: The text before the name of a block, and the text after it.
 _Around: TypeAlias = tuple[str, str]
 _HEAD = re.compile(rf"([ \t]*@module_start[ \t]*\n[ \t]*@module_name[ \t]+)({BARE})[ \t]*(?=\n)")
 _FIRST, _LAST = "@module_start", "@module_end"
 _WITHIN = "|".join(word for word in WORDS if word not in BOUNDARIES)
-#: What reading a block may have in common with reading others: words of nobody are counted.
+#: Words of annotations that a block must not contain: they depend on state outside of the block,
+#: such as the count of unknown words.
 _STRANGE = re.compile(rf"@(?!(?:{_WITHIN})\b)")
 
 
 def read_alike(
     path: str, lines: Sequence[str], blocks: Sequence[tuple[int, int]]
 ) -> dict[int, Module]:
-    """Return the modules of blocks that are in order, by the lines where they begin.
+    """Return the modules of blocks without problems, by their first lines.
 
-    `lines` are those of the file, `blocks` the first and last of each, from 1.
+    `lines` are the lines of the file, `blocks` the first and last line of each block, from 1.
     """
     read: dict[int, Module] = {}
     known: dict[_Around, Module | None] = {}
@@ -53,13 +54,13 @@ def read_alike(
 
 
 def is_closed(lines: Sequence[str], block: tuple[int, int]) -> bool:
-    """Whether a block neither leaves a module open nor is within one."""
+    """Whether a block begins with `@module_start` and ends with `@module_end`."""
     first, last = block
     return lines[first - 1].strip(" \t") == _FIRST and lines[last - 1].strip(" \t") == _LAST
 
 
 def _read_block(text: str, around: _Around) -> Module | None:
-    """Return the module of a block by itself, or None if anything is to be noted about it."""
+    """Return the module of a single block, or None if it has problems or unusual words."""
     body, _, end = around[1].rpartition("\n")
     if end.strip(" \t") != _LAST or _STRANGE.search(body):
         return None
@@ -68,7 +69,7 @@ def _read_block(text: str, around: _Around) -> Module | None:
 
 
 def _placed(module: Module, name: str, path: str, below: int) -> Module:
-    """Return a module that begins so many lines below the first one of a file, by its name."""
+    """Return a module with another name, moved down by `below` lines."""
 
     def at(span: Span) -> Span:
         _, line, column, end_line, end_column = span

@@ -1,4 +1,4 @@
-"""What stands behind an annotation's word: modes, bounds, costs, vertices."""
+"""The arguments of annotations: modes, bounds, costs, vertices."""
 
 import re
 from collections.abc import Iterator
@@ -30,10 +30,10 @@ Delivery: TypeAlias = tuple[tuple[Mode, ...], Fraction | None]
 
 @dataclass(frozen=True, slots=True)
 class ArgumentProblem:
-    """What is wrong with what stands behind a word.
+    """A mistake in the arguments of an annotation.
 
-    `begin` and `end` count the characters of the text; where `begin` is `None` it is the annotation
-    as a whole that is wrong.
+    `begin` and `end` are indices of characters in the text; if `begin` is None, the whole
+    annotation is wrong.
     """
 
     code: str
@@ -44,7 +44,7 @@ class ArgumentProblem:
 
 
 def read_commands(text: str) -> tuple[str, ...] | list[ArgumentProblem]:
-    """Read the functions that a `@ControlOut` commands, or return all that is wrong with them."""
+    """Return the functions that a `@ControlOut` commands, or all problems with them."""
     wrong: list[ArgumentProblem] = []
     if text and not all(part.strip() for _, part in parts(text)):
         expected = "write a function after each comma"
@@ -65,7 +65,7 @@ def read_commands(text: str) -> tuple[str, ...] | list[ArgumentProblem]:
 
 
 def read_cost(text: str) -> int | list[ArgumentProblem]:
-    """Read `[COST]` of a `@Converts`."""
+    """Return the cost of `[COST]` of a `@Converts`, or its problem."""
     if not text:
         return 1
     cost = COST.read(text)
@@ -75,7 +75,7 @@ def read_cost(text: str) -> int | list[ArgumentProblem]:
 
 
 def read_delivery(text: str) -> Delivery | list[ArgumentProblem]:
-    """Read `MODES [HZ]`, or return all that is wrong with them."""
+    """Return the modes and the frequency of `MODES [HZ]`, or all problems with them."""
     modes: list[Mode] = []
     hz: tuple[Fraction, int, int] | None = None
     wrong: list[ArgumentProblem] = []
@@ -118,7 +118,7 @@ def read_delivery(text: str) -> Delivery | list[ArgumentProblem]:
 
 @lru_cache(maxsize=1024)
 def read_rate(text: str) -> Rate | NumberProblem:
-    """Read `HZ`, `every N ms` or `every N s`, or return what is wrong with it."""
+    """Return the rate of `HZ`, `every N ms` or `every N s`, or its problem."""
     period = _PERIOD.fullmatch(text)
     if period is None:
         return read_frequency(text)
@@ -134,7 +134,7 @@ def _no_mode(found: str, at: int) -> ArgumentProblem:
 
 
 def read_bounds(text: str) -> Bounds | list[ArgumentProblem]:
-    """Read `[MIN MAX [RATE]]`, or return all that is wrong with them."""
+    """Return the bounds of `[MIN MAX [RATE]]`, or all problems with them."""
     words = list(re.finditer(r"\S+", text))
     values: list[Decimal | None] = []
     wrong: list[ArgumentProblem] = []
@@ -160,7 +160,7 @@ def read_bounds(text: str) -> Bounds | list[ArgumentProblem]:
 
 
 def read_vertex(text: str) -> tuple[int, Transformation] | list[ArgumentProblem]:
-    """Read `N [TRANSFORMATION]`, or return all that is wrong with them."""
+    """Return the number and transformation of `N [TRANSFORMATION]`, or all problems with them."""
     match = re.fullmatch(r"([-+.\w]+)\s*(?:\((.*)\))?", text)
     if match is None or not match[1].strip("+-.")[:1].isdecimal():
         expected = "write a number and a tuple: `@Vertex 1 (_,_,_,_,0,0,100)`"
@@ -193,7 +193,7 @@ def read_vertex(text: str) -> tuple[int, Transformation] | list[ArgumentProblem]
 
 
 def parts(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the parts between commas outside of brackets, and their offsets."""
+    """Yield the texts between commas outside of brackets, with their offsets."""
     if not _BRACKETS.search(text):
         begin = 0
         for part in text.split(","):

@@ -15,7 +15,7 @@ _START = re.compile(r"(?mi)^[ \t]*@module_start\b")
 
 
 class Blocks(NamedTuple):
-    """The modules of the blocks, what is wrong, and the (first, last) lines of each block."""
+    """The modules of the blocks, the problems, and the (first, last) lines of each block."""
 
     modules: tuple[Module, ...]
     diagnostics: tuple[Diagnostic, ...]
@@ -33,7 +33,7 @@ def read_blocks(path: str, text: str) -> Blocks:
 def _read_blocks(path: str, text: str) -> Blocks:
     if _START.search(text) is None:
         return Blocks((), (), ())
-    # Only a file with blocks pays for the reading of declarations.
+    # Only a file with blocks needs the import of the reader of declarations.
     from mars_asp.annotations.alike import is_closed, read_alike  # noqa: PLC0415
     from mars_asp.annotations.modules import read_modules  # noqa: PLC0415
 
@@ -48,12 +48,12 @@ def _read_blocks(path: str, text: str) -> Blocks:
         if all(problem.severity != "error" for problem in problems):
             read |= {module.span.line: module for module in modules}
             return Blocks(tuple(read[line] for line in sorted(read)), problems, blocks)
-    # What is wrong with a block may depend on what stands before it.
+    # The problems of a block may depend on the blocks before it.
     return Blocks(*read_modules(block_source(path, text, blocks)), blocks)
 
 
 def block_source(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> "Source":
-    """Return a `.mars` text as the source of module blocks, which stand in lines of it."""
+    """Return a `.mars` text as the source of its module blocks, with all other lines blank."""
     from mars_asp.annotations.sources import Source  # noqa: PLC0415 -- as above
 
     kept = text.split("\n")
@@ -65,7 +65,7 @@ def block_source(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> "So
 
 
 def block_lines(text: str) -> tuple[tuple[int, int], ...]:
-    """Return the lines from each `@module_start` to its `@module_end`, or to where none is."""
+    """Return the first and last line of each block; unclosed ones end at a section or the end."""
     found: list[tuple[int, int]] = []
     first = 0
     number = 0

@@ -1,7 +1,7 @@
-"""Code of a stretch of a source with its comments and strings blanked.
+"""Source code with its comments and strings blanked.
 
 Every pattern is total: an alternative that could match an unterminated comment or string does match
-it, so lexing is linear whatever the stretch holds.
+it, so lexing is linear for any text.
 """
 
 import re
@@ -39,7 +39,7 @@ _PATTERNS = {
         r"|\"(?:\"\"|[^\"\n])*+\"?"
     ),
 }
-#: What opens a block comment in which others nest, and the marks of those.
+#: Patterns of languages with nested block comments: the opening mark, and all marks.
 _NEST = {
     "rust": (re.compile(r"/\*"), re.compile(r"(/\*)|\*/")),
     "matlab": (
@@ -55,10 +55,10 @@ def _pattern(language: str) -> re.Pattern[str]:
 
 
 def tokens(language: str, text: str) -> Iterator[tuple[int, int, str | None]]:
-    """Yield each comment and string: where it begins and ends, and its kind.
+    """Yield the begin, the end and the kind of each comment and string.
 
-    The kind is `comment`, `blank` for what is as little code as a comment, `kept` for what only
-    looks like a string, and `None`, `tag` or `hash` for a string.
+    The kind is `comment`, `blank` for other text without code, `kept` for code that resembles a
+    string, and `None`, `tag` or `hash` for a string.
     """
     if language not in _NEST:
         for each in _pattern(language).finditer(text):
@@ -78,7 +78,7 @@ def tokens(language: str, text: str) -> Iterator[tuple[int, int, str | None]]:
 def blanked(language: str, text: str) -> str:
     r"""Return a text, whose lines end with `\n`, with spaces for all comments and strings.
 
-    A string stays visible as a string, `"   "`, whatever it holds. Nothing moves.
+    A string remains a string of spaces, `"   "`. Nothing moves.
     """
     pieces: list[str] = []
     last = 0

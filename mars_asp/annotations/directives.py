@@ -1,4 +1,4 @@
-"""Annotation lines: which of our words stands there, and what stands behind it."""
+"""Annotation lines: their words, and the text after each word."""
 
 import re
 from bisect import bisect_left
@@ -19,26 +19,26 @@ WORDS = (
     *(*attributes.WORDS, *OVERRIDES),
 )
 _LOWER = {word.lower(): word for word in WORDS}
-#: A word, what is glued to it, and the rest of the line.
+#: A word, the text attached to it, and the rest of the line.
 _DIRECTIVE = re.compile(r"@([A-Za-z]\w*)(?![\w(.]|\s*:(?!:))(\S*)(?:\s+|$)(.*)")
-#: What stands in quotes is no remark.
+#: A `--` in quotes begins no remark.
 _REMARK = re.compile(rf"(?P<quoted>{QUOTED})|(?:^|\s)--(?:\s|$)")
 _DELIVERY = re.compile(rf"(?i)\s*(?:{'|'.join(DELIVERY_MODES)})\b")
 _LETTERS = {word: frozenset(word) for word in WORDS}
 _MOST_MISSPELT = 20
 _SHORT = 4
-#: So many different words that are not ours are compared with ours, in one file.
+#: The maximal number of unknown words in one file that are compared with annotation words.
 MOST_OTHERS = 500
-#: What stands behind the word of an annotation may be so long; what goes on longer is cut.
+#: The maximal length of the text after an annotation's word; more is cut off.
 MOST_CHARACTERS = 8192
 
 
 class Directive(NamedTuple):
-    """One annotation: `word` is ours, `written` as it stands.
+    """One annotation: its correct `word`, and the word as `written`.
 
-    `offset` is that of the `@`, `end` the one behind the annotation, `until` the one behind its
-    comment, from which code may stand. `rest` is what stands behind the word; `pieces` say where
-    each of its lines begins, in `rest` and in the file.
+    `offset` is that of the `@`, `end` that of the end of the annotation, `until` that of the end of
+    its comment, where code may follow. `rest` is the text after the word; `pieces` are the offsets
+    at which each line of `rest` begins, in `rest` and in the file.
     """
 
     word: str
@@ -57,7 +57,7 @@ class Directive(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Misspelt:
-    """A word that is nearly ours; `corrected` is what it should be."""
+    """A word that resembles an annotation word; `corrected` has the right word."""
 
     written: str
     corrected: Directive
@@ -65,13 +65,13 @@ class Misspelt:
 
 @dataclass(frozen=True, slots=True)
 class Uncompared:
-    """The first of the words that are not compared with ours, for there were too many others."""
+    """The first unknown word beyond the number that is compared with annotation words."""
 
     offset: int
 
 
 class _DirectiveWords:
-    """Finds our words and near misses of them; `meant` keeps which of ours each of them is."""
+    """Finds annotation words and misspelt ones; `meant` maps each word to the correct one."""
 
     def __init__(self) -> None:
         self.meant: dict[str, str] = {}
@@ -92,9 +92,9 @@ class _DirectiveWords:
 
 
 def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
-    """Yield the annotations of a source in order, comma-wrapped ones joined.
+    """Yield the annotations of a source in order; lines that end with a comma are joined.
 
-    Outside of modules a word that is not spelt as ours is another's, unless it is plainly ours.
+    Outside of modules, a misspelt word belongs to another tool unless its form is unmistakable.
     """
     words = _DirectiveWords()
     inside = False
@@ -103,11 +103,11 @@ def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
         if match is None:
             continue
         written, meant = match[1] + match[2], words.meant[match[1]]
-        # No other use of comments has such a line, however its word is spelt.
+        # No other use of comments has such a line, even if the word is misspelt.
         plain = "_" in meant or _DELIVERY.match(match[3])
         if not (inside or written == meant or plain):
             continue
-        # Pieces are joined once: a comment may go on for very many lines.
+        # Texts are joined once: a comment may have very many lines.
         texts = [_without_remark(match[3])]
         pieces = [(0, source.within(line.offset, line.text, match.start(3)))]
         last, length = line, 0
@@ -146,16 +146,16 @@ def _without_remark(text: str) -> str:
 
 @lru_cache(maxsize=1024)
 def nearest(word: str) -> str | None:
-    """Return our word within two edits of another one."""
+    """Return the annotation word within two edits of a word, or None."""
     if len(word) > _MOST_MISSPELT:
         return None
     letters = set(word)
     # An edit changes two letters at most.
     alike = (ours for ours, own in _LETTERS.items() if len(letters ^ own) <= 4)
     near = [ours for ours in alike if abs(len(ours) - len(word)) <= 2 and edits(word, ours) <= 2]
-    # A short word has many neighbours that are others' words: `@post` is no `@Port`.
+    # A short word has many neighbours that other tools use: `@post` is not `@Port`.
     near = [ours for ours in near if len(ours) > _SHORT or edits(word, ours) == 1]
-    # Of several the one that is nearest whatever the capitals: `@ouput` is no `@Input`.
+    # Among several words, the nearest one regardless of case: `@ouput` is not `@Input`.
     return min(near, key=lambda ours: (edits(word.lower(), ours.lower()), ours), default=None)
 
 

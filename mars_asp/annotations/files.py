@@ -44,8 +44,8 @@ MOST_BYTES = 256 * 1024 * 1024
 #: Files and folders below one path or glob.
 MOST_ENTRIES = 1_000_000
 _HERE = Path()
-#: What a file must hold to be worth reading, in single bytes and in both orders of UTF-16. Words
-#: that other annotations use as well, such as `@Input`, make no file worth reading by themselves.
+#: A mark that a file must contain to be read, in single bytes and in both byte orders of UTF-16.
+#: Words that other tools use as well, such as `@Input`, are not sufficient.
 _MARK = re.compile(
     rb"@(?:[mM][oO][dD][uU][lL][eE]_"
     rb"|(?:Sense|DataOut|ControlOut|DataIn|Converts|(?:Rotn|Trans)_[XYZ])(?![\w:(.@-]))"
@@ -58,14 +58,14 @@ _SKIPPED = frozenset({".git", ".hg", ".svn", "node_modules", "__pycache__", ".ve
 
 @dataclass(frozen=True, slots=True)
 class Extraction:
-    """The modules found, in the order of their files, and by place what is wrong or noteworthy."""
+    """The modules found, in the order of their files, and the diagnostics, by location."""
 
     modules: tuple[Module, ...]
     diagnostics: tuple[Diagnostic, ...]
 
 
 def find_paths(written: str, folder: Path = _HERE, entries: "Entries | None" = None) -> list[Path]:
-    """Return the files and folders that a path or a glob of a folder names, sorted.
+    """Return the files and folders that match a path or a glob within a folder, sorted.
 
     A glob means the sources among its matches, if there are some. `entries` are shared by
     several calls.
@@ -91,7 +91,7 @@ def _match(
     seen: set[tuple[str, int]],
     entries: "Entries",
 ) -> None:
-    """Find the paths below a folder that the parts of a glob match, each folder once."""
+    """Add the paths below a folder that match the parts of a glob, each folder once."""
     key = os.path.realpath(folder), len(parts)
     if not parts or key in seen or key[0] in KERNEL:
         if not parts and os.path.lexists(folder):
@@ -117,16 +117,16 @@ def _match(
 
 @dataclass
 class Entries:
-    """Lists folders, up to a number of entries that no robot has.
+    """Lists folders, up to a total number of entries that no robot has.
 
-    `named_in` is the file that names them, where that is not the user.
+    `named_in` is the file that names the folders, or None if the user names them.
     """
 
     named_in: str | None = None
     left: int = field(default_factory=lambda: MOST_ENTRIES)
 
     def check_depth(self, folder: str | Path) -> None:
-        """Check that all below a folder may be listed.
+        """Check that the whole tree below a folder may be listed.
 
         Raises:
             MarsError: a file names a folder with everything that a user has.
@@ -136,10 +136,10 @@ class Entries:
             raise refusal("MARS307", message, str(folder), _SMALLER)
 
     def in_folder(self, folder: str | Path) -> list[os.DirEntry[str]]:
-        """Return the entries of a folder, in order; none where it cannot be read.
+        """Return the entries of a folder, sorted by name; none if it cannot be read.
 
         Raises:
-            MarsError: it is too much, with all folders before it.
+            MarsError: the entries exceed the limit, together with all folders before.
         """
         try:
             with os.scandir(folder) as listed:
@@ -175,7 +175,7 @@ def extract(
         if not (found or wrong):
             continue  # most files have no annotations
         place = named_at.get(path)
-        # Of a folder that the user names it is the project around all files in it.
+        # For a folder that the user names, the project of all files in it counts.
         around = str(path / "_" if path.is_dir() else path) if place is None else named_in
         if is_outside(file, around):
             hide_lines(str(file))
@@ -187,7 +187,7 @@ def extract(
 
 
 def _hidden(file: Path, wrong: Sequence[Diagnostic], place: Span | None) -> Iterator[Diagnostic]:
-    """Yield that mistakes in a file are not shown, if there are some."""
+    """Yield a diagnostic for the mistakes in a file that are not shown, if there are any."""
     if wrong:
         severity = min((each.severity for each in wrong), key=("error", "warning", "note").index)
         message = f"mistakes in `{file}` are not shown: {OUTSIDE}"
@@ -210,7 +210,7 @@ def _source_files(
         listed: Iterable[tuple[Path, os.stat_result | OSError]] = (_path_status(path),)
         try:
             if path.is_dir():
-                # A folder is listed before any of it is read.
+                # A folder is listed completely before any file in it is read.
                 listed = tuple(_below(path, others if path in named_at else own))
         except MarsError as error:
             place = named_at.get(path)
@@ -235,10 +235,10 @@ def _path_status(path: Path) -> tuple[Path, os.stat_result | OSError]:
 
 
 def _below(folder: Path, entries: Entries) -> Iterator[tuple[Path, os.stat_result]]:
-    """Yield the sources below a folder in order, those of a folder before those in others.
+    """Yield the sources below a folder, sorted; files of a folder come before its subfolders.
 
     Raises:
-        MarsError: there is too much below it.
+        MarsError: the folder holds too many files and folders.
     """
     entries.check_depth(folder)
     folders = [] if is_kernels(folder) else [str(folder)]
@@ -297,7 +297,7 @@ def _read_source(
     if not (_MARK.search(raw) or (b"\0" in raw and _MARK_16.search(raw))):
         return (), ()
     data, encoding, notes = _normalised(raw, shown)
-    # Of a large file there is never more than one copy beside the one that is made.
+    # For a large file, at most two copies are in memory at once.
     del raw
     if data is None:
         return (), notes
@@ -309,17 +309,17 @@ def _raw(path: Path, most: int = MOST_BYTES) -> bytes:
     held = overlay_bytes(path)
     if held is not None:
         return held
-    # A buffer would take twice the time.
+    # With a buffer, reading takes twice the time.
     with path.open("rb", buffering=0) as file:
         return file.read(most)
 
 
 def read_source(path: Path) -> Source:
-    """Read a file again in which annotations were found.
+    """Read a file again after annotations were found in it.
 
     Raises:
         OSError: it cannot be read any more.
-        ValueError: it is no text any more.
+        ValueError: it is not text any more.
     """
     data, encoding, _ = _normalised(_raw(path), str(path))
     language = _language(path.name)
@@ -329,7 +329,7 @@ def read_source(path: Path) -> Source:
 
 
 def reread(found: Extraction, path: str, text: str) -> Extraction:
-    """Return an extraction with one of its files as it is with another text."""
+    """Return an extraction in which one of its files has another text."""
     modules, problems = read_modules(read_source(Path(path)).replaced(text))
     kept = [module for module in found.modules if module.span.path != path]
     others = [problem for problem in found.diagnostics if problem.span.path != path]
@@ -358,7 +358,7 @@ def _normalised(raw: bytes, shown: str) -> tuple[bytes | None, str, tuple[Diagno
 
 
 def _is_utf8(raw: bytes) -> bool:
-    """Decode piece by piece: a large file would need several times its size."""
+    """Whether a text is UTF-8; decoded in pieces, because a large file would need much memory."""
     if raw.isascii():
         return True
     decoder = codecs.getincrementaldecoder("utf-8")()
@@ -377,6 +377,6 @@ _ENCODINGS = ("MARS302", "MARS303", "MARS304")
 def _file_diagnostic(
     shown: str, code: str, severity: Severity, reason: str, help_text: str
 ) -> Diagnostic:
-    # The encoding of a file concerns it from its first line; that it is not read, no line.
+    # A problem of the encoding is located at the first line, any other at the whole file.
     span = point(shown, 1, 1) if code in _ENCODINGS else whole_file(shown)
     return Diagnostic(code, severity, f"`{shown}` {reason}", span, help=help_text, excerpt="")

@@ -1,4 +1,4 @@
-"""The declaration that annotations belong to: what `@Signature` states, else what follows them."""
+"""The declaration of annotations: from `@Signature`, or from the code that follows them."""
 
 import re
 from collections.abc import Callable
@@ -11,20 +11,20 @@ from mars_asp.annotations.declarations import NoFunction, SourceDeclaration, rea
 from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.sources import Source, SourceRange
 
-#: How far behind its annotations a declaration may end, in bytes; most end much earlier.
+#: The maximal number of bytes up to the end of a declaration; most end much earlier.
 MOST_DECLARED = 16384
 _STEPS = (256, 1024, 4096, MOST_DECLARED)
-#: Parameters without names may be names whose types stand behind the brackets; so far, at least,
-#: these are looked for.
+#: Parameters without names may be names in old style, with types after the brackets. These types
+#: are searched in at least this number of characters.
 _LEAST_OLD_STYLE = 4096
 _BEHIND_ANY = re.compile(r"[()\[\]{;]")
-#: A result of Go may hold braces of its own; those of the function end their line.
+#: A result in Go may contain braces; the brace of the function body ends its line.
 _BEHIND_PARAMETERS = {"go": re.compile(r"[()\[\];]|\{(?=[ \t]*\n)")}
 
 
 @dataclass(frozen=True, slots=True)
 class Endless:
-    """A declaration that goes on for longer than is read: where it begins."""
+    """The offset of a declaration that exceeds the maximal length."""
 
     offset: int
 
@@ -34,10 +34,10 @@ Found: TypeAlias = SourceDeclaration | NoFunction | Endless | None
 
 @dataclass(frozen=True, slots=True)
 class Following:
-    """What follows annotations; `found` is `None` where nothing stands there.
+    """The result of the search after annotations; `found` is None if no code follows.
 
-    `place` turns the offsets of a declaration into those of its file. `over` is whether nothing
-    that stands later can belong to the annotations.
+    `place` converts offsets of a declaration into offsets of its file. `over` is whether no later
+    code can belong to the annotations.
     """
 
     found: Found
@@ -46,7 +46,7 @@ class Following:
 
 
 def stated(source: Source, signature: Directive) -> Following:
-    """Read the declaration that a `@Signature` states; one that ends with a comma does not end."""
+    """Read the declaration of a `@Signature`; a text that ends with a comma is endless."""
     if signature.rest.endswith(","):
         return Following(Endless(0), partial(signature.place, source), True)
     text = signature.rest.rstrip(":;") + (":" if source.language == "python" else ";")
@@ -55,7 +55,7 @@ def stated(source: Source, signature: Directive) -> Following:
 
 
 def following(source: Source, begin: int, end: int) -> Following:
-    """Read the declaration between two offsets, looking no further ahead than it needs."""
+    """Read the declaration between two offsets, with no more text than it needs."""
     for most in _STEPS:
         stretch = source.stretch(begin, max(begin, end), most)
         read = read_declaration(source.language, stretch.text, stretch.code)
@@ -63,7 +63,7 @@ def following(source: Source, begin: int, end: int) -> Following:
         if whole:
             break
     found: Found = read
-    # Other words begin no function, whatever follows.
+    # Other words cannot begin a function, whatever text follows.
     is_other = isinstance(read, NoFunction) and read.found not in ("def", "async", "@")
     if read is not None and not whole and not is_other:
         found = Endless(read.offset)
@@ -74,9 +74,9 @@ def following(source: Source, begin: int, end: int) -> Following:
 def _is_whole(
     language: str, read: SourceDeclaration | NoFunction | None, stretch: SourceRange
 ) -> bool:
-    """Whether all of a declaration stands in a stretch that is cut.
+    """Whether a text that is cut off contains the whole declaration.
 
-    What stands behind the parameters counts as well: a return type, or in old C their types.
+    The declaration extends beyond the parameters: to a return type, or to the types of old C.
     """
     if not isinstance(read, SourceDeclaration):
         return False

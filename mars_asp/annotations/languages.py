@@ -1,4 +1,4 @@
-"""Which files are read, and as what language."""
+"""The language of a source file, by its suffix."""
 
 LANGUAGES = {
     **dict.fromkeys(

@@ -1,4 +1,4 @@
-"""The modules of one source, and everything that is wrong with its annotations."""
+"""The modules of one source, and all problems of its annotations."""
 
 from dataclasses import dataclass, field
 
@@ -20,12 +20,12 @@ from mars_asp.model.attributes import Attribute, AttributeProblem, read_attribut
 from mars_asp.model.declarations import SERVICE_KINDS, Function, Module, Service, Vertex
 from mars_asp.model.names import read_name
 
-#: A file with so many errors is read no further.
+#: The number of errors after which a file is not read further.
 MOST_ERRORS = 500
 
 
 def read_modules(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
-    """Return the modules of a source, those with errors included, and the errors."""
+    """Return the modules of a source, those with errors included, and the diagnostics."""
     reader = _ModuleReader(source)
     for found in directives(source):
         if isinstance(found, Uncompared):
@@ -41,7 +41,7 @@ def read_modules(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, 
 
 @dataclass(slots=True)
 class _OpenBlock:
-    """A module that is not closed yet; `named` is whether a name was tried to be given."""
+    """A module that is not closed yet; `named` is whether it had a `@module_name`."""
 
     start: Directive
     named: bool = False
@@ -56,7 +56,7 @@ class _OpenBlock:
 
 
 class _ModuleReader:
-    """Walks over the annotations of one source."""
+    """Reads the annotations of one source in order."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -64,11 +64,11 @@ class _ModuleReader:
         self.pending = Pending(self.problems)
         self.modules: list[Module] = []
         self.open: _OpenBlock | None = None
-        #: Whether what stands outside of modules follows from an error that was told already.
+        #: Whether annotations outside of modules follow from an error that was reported already.
         self.excused = False
 
     def read(self, found: Directive | Misspelt) -> None:
-        """Read an annotation as if spelt right, so that one mistake is told once."""
+        """Read an annotation with its spelling corrected, so that one mistake is reported once."""
         directive = found.corrected if isinstance(found, Misspelt) else found
         wrong_case = directive.written != directive.word
         if self.open is not None:
@@ -98,18 +98,18 @@ class _ModuleReader:
         self.pending.until = directive.until
 
     def behind(self, directive: Directive, word: str) -> int:
-        """Return the offset behind the word of an annotation."""
+        """Return the offset after the word of an annotation."""
         return self.source.within(directive.offset, f"@{word}", len(word) + 1)
 
     def read_inside(self, module: _OpenBlock, directive: Directive, misspelt: bool) -> None:
-        """Read an annotation inside of a module; one that is misspelt, as far as it is clear."""
+        """Read an annotation inside of a module; a misspelt one only as far as it is clear."""
         word = directive.word
         if word == "module_end":
             self.end(module, directive.offset)
         elif word == "module_name":
             self.name(module, directive)
         elif (misspelt and word not in OVERRIDES) or self.problems.is_too_long(directive):
-            # What it is meant to say is not known, yet what follows belongs to it.
+            # Its meaning is unknown, but the next declaration belongs to it.
             if word in SERVICE_KINDS:
                 self.pending.add_unread(directive)
         elif word in FUNCTIONS:
@@ -126,7 +126,7 @@ class _ModuleReader:
     def orphan(self, directive: Directive) -> None:
         """Report the first of the annotations that a missing `@module_start` leaves outside."""
         if self.excused:
-            # What is not told counts as well, so that reading ends.
+            # Unreported problems count as well, so that reading ends.
             self.problems.errors += 1
         else:
             self.problems.note_word(
@@ -220,7 +220,7 @@ class _ModuleReader:
             module.attributes[key] = Attribute(name, span, value)
 
     def end(self, module: _OpenBlock, offset: int) -> None:
-        """Close a module; keep it where it has a name."""
+        """Close a module; keep it if it has a name."""
         module.services += self.pending.settle(offset, closing=True)
         self.open = None
         if not module.named:
@@ -285,7 +285,7 @@ class _ModuleReader:
         self.problems.note("MARS122", found.offset, found.offset + 1, message, help_text, "note")
 
     def give_up(self, found: Directive | Misspelt) -> None:
-        """Report that the rest is not read, and let nothing that is open be an error of its own."""
+        """Report that the rest of the file is not read, and drop an open module without error."""
         self.open = None
         directive = found.corrected if isinstance(found, Misspelt) else found
         errors = self.problems.errors

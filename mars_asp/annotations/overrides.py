@@ -1,4 +1,4 @@
-"""`@Output`, `@Input` and `@Port`: what a declaration does not say, or says wrongly."""
+"""`@Output`, `@Input` and `@Port`: corrections and additions to a declaration."""
 
 import re
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from mars_asp.annotations.types import representation
 from mars_asp.model.names import QUOTED, plain, read_name
 
 _ONE_INPUT = re.compile(rf"([^\W\d]\w*|{QUOTED})\s*:(?!:)\s*(.+)")
-#: Stands for a representation that is not known.
+#: The name of an unknown representation.
 _UNKNOWN = "auto"
 
 
@@ -19,8 +19,8 @@ _UNKNOWN = "auto"
 class Overrides:
     """The types and the port name that `@Output`, `@Input` and `@Port` give a declaration.
 
-    `inputs` are the types of all inputs in order, `named` those of single parameters, and
-    `further` those of inputs that are no parameters.
+    `inputs` are the types of all inputs in order, `named` the types of single parameters, and
+    `further` the types of inputs without a parameter.
     """
 
     output: str | None = None
@@ -33,7 +33,7 @@ class Overrides:
 def read_overrides(
     found: Sequence[Directive], declaration: SourceDeclaration
 ) -> tuple[Overrides, list[tuple[Directive, ArgumentProblem]]]:
-    """Read the overrides of one declaration, and what is wrong with them."""
+    """Return the overrides of one declaration, and their problems."""
     output: str | None = None
     inputs: tuple[str, ...] | None = None
     port: str | None = None

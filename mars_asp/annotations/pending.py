@@ -1,4 +1,4 @@
-"""Function annotations and overrides, until the declaration that they belong to is read."""
+"""Function annotations and overrides, kept until their declaration is read."""
 
 from collections.abc import Callable, Sequence
 
@@ -18,7 +18,7 @@ from mars_asp.annotations.services import ServiceSignature, read_signature
 from mars_asp.diagnostic import Severity, Span
 from mars_asp.model.declarations import SERVICE_KINDS, Service
 
-#: One declaration has at most so many annotations.
+#: The maximal number of annotations on one declaration.
 MOST_ANNOTATIONS = 500
 _MOST_SHOWN = 80
 _BEFORE = (
@@ -27,17 +27,17 @@ _BEFORE = (
 
 
 class Pending:
-    """What waits for a declaration.
+    """The annotations that wait for their declaration.
 
-    `until` is the offset behind the last annotation: from there on may stand what is waited for.
+    `until` is the offset after the last annotation, where the declaration may begin.
     """
 
     def __init__(self, problems: Problems) -> None:
-        """Wait for declarations in the source that `problems` are about."""
+        """Prepare for the source of `problems`."""
         self.until = 0
         self._problems = problems
         self._source = problems.source
-        #: `None` stands for what could not be read, yet belongs to what follows.
+        #: None represents an unreadable annotation, which still has its declaration.
         self._services: list[tuple[Directive, Service | None]] = []
         self._overrides: list[Directive] = []
 
@@ -62,13 +62,13 @@ class Pending:
             self._overrides.append(directive)
 
     def add_unread(self, directive: Directive) -> None:
-        """Let what follows belong to a function annotation of which no more is known."""
+        """Add an unreadable function annotation, so that the next declaration belongs to it."""
         self._services.append((directive, None))
 
     def settle(self, offset: int, closing: bool = False) -> list[Service]:
-        """Return what the declaration before `offset` makes of what is pending, if one is there.
+        """Return the services of the pending annotations if their declaration ends before `offset`.
 
-        Where a module closes at `offset`, nothing stays pending.
+        If a module closes at `offset`, no annotation stays pending.
         """
         if not self._services:
             if self._overrides:
@@ -92,7 +92,7 @@ class Pending:
         return self._bind(services, after.found, after.place, result)
 
     def _following(self, offset: int) -> Following:
-        """Read the declaration that a `@Signature` states, else the one before an offset."""
+        """Read the declaration of a `@Signature`, or else the one before an offset."""
         signatures = [d for d in self._overrides if d.word == "Signature" and d.rest]
         for again in signatures[1:]:
             self._problems.note_word(
@@ -116,7 +116,7 @@ class Pending:
         """Report that no declaration follows the first of some annotations."""
         found = behind.found
         if isinstance(found, NoFunction):
-            # A string may go on for many lines.
+            # A string may have many lines.
             word = '"' if found.found.startswith('"') else found.found[:_MOST_SHOWN]
             begin, end = behind.place(found.offset), behind.place(found.offset + len(word))
             message = f"expected a function declaration, found `{word}`"
@@ -137,7 +137,7 @@ class Pending:
         place: Callable[[int], int],
         overrides: Overrides,
     ) -> list[Service]:
-        """Return the services with what their declaration says."""
+        """Return the services with the types and names of their declaration."""
         at = place(declaration.offset)
         bound: list[Service] = []
         signatures: dict[bool, ServiceSignature] = {}
@@ -183,7 +183,7 @@ class Pending:
 
 
 def _read_service(directive: Directive, span: Span) -> Service | list[ArgumentProblem]:
-    """Read a function annotation; its declaration is yet to come."""
+    """Read a function annotation without its declaration."""
     kind = next(kind for kind in SERVICE_KINDS if kind == directive.word)
     if kind == "ControlOut":
         commands = read_commands(directive.rest)

@@ -1,4 +1,4 @@
-"""What is wrong in one source, as diagnostics at their places."""
+"""The problems of one source, as diagnostics with locations."""
 
 from mars_asp.annotations.arguments import ArgumentProblem
 from mars_asp.annotations.directives import MOST_CHARACTERS, Directive
@@ -7,16 +7,16 @@ from mars_asp.diagnostic import Diagnostic, Severity, Span
 
 
 class Problems:
-    """Collects what is found; `errors` counts those that are errors."""
+    """Collects diagnostics; `errors` counts those that are errors."""
 
     def __init__(self, source: Source) -> None:
-        """Take the source that the places are in."""
+        """Begin without problems in a source."""
         self.source = source
         self.found: list[Diagnostic] = []
         self.errors = 0
 
     def span(self, begin: int, end: int) -> Span:
-        """Return the span of a stretch of offsets."""
+        """Return the span between two offsets."""
         return Span(self.source.path, *self.source.positions(begin, max(begin, end)))
 
     def note(
@@ -29,7 +29,7 @@ class Problems:
         severity: Severity = "error",
         labels: tuple[tuple[Span, str], ...] = (),
     ) -> None:
-        """Report a stretch of the source."""
+        """Report a problem between two offsets."""
         span, excerpt = self.span(begin, end), self.source.excerpt(begin)
         self.found.append(Diagnostic(code, severity, message, span, labels, help_text, excerpt))
         self.errors += severity == "error"
@@ -46,7 +46,7 @@ class Problems:
         self.note(code, directive.offset, directive.end, message, help_text, labels=labels)
 
     def note_wrong(self, directive: Directive, *wrong: ArgumentProblem) -> None:
-        """Report parts of what stands behind an annotation's word, or all of the annotation."""
+        """Report problems with the arguments of an annotation, or with the whole annotation."""
         for each in wrong:
             begin, end = directive.offset, directive.end
             if each.begin is not None:
@@ -55,13 +55,13 @@ class Problems:
             self.note(each.code, begin, end, each.message, each.help)
 
     def note_twice(self, directive: Directive, what: str, earlier: Span | None = None) -> None:
-        """Report an annotation that says again what another one of its module says."""
+        """Report an annotation that repeats another one of its module."""
         message = f"`{what}` occurs twice in one module"
         labels = () if earlier is None else ((earlier, "first here"),)
         self.note_word("MARS117", directive, message, "keep one of the two", labels)
 
     def is_too_long(self, directive: Directive) -> bool:
-        """Report an annotation that was cut for its length."""
+        """Whether an annotation was cut off for its length, which is then reported."""
         if len(directive.rest) <= MOST_CHARACTERS:
             return False
         message = f"`@{directive.word}` with more than {MOST_CHARACTERS} characters after it"

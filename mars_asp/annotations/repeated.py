@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.model.declarations import Module
 
-#: So many of the places where a name is repeated are shown.
+#: The maximal number of locations that are shown for one name.
 _MOST_PLACES = 5
 
 

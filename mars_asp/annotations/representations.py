@@ -1,4 +1,4 @@
-"""Representation names: when two of them are the same (language reference, section 9)."""
+"""Representation names, and which of them are equal (language reference, section 9)."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -8,16 +8,16 @@ _WORD = re.compile(r"[A-Za-z_][\w:]*")
 
 
 class RepresentationNames(NamedTuple):
-    """Each name's canonical form, and the names that may stand for several."""
+    """Each name's canonical form, and the names that may abbreviate several others."""
 
     canonical: Mapping[str, str]
     ambiguous: Mapping[str, tuple[str, ...]]
 
 
 def canonical_names(names: Iterable[str]) -> RepresentationNames:
-    """Find the names that are equal: the same, or the only `::`-suffix of another.
+    """Return a canonical form for equal names: a name equals the only longer name that ends in it.
 
-    Where the longer names that end in a name are suffixes of one another they count as one.
+    The longer names count as one if they are `::`-suffixes of one another.
     """
     every = set(names)
     words = {word for name in every for word in _WORD.findall(name)}

@@ -1,4 +1,4 @@
-"""A declaration and its overrides as the service that an annotation says it is."""
+"""The representations of a service, from a declaration and its overrides."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -12,15 +12,15 @@ from mars_asp.annotations.types import CALLBACK, representation
 _STATUS = re.compile(
     r"(?:.*::)?(?:Status|StatusCode|ErrorCode|error_code|Result|ReturnCode|esp_err_t)"
 )
-#: What a behaviour in Python calls its context, which needs no type.
+#: The name of the context of a behaviour in Python, which needs no type.
 _CONTEXT = "ctx"
 
 
 @dataclass(frozen=True, slots=True)
 class ServiceSignature:
-    """Representations of a declaration; a `remark` says what is noteworthy, with its code.
+    """The representations of a declaration; `remarks` have code, message and help.
 
-    `parameters` are the names of the inputs, where they have names.
+    `parameters` are the names of the inputs, or None for inputs without names.
     """
 
     output: str | None
@@ -101,7 +101,7 @@ def _named_inputs(
     """Yield the name and the representation of each input."""
     if overrides.inputs is not None:
         declared = [written for written in overrides.inputs if written != "none"]
-        # Where types are stated of as many inputs as there are parameters, it is of these.
+        # With as many stated types as parameters, the types belong to the parameters.
         own = [parameter.name for parameter in parameters]
         names = own if len(own) == len(declared) else [None] * len(declared)
         for name, written in zip(names, declared, strict=True):

@@ -1,13 +1,12 @@
-"""Annotated comments of a source, found without looking at anything else in it.
+"""Annotated comments of a source, found without parsing other code.
 
-For each language one pattern passes over code, strings and comments that hold no annotation in a
-single match, so that Python takes a step only where a comment with an annotation begins, or a
-construct that no pattern describes: raw strings with a tag, comments that nest. Every alternative
-is possessive and ends at the end of the text at the latest, so that skimming is linear whatever
-the file holds.
+For each language, one match of a pattern passes over code, strings and comments without annotation.
+So Python takes a step only for a comment with an annotation, or for a construct that no pattern
+describes: raw strings with a tag, nested comments. Every alternative is possessive and ends at the
+end of the text at the latest, so skimming is linear for any file.
 
-The text is bytes, in UTF-8 or Latin-1: what parts code, strings and comments is ASCII in all
-languages, and a file needs no more memory than it has bytes.
+The text is bytes, in UTF-8 or Latin-1: the delimiters of code, strings and comments are ASCII in
+all languages, and a file needs no more memory than its bytes.
 """
 
 import re
@@ -16,9 +15,9 @@ from functools import cache
 from typing import AnyStr
 
 _LETTER = rb"[\w\x80-\xff]"
-#: Words that documentation is full of, and none of ours.
+#: Frequent words of documentation, which are never annotations.
 _TAG = rb"(?!(?:param|returns?|brief|throws|see|since|note)\b)"
-#: A word that may be one of ours; what is beyond ASCII in it may also end it.
+#: A word that may be an annotation word; a non-ASCII byte in it may also end it.
 _WORD = _TAG + rb"[A-Za-z](?:\w{2,20}+(?![\w(.])|\w{0,20}+[\x80-\xff])"
 _OTHER = rb"@(?!" + _WORD + rb")"
 _STRING = rb'"(?:[^"\\\n]++|\\[\s\S])*+"?'
@@ -29,7 +28,7 @@ _SLASH = rb"/(?![/*])"
 
 
 def _nested(depth: int) -> bytes:
-    """Return a pattern of block comments that nest at most so deep."""
+    """Return a pattern of block comments that are nested up to a depth."""
     inside = rb"" if depth == 1 else rb"|" + _nested(depth - 1)
     return rb"/\*(?:[^*/@]++|\*(?!/)|/(?!\*)|" + _OTHER + inside + rb")*+\*/"
 
@@ -43,7 +42,7 @@ def _triple(quote: bytes) -> bytes:
 _PASSED = {
     "c": (
         rb"""[^"'/0-9]++""",
-        # A number may hold quotes; a string that follows it at once is never raw.
+        # A number may contain quotes; a string directly after it is never raw.
         rb"(?<!" + _LETTER + rb")[0-9](?:'?" + _LETTER + rb")*+(?:" + _STRING + rb")?+",
         rb"[0-9]++",
         rb"(?<!R)" + _STRING,
@@ -82,39 +81,39 @@ _PASSED = {
     "mars": (rb"[^@/#]++", rb"//[^\n]*+", rb"#[^\n]*+", rb"/", rb"(?<=[^ \t\n])@"),
 }
 _SLASHES = rb"//(?:[^\n\\]++|\\\n?)*+"
-#: Comments to the end of their line, most of all that hold annotations.
+#: Comments to the end of their line, which most annotations are in.
 _LINES = {
     **dict.fromkeys(("c", "java", "go", "rust"), _SLASHES),
     "python": rb"#[^\n]*+",
     "matlab": rb"%(?!\{[ \t]*+\n)[^\n]*+",
 }
 _RAW_C = re.compile(rb'"([^()\\\s"]{0,16}+)\(')
-#: The marks of block comments in which others nest; those that open have a group.
+#: The marks of nested block comments; those that open a comment have a group.
 _NEST = {
     "rust": re.compile(rb"(/\*)|\*/"),
     "matlab": re.compile(rb"(?m)^[ \t]*+(?:(%\{)|%\})[ \t]*+$"),
 }
 _STRING_HERE = re.compile(_STRING)
 _LINE_HERE = re.compile(_SLASHES)
-#: Quotes keep what would begin a comment.
+#: In quotes, `#` and `//` begin no comment.
 _ANNOTATION_HERE = re.compile(rb'(?:[^\n/#"]++|"(?:[^"\\\n]|\\.)*+"|"|/(?!/))*+')
 _MATLAB_OPENING = re.compile(rb"%\{[ \t]*+(?=\n)")
 
 
 @cache
 def _pattern(language: str) -> re.Pattern[bytes]:
-    """Return what passes over code; its group is the comment line it stops at, if it is one."""
+    """Return the pattern that passes over code; its group is the line comment at which it stops."""
     line = _LINES.get(language, rb"(?!)")
     return re.compile(rb"(?:" + rb"|".join(_PASSED[language]) + rb")*+(" + line + rb")?+")
 
 
 def annotated_comments(language: str, data: bytes, at: int = 0) -> Iterator[tuple[int, int]]:
-    """Yield where each comment begins and ends that holds a word which may be an annotation.
+    """Yield the begin and end of each comment with a word that may be an annotation.
 
     Args:
         language: A key of the languages, or `mars` for module blocks of a configuration.
         data: The text, whose lines end with LF.
-        at: Where to begin; nothing may be open there.
+        at: The offset to begin at, outside of all strings and comments.
     """
     skip = _pattern(language).match
     last = data.rfind(b"@")
@@ -134,7 +133,7 @@ def annotated_comments(language: str, data: bytes, at: int = 0) -> Iterator[tupl
 
 
 def _construct(language: str, data: bytes, at: int) -> tuple[int, bool]:
-    """Return where the construct at a place ends, and whether it is a comment."""
+    """Return the end of the construct at an offset, and whether it is a comment."""
     first = data[at : at + 1]
     if first == b'"':
         return _string_end(language, data, at), False
@@ -148,13 +147,13 @@ def _construct(language: str, data: bytes, at: int) -> tuple[int, bool]:
 
 
 def annotation_end(data: bytes, at: int) -> int:
-    """Return where an annotation without comment marks, or what goes on with it, ends."""
+    """Return the end of an annotation without comment marks, or of a continuation line."""
     found = _ANNOTATION_HERE.match(data, at)
     return found.end() if found else at
 
 
 def comment_end(language: str, data: bytes, at: int) -> int:
-    """Return where the comment that begins at a place ends."""
+    """Return the end of the comment that begins at an offset."""
     if data.startswith(b"//", at):
         found = _LINE_HERE.match(data, at)
         return found.end() if found else at + 2
@@ -177,17 +176,17 @@ def _line_end(data: bytes, at: int) -> int:
 
 
 def _is_block(data: bytes, at: int) -> bool:
-    """Whether `%{` of MATLAB stands alone on its line."""
+    """Whether `%{` of MATLAB is alone on its line."""
     start = data.rfind(b"\n", 0, at) + 1
     return _MATLAB_OPENING.match(data, at) is not None and not data[start:at].strip(b" \t")
 
 
 def nested_end(marks: Iterable[re.Match[AnyStr]], last: int) -> int:
-    """Return where a block comment of Rust or MATLAB, in which others nest, ends.
+    """Return the end of a block comment of Rust or MATLAB, which can contain others.
 
     Args:
         marks: The marks of block comments from its own on; those that open have a group.
-        last: Where the text ends, for a comment that never does.
+        last: The end of the text, which ends an unclosed comment.
     """
     depth = 0
     for mark in marks:
@@ -198,7 +197,7 @@ def nested_end(marks: Iterable[re.Match[AnyStr]], last: int) -> int:
 
 
 def inner_comments(language: str, data: bytes, begin: int, end: int) -> Iterator[tuple[int, int]]:
-    """Yield where each comment begins and ends that stands in a block comment, in its order."""
+    """Yield the begin and end of each comment that is nested in a block comment, in order."""
     if language not in _NEST:
         return
     depth = opened = 0
@@ -214,7 +213,7 @@ def inner_comments(language: str, data: bytes, begin: int, end: int) -> Iterator
 
 
 def _string_end(language: str, data: bytes, at: int) -> int:
-    """Return where a string ends that may be a raw one: `R"tag(...)tag"`, `r#"..."#`."""
+    """Return the end of a string, which may be a raw one: `R"tag(...)tag"`, `r#"..."#`."""
     closing = None
     if language == "c":
         opening = _RAW_C.match(data, at)

@@ -1,6 +1,6 @@
-"""A source: its comment lines that begin with an annotation, its code, and places in it.
+"""A source: its comment lines that begin with an annotation, its code, and locations in it.
 
-Offsets are those of bytes; text is decoded only where something is read.
+Offsets count bytes; text is decoded only where it is read.
 """
 
 import re
@@ -19,8 +19,8 @@ from mars_asp.annotations.skim import (
     inner_comments,
 )
 
-#: What may stand before the first word of a comment, and of a further line of one, by the sort of
-#: comment. A mark that is not the line's own begins code that was commented out.
+#: The text before the first word of a comment, and of its further lines, by the kind of comment. A
+#: mark of another kind begins code that was commented out.
 _OPENING = {
     "c": rb"(?:/\*[*!]?|//[/!]?)?[ \t]*+",
     "python": rb"#*+[ \t]*+",
@@ -41,22 +41,23 @@ _ANNOTATED_BELOW = {
 _WORD = re.compile(r"\w+")
 _DEAD = rb"if[ \t]++(?:0|false)[ \t]*+(?://[^\n]*+)?(?=\n|\Z)"
 _DEAD_IF = re.compile(rb"#[ \t]*+" + _DEAD)
-#: A line of the preprocessor that has to do with conditions, to its end.
+#: A preprocessor line of a condition, to its end.
 _CONDITION = re.compile(
     rb"#[ \t]*+(?:(?P<dead>" + _DEAD + rb")|(?P<open>if|ifdef|ifndef)\b[^\n]*+"
     rb"|(?P<other>else|elif)\b[^\n]*+|(?P<close>endif)\b[^\n]*+)"
 )
 _CONTINUATION = bytes(range(0x80, 0xC0))
 _MOST_EXCERPT = 400
-#: Between an annotation that ends with a comma and the comment on the next line, in bytes.
+#: The maximal distance between an annotation that ends with a comma and the comment on the next
+#: line, in bytes.
 _MOST_BETWEEN = 4096
 
 
 class CommentLine(NamedTuple):
     """One line of a comment.
 
-    `offset` is where its text begins behind the marks, `end` where the line does, `until` where the
-    comment does; `mark` are the first two bytes of the comment.
+    `offset` is the begin of its text after the marks, `end` the end of the line, `until` the end of
+    the comment; `mark` are the first two bytes of the comment.
     """
 
     offset: int
@@ -68,9 +69,9 @@ class CommentLine(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class SourceRange:
-    """A stretch of a source and the same with comments and strings blanked.
+    """A range of a source, and the same range with comments and strings blanked.
 
-    `cut` is whether it ends for being too long.
+    `cut` is whether it ends at the maximal length.
     """
 
     text: str
@@ -82,7 +83,7 @@ class Source:
     """A text as bytes, whose lines end with LF and which begins with no byte order mark."""
 
     def __init__(self, path: str, language: str, data: bytes, encoding: str = "utf-8") -> None:
-        """Take a text in a language of `skim`, encoded as UTF-8 or Latin-1."""
+        """Keep a text in a language of `skim`, encoded as UTF-8 or Latin-1."""
         self.path = path
         self.language = "c" if language == "mars" else language
         self.data = data
@@ -90,14 +91,14 @@ class Source:
         self._encoding = encoding
         self._wide = encoding == "utf-8" and not data.isascii()
         self._kind = language if language in _OPENING else "c"
-        # Places that were asked for: offset, line, column and where the line begins.
+        # The requested locations: offset, line, column and offset of the line's begin.
         self._places: list[tuple[int, int, int, int]] = [(0, 1, 1, 0)]
 
     def annotations(self, known: Callable[[str, int], bool]) -> Iterator[CommentLine]:
         """Yield the comment lines that begin with `@` and a known word, in order.
 
         Args:
-            known: Says it of a word and the offset of the first `@` before it.
+            known: Whether a word is known; called with the word and the offset of its first `@`.
         """
         data, dead = self.data, self._dead
         first = _ANNOTATED[self._kind].match
@@ -123,10 +124,10 @@ class Source:
                     yield self._comment_line(at, end, mark)
 
     def following(self, line: CommentLine) -> CommentLine | None:
-        """Return the comment line on the line below, if there is one without an annotation.
+        """Return the comment line on the line below, or None if there is none or an annotation.
 
-        In a configuration, which has annotations without comment marks, that is the line below
-        unless it ends a declaration.
+        In a configuration, with annotations without comment marks, it is the line below, or None if
+        that line ends a declaration.
         """
         begin, until, mark = line.end + 1, line.until, line.mark
         opening = _BELOW_HERE.get(mark)
@@ -148,7 +149,7 @@ class Source:
         return None if below.text.startswith("@") else below
 
     def _comment_line(self, offset: int, until: int, mark: bytes) -> CommentLine:
-        """Read the comment line whose text begins at a place, of a comment that goes on `until`."""
+        """Return the comment line whose text begins at `offset`, in a comment up to `until`."""
         end = self.data.find(b"\n", offset, until)
         end = until if end < 0 else end
         text = self._decode(offset, end).rstrip()
@@ -157,7 +158,7 @@ class Source:
         return CommentLine(offset, text, end, until, mark)
 
     def _comment_below(self, end: int) -> tuple[int, int] | None:
-        """Return the first comment behind a comment that ends a line, if on the line below."""
+        """Return the first comment after the end of a line, or None if not on the line below."""
         data, last = self.data, min(end + _MOST_BETWEEN, len(self.data))
         first = data.find(b"\n", end, last)
         if first < 0:
@@ -171,9 +172,9 @@ class Source:
         return None
 
     def stretch(self, begin: int, end: int, most: int) -> SourceRange:
-        """Return the text between two offsets, at most so many bytes.
+        """Return the text between two offsets, at most `most` bytes.
 
-        Nothing may be open at `begin`, such as where a comment ends.
+        No string or comment may be open at `begin`; it is for example the end of a comment.
         """
         last = min(end, begin + most)
         text = self._decode(begin, last)
@@ -187,12 +188,12 @@ class Source:
         return SourceRange(text, code, last < end)
 
     def within(self, offset: int, text: str, index: int) -> int:
-        """Return the offset of a character of the text that stands at an offset."""
+        """Return the offset of a character of the text that begins at an offset."""
         return offset + (len(text[:index].encode()) if self._wide else index)
 
     @property
     def is_configuration(self) -> bool:
-        """Whether the annotations stand without comment marks, in the blocks of a `.mars` file."""
+        """Whether annotations have no comment marks, as in the blocks of a `.mars` file."""
         return self._lexicon == "mars"
 
     @property
@@ -211,7 +212,7 @@ class Source:
     def positions(self, begin: int, end: int) -> tuple[int, int, int, int]:
         """Return the positions of two offsets, the first one first."""
         line, column = self.position(begin)
-        # Most stretches end on the line where they begin.
+        # Most ranges end on the line where they begin.
         if self._wide or self.data.find(b"\n", begin, end) >= 0:
             return line, column, *self.position(end)
         return line, column, line, column + end - begin
@@ -225,7 +226,7 @@ class Source:
 
     def _place(self, offset: int) -> tuple[int, int, int, int]:
         index = len(self._places)
-        # Most are asked for in the order of the file.
+        # Most requests are in the order of the file.
         if self._places[-1][0] > offset:
             index = bisect_left(self._places, (offset + 1,))
         known, line, column, start = self._places[index - 1]
@@ -243,7 +244,7 @@ class Source:
         return place
 
     def _decode(self, begin: int, end: int) -> str:
-        # A stretch that is cut may end within a character.
+        # A range that is cut off may end within a character.
         return self.data[begin:end].decode(self._encoding, "ignore")
 
     def _in_dead(self, offset: int) -> bool:
@@ -255,7 +256,7 @@ class Source:
 
 
 def _is_within(spans: Sequence[tuple[int, int]], offset: int) -> bool:
-    """Whether an offset is in one of some spans, which stand in order."""
+    """Whether an offset is in one of some spans, which are sorted."""
     index = bisect_right(spans, offset, key=lambda span: span[0])
     return index > 0 and offset < spans[index - 1][1]
 

@@ -1,4 +1,4 @@
-"""Words of seven languages that say how a type is to be read, and the built-in types."""
+"""Words of seven languages that control how a type is read, and the built-in types."""
 
 FALLS_AWAY = frozenset(
     (

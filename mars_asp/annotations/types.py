@@ -1,7 +1,7 @@
-"""Types as they are written in seven languages, as representation names.
+"""Representation names of types, as they are written in seven languages.
 
-The thirteen rules of the language reference, section 9: qualifiers, references and wrappers fall
-away, sequences become `T[]`, callbacks are `function`; what cannot be known is `None`.
+The thirteen rules of the language reference, section 9: qualifiers, references and wrappers are
+dropped, sequences become `T[]`, callbacks are `function`; unknown types are None.
 """
 
 import re
@@ -21,24 +21,24 @@ from mars_asp.annotations.type_words import (
     WRAPPERS,
 )
 
-#: A `$` begins a name, or parts two as `::` does.
+#: A `$` begins a name, or separates two as `::` does.
 _TOKEN = re.compile(
     r"'[a-z_]\w*|\.\.\.|::|->|<-|&&|(?:[^\W\d]|~|(?<!\w)\$)\w*|\d[\w.]*|\"[^\"]*\"|\S"
 )
 _NAME = re.compile(r"[^\W\d]|[$~]")
-#: The representation of what is called and is never data.
+#: The representation of callbacks, which are never data.
 CALLBACK = "function"
 _MOST_TOKENS = 2000
 _MOST_DEPTH = 40
 
 
 class _UnreadableError(Exception):
-    """The text is no type."""
+    """The text cannot be read as a type."""
 
 
 @lru_cache(maxsize=1024)
 def representation(text: str) -> str | None:
-    """Return a type's representation name, or None if it is unknown, `""` where it is nothing."""
+    """Return a type's representation name, None if it is unknown, or "" for void types."""
     tokens = _TOKEN.findall(re.sub(r"\[\[.*?\]\]", " ", text))
     if not tokens or len(tokens) > _MOST_TOKENS:
         return None
@@ -225,14 +225,14 @@ class _TypeReader:
         found: list[str | None] = []
         while self.peek() and self.peek() != closing:
             if self.peek() == "[" and not self.is_array(closing):
-                # What a callable takes.
+                # The parameters of a callable.
                 self.skip_group("[", "]")
                 found.append("")
             elif self.peek() == "...":
                 found.append(self.take())
             elif self.peek() == "?":
                 self.take()
-                # What is above a type can be anything; what extends it is one.
+                # A supertype can be any type; a type that extends a bound is an instance of it.
                 above = self.peek() == "super"
                 bound = self.union() if self.accept("extends", "super") else None
                 found.append(None if above else bound)
@@ -254,7 +254,7 @@ class _TypeReader:
         return closing == ">" or (self.peek(1) == "]" and self.peek(2) not in (",", "]"))
 
     def argument(self, closing: str) -> str | None:
-        """Read one argument: a type, a function's signature, or an expression as it stands."""
+        """Read one argument: a type, a function's signature, or an expression, kept as text."""
         start, depth = self.at, self.depth
         try:
             found = self.union()
@@ -293,7 +293,7 @@ class _TypeReader:
             elif token in FALLS_AWAY or token in ("mut",):
                 self.take()
             elif token == "+":
-                # Bounds of a Rust trait object say nothing about what it is.
+                # Bounds of a Rust trait object do not change its type.
                 self.take()
                 if self.peek().startswith("'"):
                     self.take()

@@ -40,18 +40,18 @@ _STATEMENTS = frozenset(
     ).split()
 )
 _ACCESS = frozenset(("public", "private", "protected", "signals", "Q_SIGNALS"))
-#: What may stand behind the parameters.
+#: Words that can follow the parameters.
 _BEHIND = frozenset(
     "const noexcept override final volatile throw requires try mutable asm __asm__".split()
 )
-#: The same, but for what may also begin a type.
+#: Words that can follow the parameters and cannot begin a type.
 _BEHIND_ALL = _BEHIND - {"const", "volatile"}
 _BEHIND_TRAILING = _BEHIND_ALL | {";", "{", "=", "}"}
 _SIGNS = frozenset(("::", "*", "&", "&&", "^"))
 
 
 def read_c(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
-    """Read type, name and parameters behind templates, attributes, labels and macros."""
+    """Read type, name and parameters after templates, attributes, labels and macros."""
     first = min(_behind_prefix(tokens), len(tokens) - 1)
     none = NoFunction(tokens[first].offset, tokens[first].text)
     head: list[SourceToken] = []
@@ -93,7 +93,7 @@ def read_c(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFu
 
 
 def _behind_prefix(tokens: Sequence[SourceToken]) -> int:
-    """Return the index behind attributes, templates and access labels."""
+    """Return the index after attributes, templates and access labels."""
     at = 0
     while at < len(tokens):
         text, following = text_at(tokens, at), text_at(tokens, at + 1)
@@ -116,7 +116,7 @@ def _behind_prefix(tokens: Sequence[SourceToken]) -> int:
 
 
 def _behind_requires(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index behind a constraint: primaries joined by `&&` and `||`."""
+    """Return the index after a constraint: primaries joined by `&&` and `||`."""
     while at < len(tokens):
         if text_at(tokens, at) == "!":
             at += 1
@@ -137,7 +137,7 @@ def _behind_requires(tokens: Sequence[SourceToken], at: int) -> int:
 
 
 def _is_macro_call(tokens: Sequence[SourceToken], head: Sequence[SourceToken], end: int) -> bool:
-    """Whether brackets, closed before `end`, are those of a macro before the declaration."""
+    """Whether brackets, closed before `end`, belong to a macro before the declaration."""
     following = text_at(tokens, end)
     goes_on = (is_word(following) and following not in _BEHIND) or following == "::"
     if not head or not goes_on:
@@ -148,12 +148,12 @@ def _is_macro_call(tokens: Sequence[SourceToken], head: Sequence[SourceToken], e
 def _bracketed(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
 ) -> SourceDeclaration | None:
-    """Read on from the first bracket, which holds the parameters or a part of the declarator."""
+    """Read on from the first bracket, which encloses the parameters or a part of the declarator."""
     end = closing(tokens, at)
     inside = tokens[at + 1 : end - 1]
     signs = set(texts(inside[:1])) & {"*", "&", "&&", "^"}
     if text_at(tokens, end) == "(" and len(inside) == 1 and head and not is_macro(head[-1].text):
-        # A name in brackets of its own, which keeps a macro of this name from being used.
+        # A name in its own brackets, which prevent the use of a macro of this name.
         return _read_function(tokens, [*head, *inside], end, offset)
     inner = next((index for index, token in enumerate(inside) if token.text == "("), None)
     if not signs or inner is None:
@@ -170,7 +170,7 @@ def _bracketed(
 def _operator(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int
 ) -> SourceDeclaration | None:
-    """Read an operator; one that converts has its type behind the word."""
+    """Read an operator; a conversion has its type after the word `operator`."""
     stop = at + 1
     if text_at(tokens, stop) == "(":
         stop += 2
@@ -202,7 +202,7 @@ def _opens_arguments(tokens: Sequence[SourceToken], at: int) -> bool:
 def _read_function(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
 ) -> SourceDeclaration | None:
-    """Read from the bracket that opens the parameters; `head` stands before it."""
+    """Read from the bracket that opens the parameters; `head` are the tokens before it."""
     parts = units(head)
     if not parts or parts[-1].kind != "name":
         return None
@@ -214,7 +214,7 @@ def _read_function(
 
 
 def _plain_name(tokens: Sequence[SourceToken]) -> str:
-    """Return a qualified name without the arguments of templates."""
+    """Return a qualified name without template arguments."""
     name, at = "", 0
     while at < len(tokens):
         if tokens[at].text == "<":
@@ -241,7 +241,7 @@ def _with_parameters(
 
 
 def _trailing(tokens: Sequence[SourceToken], at: int) -> str | None:
-    """Return the type behind `->`, where one stands behind the parameters."""
+    """Return the type after `->` that follows the parameters, or None without such a type."""
     while at < len(tokens) and tokens[at].text not in (";", "{", "=", ":", "}", "->"):
         at = closing(tokens, at) if tokens[at].text in ("(", "[") else at + 1
     if text_at(tokens, at) != "->":

@@ -22,13 +22,13 @@ from mars_asp.annotations.declarations.tokens import (
     texts,
 )
 
-#: Signs that stand in expressions and in no parameter, before a default.
+#: Signs that occur in expressions and in no parameter, before a default.
 _OF_EXPRESSIONS = frozenset(".+-/!?|%;~")
 _BRACKETS = frozenset("([{<")
 
 
 def declarators(tokens: Sequence[SourceToken]) -> list[Sequence[SourceToken]]:
-    """Split what stands between brackets; leave out attributes and defaults."""
+    """Split the tokens within brackets at commas; leave out attributes and defaults."""
     return [before(group, "=") for group in split(without_attributes(tokens))]
 
 
@@ -44,7 +44,7 @@ def are_parameters(found: Sequence[Sequence[SourceToken]]) -> bool:
 
 
 def read_parameter(tokens: Sequence[SourceToken]) -> DeclaredParameter | None:
-    """Read one declarator; `None` for `void`, `...` and C++'s explicit object."""
+    """Return the parameter of a declarator, or None for `void`, `...` and C++'s explicit object."""
     words = texts(tokens)
     if words in (["void"], ["..."], []) or words[0] == "this":
         return None
@@ -78,7 +78,7 @@ def _bracketed(tokens: Sequence[SourceToken], at: int) -> DeclaredParameter | No
     if not set(signs) & {"*", "&", "&&", "^"}:
         if len(inside) == len(names) == 1 and end == len(tokens):
             return _split_name([*tokens[:at], inside[0]], "")
-        # A function as a parameter is a pointer to it.
+        # A function as a parameter is a pointer to the function.
         return DeclaredParameter(tokens[at - 1].text if len(names) > 1 else None, CALLBACK)
     inner, _ = without_arrays(inside)
     name = inner[-1].text if inner and is_word(inner[-1].text) else None
@@ -86,14 +86,15 @@ def _bracketed(tokens: Sequence[SourceToken], at: int) -> DeclaredParameter | No
         return DeclaredParameter(name, CALLBACK)
     outer, arrays = without_arrays(tokens[end:])
     kind = type_text(units(tokens[:at]))
-    # A pointer to an array, or a reference, is the array; a pointer alone is what it points to.
+    # A pointer or reference to an array is the array; any other pointer is the type that it points
+    # to.
     extra = "[]" if len(inner) != len(inside) else ""
     written = None if kind is None else f"{kind}{extra}{arrays}"
     return DeclaredParameter(name, written, "const" not in texts([*tokens[:at], *outer]))
 
 
 def without_arrays(tokens: Sequence[SourceToken]) -> tuple[list[SourceToken], str]:
-    """Cut `[...]` off the end of a declarator; return them as `[]`."""
+    """Return a declarator without `[...]`, and its array brackets as `[]`."""
     for at, token in enumerate(tokens):
         if token.text == "[":
             end, arrays = at, ""
@@ -105,11 +106,11 @@ def without_arrays(tokens: Sequence[SourceToken]) -> tuple[list[SourceToken], st
 
 
 def _split_name(tokens: Sequence[SourceToken], arrays: str) -> DeclaredParameter:
-    """Split a type from the name behind it."""
+    """Return the parameter of a type and an optional name after it."""
     parts = units(tokens)
     kinds = [part for part in parts if part.kind not in ("specifier", "sign")]
     if len(kinds) > 2 and is_macro(kinds[-1].text):
-        # A macro behind the name, such as `Scan s UNUSED`.
+        # A macro after the name, such as `Scan s UNUSED`.
         parts.remove(kinds.pop())
     name = None
     final = next((part for part in reversed(parts) if part.kind != "specifier"), None)
@@ -121,7 +122,7 @@ def _split_name(tokens: Sequence[SourceToken], arrays: str) -> DeclaredParameter
 
 
 def _is_out(parts: Sequence[Unit]) -> bool:
-    """Whether what a type points or refers to can be written to."""
+    """Whether the target of a pointer or reference type is writable."""
     words = [part.text for part in parts if part.kind in ("specifier", "sign")]
     stars = [at for at, text in enumerate(words) if text in ("*", "&")]
     return bool(stars) and "const" not in words[: stars[-1]]
@@ -132,7 +133,7 @@ def read_old_style(
 ) -> tuple[DeclaredParameter, ...] | None:
     """Read the declarations between `)` and `{` in Kernighan and Ritchie's form.
 
-    Returns `None` where they declare anything but the named parameters.
+    The result is None if they declare anything except the named parameters.
     """
     types: dict[str, DeclaredParameter] = {}
     start = 0

@@ -26,7 +26,7 @@ BUILTIN_WORDS = frozenset(
     "unsigned signed long short int char float double bool void _Bool _Complex __int128".split()
 )
 _PLACEHOLDERS = frozenset(("auto", "decltype"))
-#: Words that stand before brackets and belong to what they decorate.
+#: Words before brackets that belong to the decorated declaration.
 ATTRIBUTES = frozenset(
     ("__attribute__", "__attribute", "__declspec", "alignas", "_Alignas", "__asm__", "asm")
 )
@@ -34,7 +34,7 @@ _MACRO = re.compile(r"_*[A-Z][A-Z0-9_]*[A-Z0-9_]|_[A-Z][a-z]*_(?:[a-z]+_)*")
 
 
 def is_macro(text: str) -> bool:
-    """Whether a word is written as macros are."""
+    """Whether a word has the form of a macro name."""
     return _MACRO.fullmatch(text) is not None
 
 
@@ -54,7 +54,7 @@ def without_attributes(tokens: Sequence[SourceToken]) -> list[SourceToken]:
 
 
 def behind_attribute(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index behind the attribute that begins at `at`; `at` itself where none does."""
+    """Return the index after the attribute that begins at `at`, or `at` without an attribute."""
     text = text_at(tokens, at)
     if text == "[":
         return closing(tokens, at) if text_at(tokens, at + 1) == "[" else at
@@ -67,19 +67,19 @@ Kind: TypeAlias = Literal["name", "builtin", "placeholder", "specifier", "sign"]
 
 
 class Unit(NamedTuple):
-    """One part of a type: a whole qualified name with its arguments, or a sign."""
+    """One component of a type: a whole qualified name with its arguments, or a sign."""
 
     kind: Kind
     tokens: Sequence[SourceToken]
 
     @property
     def text(self) -> str:
-        """Its first token."""
+        """Return the text of the first token."""
         return self.tokens[0].text
 
 
 def units(tokens: Sequence[SourceToken]) -> list[Unit]:
-    """Cut tokens into names, builtin words, specifiers and signs."""
+    """Divide tokens into names, builtin words, specifiers and signs."""
     found: list[Unit] = []
     at = 0
     while at < len(tokens):
@@ -104,7 +104,7 @@ def units(tokens: Sequence[SourceToken]) -> list[Unit]:
 
 
 def _behind_name(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index behind what goes on with a name: arguments and `::name`."""
+    """Return the index after the continuation of a name: arguments and `::name`."""
     while True:
         if text_at(tokens, at) == "<":
             at = behind_angle(tokens, at)
@@ -122,7 +122,7 @@ def _behind_name(tokens: Sequence[SourceToken], at: int) -> int:
 def type_text(parts: Sequence[Unit]) -> str | None:
     """Return a type without specifiers and without the macros around it.
 
-    Of several names the last one is the type, unless it is written as macros are.
+    Among several names, the last one without the form of a macro is the type.
     """
     if any(part.kind == "placeholder" for part in parts):
         return "auto"

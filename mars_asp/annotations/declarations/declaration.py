@@ -1,14 +1,14 @@
-"""What a function declaration says, in whichever language it is written."""
+"""The data of a function declaration, in any language."""
 
 from dataclasses import dataclass
 
-#: The type of a callback; callbacks are never data, so what they take is not kept.
+#: The type of a callback; callbacks are never data, so their parameters are not kept.
 CALLBACK = "std::function<void()>"
 
 
 @dataclass(frozen=True, slots=True)
 class DeclaredParameter:
-    """A parameter's name and type as written; `out` where it can be written to."""
+    """A parameter's name and type as written; `out` is whether its target is writable."""
 
     name: str | None
     type: str | None
@@ -19,8 +19,8 @@ class DeclaredParameter:
 class SourceDeclaration:
     """A function's declaration.
 
-    `offset` is where it begins and `end` where its parameters do; `conditional` is the offset of an
-    `#if` within, if any. `output` is the type as written, or None if it is not stated.
+    `offset` is its begin and `end` the end of its parameters; `conditional` is the offset of an
+    `#if` within, or None. `output` is the type as written, or None if it is not stated.
     """
 
     name: str
@@ -33,7 +33,7 @@ class SourceDeclaration:
 
 @dataclass(frozen=True, slots=True)
 class NoFunction:
-    """What follows is no function: where its first token is and what that is."""
+    """The first token of code without a function declaration."""
 
     offset: int
     found: str

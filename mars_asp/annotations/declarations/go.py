@@ -33,14 +33,14 @@ def read_go(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoF
     end = closing(tokens, at)
     parameters = _parameters(tokens[at + 1 : end - 1])
     types = [result.type or "" for result in _results(tokens, end, code)]
-    # An error beside a result says that there is none; it is not delivered.
+    # An error beside a result reports a failure; it is not delivered.
     types = [written for written in types if written != "error"]
     output = "void" if not types else types[0] if len(types) == 1 else f"({', '.join(types)})"
     return SourceDeclaration(name, output, parameters, first.offset, tokens[end - 1].offset)
 
 
 def _results(tokens: Sequence[SourceToken], at: int, code: str) -> tuple[DeclaredParameter, ...]:
-    """Read what stands between the parameters and the body, on the line where those end."""
+    """Read the results between the parameters and the body, on the last line of the parameters."""
     if at >= len(tokens) or "\n" in code[tokens[at - 1].offset : tokens[at].offset]:
         return ()
     if tokens[at].text == "(":
@@ -50,7 +50,7 @@ def _results(tokens: Sequence[SourceToken], at: int, code: str) -> tuple[Declare
 
 
 def _parameters(tokens: Sequence[SourceToken]) -> tuple[DeclaredParameter, ...]:
-    """Give each parameter its type; in `a, b T` the last type holds for all before it."""
+    """Return the parameters with their types; in `a, b T` all names have the last type."""
     groups = split(tokens, angles=False)
     named = any(_behind_type(group, 0) != len(group) for group in groups)
     found: list[DeclaredParameter] = []
@@ -73,7 +73,7 @@ def _type_text(tokens: Sequence[SourceToken]) -> str:
 
 
 def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index behind the type that begins at `at`; `at` itself where none does."""
+    """Return the index after the type that begins at `at`, or `at` without a type."""
     while True:
         text, following = text_at(tokens, at), text_at(tokens, at + 1)
         if text in ("*", "...") or (text == "<" and following == "-"):

@@ -33,7 +33,7 @@ _STATEMENTS = frozenset(
 
 
 def read_java(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
-    """Read `modifiers <T> type name(parameters)` behind annotations."""
+    """Read `modifiers <T> type name(parameters)` after annotations."""
     first = _behind_annotations(tokens, 0)
     token = tokens[min(first, len(tokens) - 1)]
     none = NoFunction(token.offset, token.text)
@@ -75,7 +75,7 @@ def _behind_modifiers(tokens: Sequence[SourceToken], at: int) -> int:
 
 
 def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index behind a type; `at` itself where none begins."""
+    """Return the index after the type that begins at `at`, or `at` without a type."""
     if not is_word(text_at(tokens, at)):
         return at
     at += 1
@@ -105,7 +105,7 @@ def _type_text(tokens: Sequence[SourceToken]) -> str:
 
 
 def _arrays(tokens: Sequence[SourceToken], at: int) -> str:
-    """Return the brackets that stand behind a name, as C has them."""
+    """Return the brackets after a name, as in C."""
     found = ""
     while text_at(tokens, at) == "[":
         at = closing(tokens, at)

@@ -16,7 +16,7 @@ _SOLID = re.compile(r"\S")
 
 
 def read_python(text: str, code: str, begin: int, end: int) -> SourceDeclaration | NoFunction:
-    """Read the function behind any decorators."""
+    """Read the function after any decorators."""
     at = begin
     while at < end and code[at] == "@":
         match = _SOLID.search(code, _find(code, "\n", at, end), end)
@@ -36,7 +36,7 @@ def read_python(text: str, code: str, begin: int, end: int) -> SourceDeclaration
     snippet = f"{text[at : head.end()]}{text[opening:stop]}: pass"
     try:
         with warnings.catch_warnings():
-            # Of `"\\d"` in a default Python would speak where our user hears it.
+            # Python would print a warning for `"\\d"` in a default.
             warnings.simplefilter("ignore")
             function = ast.parse(snippet).body[0]
         if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
@@ -48,7 +48,7 @@ def read_python(text: str, code: str, begin: int, end: int) -> SourceDeclaration
 
 
 def _parameters(arguments: ast.arguments) -> tuple[DeclaredParameter, ...]:
-    """List what a function takes; `*args` and `**kwargs` only where their types are stated."""
+    """Return the parameters of a function; `*args` and `**kwargs` only if they have types."""
     listed = [*arguments.posonlyargs, *arguments.args]
     if listed and listed[0].arg in ("self", "cls"):
         listed = listed[1:]
@@ -85,7 +85,7 @@ def _find(code: str, sign: str, at: int, end: int) -> int:
 
 
 def _after_bracket(code: str, at: int, end: int) -> int:
-    """Return where the bracket at `at` has been closed."""
+    """Return the offset after the bracket that closes the one at `at`."""
     depth = 0
     while at < end:
         depth += (code[at] in "([{") - (code[at] in ")]}")

@@ -1,4 +1,4 @@
-"""The declaration that begins in a stretch of code, by the scanner of its language."""
+"""The declaration at the begin of a source text, read by the scanner of its language."""
 
 import re
 from dataclasses import replace
@@ -25,15 +25,15 @@ _PREPROCESSOR = re.compile(r"(?m)^[ \t]*#(?:\\\n|[^\n])*")
 _CONDITION = re.compile(r"(?m)^[ \t]*(#)[ \t]*(?:if|elif|else)")
 
 
-# Configurations of many equal robots declare the same over and over.
+# Configurations of many equal robots repeat their declarations.
 @lru_cache(maxsize=4096)
 def read_declaration(language: str, text: str, code: str) -> SourceDeclaration | NoFunction | None:
-    """Read the declaration that begins in a stretch of a source, or None if nothing stands there.
+    """Return the declaration at the begin of a text, or None if there is no code.
 
     Args:
         language: A key of the languages.
-        text: The stretch.
-        code: The same with comments and strings blanked; offsets are indices of both.
+        text: The text.
+        code: The text with comments and strings blanked; offsets are indices of both.
     """
     first = _SOLID.search(code)
     if first is None:

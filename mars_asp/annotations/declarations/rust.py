@@ -23,7 +23,7 @@ _BEFORE = frozenset(("pub", "crate", "async", "unsafe", "const", "extern", "defa
 
 
 def read_rust(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
-    """Read `fn name<...>(parameters) -> type` behind attributes and qualifiers."""
+    """Read `fn name<...>(parameters) -> type` after attributes and qualifiers."""
     first = at = _behind_attributes(tokens, 0)
     token = tokens[min(first, len(tokens) - 1)]
     none = NoFunction(token.offset, token.text)
@@ -69,7 +69,7 @@ def _behind_attributes(tokens: Sequence[SourceToken], at: int) -> int:
 
 
 def _parameter(group: Sequence[SourceToken]) -> DeclaredParameter | None:
-    """Read `pattern: type`; the receiver is no parameter."""
+    """Return the parameter of `pattern: type`, or None for the receiver."""
     group = group[_behind_attributes(group, 0) :]
     words = texts(before(group, ":"))
     written = group[len(words) + 1 :]

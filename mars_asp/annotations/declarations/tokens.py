@@ -1,6 +1,6 @@
-"""Tokens of a declaration, and where a bracket that one of them opens is closed.
+"""Tokens of a declaration, and the ends of their brackets.
 
-Every search is bounded, so that the time stays linear whatever the text holds.
+Every search is bounded, so that the time is linear for any text.
 """
 
 import re
@@ -10,23 +10,23 @@ from typing import NamedTuple
 _TOKEN = re.compile(r"::|->|\.\.\.|&&|\|\||(?:[^\W\d]|\$)[\w$]*|\d[\w.']*|\"[^\"]*\"|\S")
 _OPENING = frozenset("([{")
 _CLOSING = frozenset(")]}")
-#: How many tokens the arguments of a template may have.
+#: The maximal number of tokens in template arguments.
 _MOST_ARGUMENTS = 1000
-#: How deep they may nest.
+#: The maximal depth of nested template arguments.
 _DEEPEST = 32
-#: What may stand among the arguments of a template that is used in an expression.
+#: Signs in the arguments of a template that is used in an expression.
 _OF_TYPES = frozenset(("::", ",", "*", "&", "&&", "...", "<", ">", "->", "?", "'", "+"))
 
 
 class SourceToken(NamedTuple):
-    """One token and where it stands in the stretch."""
+    """One token and its offset in the text."""
 
     text: str
     offset: int
 
 
 def tokenise(code: str) -> list[SourceToken]:
-    """Return the tokens of a stretch of code."""
+    """Return the tokens of a text."""
     # The constructor of a named tuple is a function in Python, and there are many tokens.
     new = tuple.__new__
     return [new(SourceToken, (match[0], match.start())) for match in _TOKEN.finditer(code)]
@@ -38,7 +38,7 @@ def is_word(text: str) -> bool:
 
 
 def text_at(tokens: Sequence[SourceToken], at: int) -> str:
-    """Return the text of a token, nothing behind the last one."""
+    """Return the text of a token, or "" beyond the last one."""
     return tokens[at].text if 0 <= at < len(tokens) else ""
 
 
@@ -61,7 +61,7 @@ def joined(tokens: Sequence[SourceToken]) -> str:
 
 
 def closing(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index behind the bracket that closes the one at `at`."""
+    """Return the index after the bracket that closes the one at `at`."""
     depth = 0
     for index in range(at, len(tokens)):
         text = tokens[index].text
@@ -72,9 +72,9 @@ def closing(tokens: Sequence[SourceToken], at: int) -> int:
 
 
 def angle(tokens: Sequence[SourceToken], at: int, expression: bool = False) -> int | None:
-    """Return the index behind the `>` that closes the `<` at `at`, or None if none does.
+    """Return the index after the `>` that closes the `<` at `at`, or None if there is none.
 
-    In an expression `<` may also compare; there, what stands between must look like types.
+    In an expression `<` may also compare; there, the tokens between must look like types.
     """
     depth, index = 0, at
     last = min(len(tokens), at + _MOST_ARGUMENTS)
@@ -95,7 +95,7 @@ def angle(tokens: Sequence[SourceToken], at: int, expression: bool = False) -> i
 
 
 def behind_angle(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index behind the arguments that open at `at`, or behind `at` where none do."""
+    """Return the index after the arguments that open at `at`, or after `at` if none do."""
     end = angle(tokens, at)
     return at + 1 if end is None else end
 
