@@ -1,10 +1,10 @@
-"""An engine for explained answer sets: it reads rules, grounds and solves them, and says why.
+"""An engine for explained answer sets: it reads, grounds and solves rules, and explains answers.
 
 >>> from mars_asp import asp
 >>> answer = asp.Program.from_files("reach.lp").solve()
 >>> print(answer.why("reach(d)").text())
 
-It knows nothing of what rules are about; MARS uses it like anyone else. See its README.
+It is independent of the subject of the rules; MARS uses its public interface. See its README.
 """
 
 from typing import TYPE_CHECKING
@@ -25,7 +25,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Load the face when somebody asks for it: what uses a part of the engine loads that alone."""
+    """Load `program` at the first use: users of single engine modules load only these."""
     if name not in __all__:
         raise AttributeError(f"module `mars_asp.asp` has no attribute `{name}`")
     from mars_asp.asp import program  # noqa: PLC0415

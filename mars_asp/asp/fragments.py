@@ -1,4 +1,4 @@
-"""Texts that clingo is given as one, what of them it needs, and where it finds something wrong."""
+"""Texts that clingo grounds as one, their premises, and the locations of its error messages."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence, Set
@@ -10,19 +10,19 @@ from mars_asp.asp.signature import plain
 from mars_asp.diagnostic import Diagnostic, Span, point
 
 _UNDEFINED = "operation undefined: "
-#: A string, which may hold anything, or what is between strings.
+#: A string, or the text between strings.
 _TEXT = re.compile(r'"(?:\\.|[^"\\])*"?|[^"]+')
-#: What may name a predicate.
+#: A word that may be the name of a predicate.
 _NAME = re.compile(r"[a-z][\w']*")
 _NOTE = r"(?s)<block>:(\d+):(\d+)(?:-[\d:]+)?: (?:error|info): (.*)"
 _UNSAFE = r"<block>:(\d+):(\d+)(?:-[\d:]+)?: note: '(\w+'*)' is unsafe"
 
 
 class Premises(NamedTuple):
-    """The rules of a text, and the names of the predicates that each needs and gives.
+    """The rules of a text, and the names of the predicates that each needs and derives.
 
-    `rest` is what stands before each rule and behind the last. Without an atom of each predicate
-    that it needs a rule cannot fire.
+    `rest` are the texts before each rule and after the last one. A rule cannot fire unless each
+    predicate that it needs has an atom.
     """
 
     rest: tuple[str, ...]
@@ -32,9 +32,9 @@ class Premises(NamedTuple):
 
 
 class Fragment(NamedTuple):
-    """A text, and the file it is from; what was made of a rule stands where that does.
+    """A text, and its file; a text that was made from a rule has the location of that rule.
 
-    Where it is not known what its rules need, whatever it names may hold.
+    Without `premises`, the text may derive any predicate that it names.
     """
 
     text: str
@@ -44,9 +44,9 @@ class Fragment(NamedTuple):
 
 
 class Note(NamedTuple):
-    """What clingo says of a place; `is_copy` where that is in what was made of a rule.
+    """A message of clingo with its location; `is_copy` is true in a text that was made from a rule.
 
-    `unsafe` are variables that nothing binds, each with its first location.
+    `unsafe` are unbound variables, each with its first location.
     """
 
     place: Span
@@ -61,15 +61,15 @@ def joined(fragments: Iterable[Fragment]) -> str:
 
 
 def stated(text: str, names: Iterable[str]) -> Fragment:
-    """Return facts, by the names of their predicates."""
+    """Return a fragment of facts, with the names of their predicates."""
     premises = Premises(("", ""), (text,), (frozenset(),), (frozenset(names),))
     return Fragment(text, "facts", premises=premises)
 
 
 def firing(rules: Sequence[tuple[Set[str], Set[str]]], known: Iterable[str]) -> Set[int]:
-    """Return the numbers of the rules that can fire, each by the names that it needs and gives.
+    """Return the numbers of the rules that can fire, from the names that each needs and derives.
 
-    A rule cannot fire if it needs a predicate that is not `known` and no rule able to fire gives.
+    A rule cannot fire if it needs a predicate that is not `known` and no rule able to fire derives.
     """
     there = {*known}
     found: set[int] = set()
@@ -89,10 +89,10 @@ def firing(rules: Sequence[tuple[Set[str], Set[str]]], known: Iterable[str]) -> 
 
 
 def able_to_fire(program: Sequence[Fragment], present: Iterable[str] = ()) -> list[Fragment]:
-    """Return a program without the rules that cannot fire; all others stay at their places.
+    """Return a program without the rules that cannot fire; all others keep their locations.
 
-    Of the predicates `present` there are atoms already. Clingo would find out what cannot fire, but
-    what it takes for that is most of what a small program takes.
+    `present` are predicates that have atoms already. clingo would find the same, but at most of the
+    cost of a small program.
     """
     known, rules = {*present}, list[tuple[Set[str], Set[str]]]()
     for text, _, _, premises in program:
@@ -108,7 +108,7 @@ def able_to_fire(program: Sequence[Fragment], present: Iterable[str] = ()) -> li
 
 
 def _of_rules(fragment: Fragment, able: Set[int], first: int) -> Fragment:
-    """Return a fragment with those of its rules alone that are able, counted from `first`."""
+    """Return a fragment with blanks for rules that are not `able`; its rules count from `first`."""
     if fragment.premises is None:
         return fragment
     rest, rules, _, _ = fragment.premises
@@ -129,7 +129,7 @@ def blank(text: str) -> str:
 
 
 def notes(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Note]:
-    """Yield the notes of clingo on some fragments, in the order of its messages."""
+    """Yield clingo's messages about some fragments, with locations, in their order."""
     for match in filter(None, (re.match(_NOTE, each) for each in said)):
         found = _located(fragments, int(match[1]), int(match[2]))
         if found is not None:
@@ -158,7 +158,7 @@ def _located(fragments: Sequence[Fragment], line: int, column: int) -> tuple[Spa
 
 
 def unbound(note: Note) -> Iterator[Diagnostic]:
-    """Yield the variables that nothing binds, each at its own location."""
+    """Yield an error for each unbound variable, at its own location."""
     for name, place in note.unsafe:
         message = f"nothing in the body binds `{name}`"
         advice = "name it in a literal of the body that is not negated"
@@ -166,9 +166,9 @@ def unbound(note: Note) -> Iterator[Diagnostic]:
 
 
 def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Diagnostic]:
-    """Yield why clingo cannot use the text of some fragments, once for each place."""
+    """Yield the reasons why clingo cannot use some fragments, once for each location."""
     found = dict.fromkeys(notes(dict.fromkeys(said), fragments))
-    # What was made of a rule has no place of its own, and fails where the rule does.
+    # An error in a text made from a rule repeats the error of the rule, and is a fallback.
     for note in [note for note in found if not note.is_copy] or found:
         yield from unbound(note)
         if note.unsafe:
@@ -187,6 +187,6 @@ def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Dia
 
 
 def _column(fragment: Fragment, line: int, column: int) -> int:
-    """Return the column in characters of one that clingo counts in bytes, and with name spaces."""
+    """Return the column in characters, without name spaces, of a column in bytes."""
     before = fragment.text.split("\n")[line - 1].encode()[: column - 1].decode(errors="ignore")
     return sum(len(text if text[0] == '"' else plain(text)) for text in _TEXT.findall(before)) + 1

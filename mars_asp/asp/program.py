@@ -1,4 +1,4 @@
-"""The face of the engine: a program, its answer, and why an atom is in it or not.
+"""The public interface of the engine: programs, answers, and explanations of atoms.
 
 >>> program = Program.from_text("edge(a,b). reach(a). reach(Y) :- reach(X), edge(X,Y).")
 >>> print(program.solve().why("reach(b)").text())
@@ -44,9 +44,9 @@ from mars_asp.asp.trace.text import WIDTH, Chosen, leaves_of, traces_text
 from mars_asp.asp.trace.tree import Derived, Given, Trace, atom_of
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 
-#: The stage of a program whose rules stand in no folder.
+#: The stage of a program without folders of stages.
 _STAGE = "base"
-#: The predicate that keeps which statement makes an atom external.
+#: The predicate that records the statement of each external atom.
 _EXTERNAL = "_external_base"
 _MOST_TRIED = 100
 _MOST_NAMED = 10
@@ -55,7 +55,7 @@ Constants: TypeAlias = Mapping[str, int | str]
 Externals: TypeAlias = Mapping[str, bool | None]
 
 
-class NotDerived(MarsError):  # noqa: N818 -- what is said of an atom
+class NotDerived(MarsError):  # noqa: N818 -- the name describes an atom
     """An atom does not hold in an answer, or is not an atom."""
 
 
@@ -65,10 +65,10 @@ class Unsatisfiable(MarsError):  # noqa: N818
 
 @dataclass(frozen=True)
 class Program:
-    """Rules and facts of any logic program, checked; solved as often as somebody likes."""
+    """Rules and facts of any logic program, checked; it can be solved repeatedly."""
 
     files: tuple[RuleFile, ...]
-    #: The whole program, of which this has some parts.
+    #: The whole program, if this one has only some of its parts.
     source: "Program | None" = None
 
     @classmethod
@@ -76,7 +76,7 @@ class Program:
         """Read files of rules.
 
         Raises:
-            MarsError: everything that is wrong with them, each with its place.
+            MarsError: all errors in them, with their locations.
         """
         problems: list[Diagnostic] = []
         reader = ProgramReader(_STAGE, problems)
@@ -86,10 +86,10 @@ class Program:
 
     @classmethod
     def from_text(cls, text: str, path: str = "program.lp") -> "Program":
-        """Read rules; `path` is the name that places carry.
+        """Read rules; `path` is the file name in locations.
 
         Raises:
-            MarsError: everything that is wrong with them, each with its place.
+            MarsError: all errors in them, with their locations.
         """
         problems: list[Diagnostic] = []
         reader = ProgramReader(_STAGE, problems)
@@ -106,7 +106,7 @@ class Program:
         (space,) = told_apart([NameSpace("", tuple(found_files))])
         files = space.files
         found = [*problems, *repeated_ids(rule for file in files for rule in file.rules)]
-        # Clingo itself ends the process at some numbers that do not fit.
+        # clingo ends the process at some numbers that do not fit.
         if not found:
             found = [each for file in files for each in refused_rules(file.text, file.shown)]
         if found:
@@ -125,12 +125,12 @@ class Program:
 
     @cached_property
     def _fact_rules(self) -> tuple[Rule, ...]:
-        """Return the rules that state facts and say nothing of them."""
+        """Return the rules that state facts without a message."""
         return tuple(rule for rule in self.rulebook.rules if _states(rule))
 
     @cached_property
     def explained(self) -> Rulebook:
-        """Return the rules by which atoms are explained: facts are leaves."""
+        """Return the rules that explain atoms, without those that state facts."""
         declared = {id(rule) for rule in self._fact_rules}
         rules = tuple(rule for rule in self.rulebook.rules if id(rule) not in declared)
         return replace(self.rulebook, rules=rules)
@@ -148,13 +148,12 @@ class Program:
         externals: Externals | None = None,
         parts: Sequence[str] = ("base",),
     ) -> "Answer":
-        """Return a least answer: an answer, where nothing is minimised.
+        """Return an optimal answer, or any answer if nothing is minimised.
 
-        Subprograms that share nothing are solved one by one. `constants` replace those of
-        `#const`; `deadline` is a time of `time.monotonic`, after which an answer that was found is
-        no longer improved. With `count` the answers that cost as little are counted. `externals`
-        are the values of atoms that are external, where None leaves one open; `parts` those of
-        the program that are grounded, such as `step(1)`.
+        Independent components are solved one by one. `constants` replace the values of `#const`;
+        `deadline` is a time of `time.monotonic`, after which an answer is no longer improved. With
+        `count` the optimal answers are counted. `externals` are the values of external atoms, where
+        None leaves one open; `parts` are the grounded parts of the program, such as `step(1)`.
 
         Raises:
             MarsError: clingo refuses the program, or there is no such part or external.
@@ -214,7 +213,7 @@ class Program:
 
     @contextmanager
     def session(self) -> Iterator["Session"]:
-        """Keep what was grounded between questions."""
+        """Keep the answers of questions for further questions."""
         yield Session(self)
 
     def with_parts(self, parts: Sequence[str]) -> "Program":
@@ -255,7 +254,7 @@ class Program:
         return self.files[0].shown if self.files else "program"
 
     def line_at(self, span: Span) -> str:
-        """Return the text of the line where something stands."""
+        """Return the text of a line, stripped, by a location in it."""
         files = (self.source or self).files
         text = next((file.text for file in files if file.shown == span.path), "")
         return "".join(text.split("\n")[span.line - 1 : span.line]).strip()
@@ -274,7 +273,7 @@ class Session:
         externals: Externals | None = None,
         parts: Sequence[str] = ("base",),
     ) -> "Answer":
-        """Return what `Program.solve` does, found once."""
+        """Return the result of `Program.solve`, found once."""
         values = (tuple(sorted((each or {}).items())) for each in (constants, externals))
         key = (*values, tuple(parts))
         if key not in self._answers:
@@ -282,18 +281,18 @@ class Session:
         return self._answers[key]
 
     def why(self, atom: str, every: bool = False) -> "Reason":
-        """Return why an atom holds in the answer, as `Answer.why` does."""
+        """Return the reason why an atom holds in the answer, as `Answer.why` does."""
         return self.solve().why(atom, every)
 
     def why_not(self, atom: str, depth: int = 8) -> "Reason":
-        """Return why an atom does not hold in the answer, as `Answer.why_not` does."""
+        """Return the reason why an atom does not hold in the answer, as `Answer.why_not` does."""
         return self.solve().why_not(atom, depth)
 
 
 class Choice(NamedTuple):
-    """How a chosen atom compares with answers that lack it.
+    """The comparison of a chosen atom with the answers that lack it.
 
-    If there are none, `reasons` are instances of rules that exclude them together.
+    If no answer lacks it, `reasons` are instances of rules that together exclude such answers.
     """
 
     lack: Lack
@@ -309,7 +308,7 @@ _REMARKS: Mapping[Lack, str] = {
 
 
 def remark_on(choice: Choice) -> Chosen:
-    """Return the words for a choice."""
+    """Return the sentence about a choice."""
     reasons = ("without it, these conflict:", *map(instance_line, choice.reasons))
     return Chosen(_REMARKS[choice.lack], reasons if choice.reasons else ())
 
@@ -320,12 +319,12 @@ def _choice_json(choice: Choice) -> Mapping[str, object]:
 
 @dataclass(frozen=True)
 class Reason:
-    """Why an atom holds or not: a trace, and how it is shown.
+    """The reason why an atom holds or not: a trace, and the means to show it.
 
-    Of an absence, `extra` is what the cheapest answer with the atom costs more, by level, and
-    `against` are instances of rules that together exclude every answer with it; each is `None`
-    where it was not looked for: an atom that no choice could give is in no answer anyhow. `chosen`
-    compares a step that a choice gives with the answers that lack its atom.
+    For an absence, `extra` is the additional cost of the cheapest answer with the atom, by level,
+    and `against` are instances of rules that together exclude every answer with it. Both are None
+    if no rule offers the atom. `chosen` compares a step that a choice gives with the answers that
+    lack its atom.
     """
 
     title: str
@@ -336,9 +335,9 @@ class Reason:
     chosen: Callable[[Derived], "Choice"] = lambda _: Choice("dearer")
 
     def text(self, width: int = WIDTH, depth: int | None = None) -> str:
-        """Return the trace as text: what rules say, and where they and the facts stand.
+        """Return the trace as text: messages and locations of rules, and facts with locations.
 
-        A rule without a message is told by the atom that it gives. Below `depth`, facts follow.
+        A rule without message is shown by its atom. Below `depth`, only facts follow.
         """
         topics = [(self.title, self.trace)]
         lines = list(
@@ -368,12 +367,12 @@ class Reason:
         return found
 
     def leaves(self) -> Sequence[Given]:
-        """Return the facts that the trace rests on, each once, in the order of their places."""
+        """Return the facts that the trace rests on, each once, in the order of their locations."""
         return leaves_of(self.trace)
 
     @property
     def height(self) -> int:
-        """Return the longest way from the atom to a fact, in steps."""
+        """Return the length of the longest path from the atom to a fact, in steps."""
         heights: dict[int, int] = {}
         stack: list[Trace] = [self.trace]
         while stack:
@@ -390,7 +389,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Answer:
-    """A least answer of a program. It can be asked as often as somebody likes."""
+    """An optimal answer of a program, for any number of questions."""
 
     program: Program
     constants: Sequence[str]
@@ -399,7 +398,7 @@ class Answer:
     spans: Mapping[str, Span]
 
     def __post_init__(self) -> None:
-        """Read what is true while the solver can still be asked."""
+        """Read the true atoms before a question detaches the solver."""
         _ = self.atoms
 
     @property
@@ -414,7 +413,7 @@ class Answer:
 
     @property
     def count(self) -> int | None:
-        """Return how many answers cost as little, or None if `solve` did not count them."""
+        """Return the number of optimal answers, or None if `solve` did not count them."""
         return self.resolution.count
 
     @cached_property
@@ -426,14 +425,14 @@ class Answer:
         return frozenset(a for a in (*facts, *chosen) if a.name not in (own, _EXTERNAL))
 
     def holds(self, atom: str) -> bool:
-        """Whether an atom, as clingo writes it, is in the answer."""
+        """Whether an atom in clingo's syntax is in the answer."""
         return symbol_in(atom) in self.atoms
 
     def why(self, atom: str, every: bool = False) -> Reason:
-        """Return why an atom holds; with `every`, with all derivations of each step.
+        """Return the reason why an atom holds; with `every`, with all derivations of each step.
 
         Raises:
-            NotDerived: it does not.
+            NotDerived: the atom does not hold.
         """
         symbol = symbol_in(atom)
         if symbol not in self.atoms or symbol is None:
@@ -444,10 +443,10 @@ class Answer:
         return Reason(str(symbol), trace, self._line_at, chosen=self._choice)
 
     def why_not(self, atom: str, depth: int = 8) -> Reason:
-        """Return why an atom does not hold; its variables, and `_`, stand for any value.
+        """Return the reason why an atom does not hold; variables and `_` are any value.
 
         Raises:
-            NotDerived: it does, or is not an atom.
+            NotDerived: the atom holds, or the text is not an atom.
         """
         pattern = pattern_in(atom)
         matching = [] if pattern is None else [each for each in self.atoms if fits(pattern, each)]
@@ -460,7 +459,7 @@ class Answer:
         return Reason(f"no {atom}", trace, self._line_at, extra, against, self._choice)
 
     def _forced(self, pattern: clingo.Symbol) -> tuple[Mapping[int, int] | None, Conflict | None]:
-        """Return what the cheapest answer with an atom costs more, or what excludes each."""
+        """Return the additional cost of the cheapest answer with an atom, or a conflict."""
         found = self.grounding.symbols(pattern.name, len(pattern.arguments))
         best: Mapping[int, int] | None = None
         offered = [each for each in sorted(found) if fits(pattern, each)]
@@ -504,7 +503,7 @@ class Answer:
 
     @property
     def _externals(self) -> dict[str, Span]:
-        """Return the places of the atoms that are external, by their texts."""
+        """Return the locations of external atoms, by their texts."""
         found = self.grounding.control.symbolic_atoms.by_signature(_EXTERNAL, 2)
         pairs = (atom.symbol.arguments for atom in found if self.grounding.externals)
         return {
@@ -525,7 +524,7 @@ def _definitions(constants: Constants) -> tuple[str, ...]:
     """Return constants as options of clingo.
 
     Raises:
-        MarsError: a value is no term.
+        MarsError: a value cannot be read as a term.
     """
     for name, value in constants.items():
         if symbol_in(str(value)) is None:
@@ -537,14 +536,14 @@ def _definitions(constants: Constants) -> tuple[str, ...]:
 
 
 def _states(rule: Rule) -> bool:
-    """Whether a rule states facts, without a message that would say more."""
+    """Whether a rule only states facts, without a message."""
     if rule.because is not None or rule.is_choice:
         return False
     return all(s.forces and not s.literals[1:] and not s.written[1:] for s in rule.statements)
 
 
 def _extra_cost_text(extra: Mapping[int, int]) -> str:
-    """Return what an answer with an atom would cost beyond the cheapest, at every level."""
+    """Return the text of the additional cost of an answer with an atom, at every level."""
     if not extra:
         return "is as good: nothing is minimised"
     if not any(extra.values()):
@@ -579,7 +578,7 @@ def _check_externals(
     """Refuse values of atoms that are not external.
 
     Raises:
-        MarsError: there are some.
+        MarsError: there are such values.
     """
     names = [f"`{each}`" for each in sorted(known)]
     advice = (

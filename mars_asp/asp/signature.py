@@ -1,11 +1,11 @@
-"""What names a predicate, wherever rules, atoms and facts are spoken of."""
+"""Signatures of predicates, as they are used in rules, atoms and facts."""
 
 import re
 from typing import NamedTuple
 
 import clingo
 
-#: What stands between the name of a predicate and that of its name space.
+#: The separator between the name of a predicate and its name space.
 SPACE = "''"
 _SPACED = re.compile(r"(?<=\w)''[A-Za-z]\w*")
 

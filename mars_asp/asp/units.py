@@ -1,6 +1,6 @@
-"""Whole numbers in the units that people use: a sort that is named after a unit says which.
+"""Whole numbers in readable units: a sort that is named after a unit defines the unit.
 
-Rules compute with whole numbers, so they count in small units; nobody wants to read these.
+Rules compute with whole numbers, so they count in small units, which are hard to read.
 """
 
 from collections.abc import Iterable, Mapping
@@ -18,7 +18,7 @@ _PREFIXES = {
     for name, power, sign in (each.split(":") for each in _NAMES.split(" "))
 }
 _SIGNS = dict(_PREFIXES.values())
-#: By the name of a unit how it is written.
+#: The sign of each unit, by its name.
 _BASES = {
     "seconds": "s",
     "hertz": "Hz",
@@ -38,7 +38,8 @@ _MEASURES = {
     **_BASES,
     **{f"{name}_per_second": f"{unit}/s" for name, unit in _BASES.items() if name != "seconds"},
 }
-#: The sort, the unit and the power of ten of each measure. No bytes are divided: dB is no decibyte.
+#: The sort, the unit and the power of ten of each measure. Bytes have no fractions: dB means
+#: decibel.
 _SORTS = [
     (f"{prefix}{name}", unit, power)
     for prefix, (power, _) in _PREFIXES.items()
@@ -48,20 +49,20 @@ _SORTS = [
 
 
 def _scaled_unit(unit: str, power: int) -> tuple[int, str]:
-    """Return the unit that is shown for a sort: without a prefix where it is not very small."""
+    """Return divisor and sign of the unit shown for a sort, without a prefix down to micro."""
     if power >= 0:
         return 1, f" {_SIGNS[power]}{unit}"
     return (10**-power, f" {unit}") if power >= -6 else (1000, f" {_SIGNS[power + 3]}{unit}")
 
 
 def usual(units: Mapping[str, int]) -> tuple[str, ...]:
-    """Return the unit of a sort and those of larger ones that people use most."""
+    """Return the unit of a sort and its most usual larger units."""
     whole = {*_MEASURES.values(), "%", "min", *(f"k{unit}" for unit in _MEASURES.values())} - {"ks"}
     small = {f"m{unit}" for unit in _MEASURES.values()}
     return tuple(unit for unit, count in units.items() if count == 1 or unit in whole | small)
 
 
-#: By the name of a sort, how many of it are one of the unit that is shown, and that unit.
+#: The number of a sort in one shown unit, and the sign of this unit, by the name of the sort.
 UNITS: Mapping[str, tuple[int, str]] = {
     **{sort: _scaled_unit(unit, power) for sort, unit, power in _SORTS},
     "micrometres": (1_000, " mm"),
@@ -70,18 +71,18 @@ UNITS: Mapping[str, tuple[int, str]] = {
     "thousandths": (10, " %"),
     "thousandths_a_second": (1_000, " a second"),
 }
-#: By the name of a sort, from how many on it is shown in another unit.
+#: The number from which a sort is shown in another unit, and this unit, by the name of the sort.
 _LARGER: Mapping[str, tuple[int, str]] = {"micrometres": (1_000_000, " m")}
 
-#: By the name of a sort its unit and power of ten, of those that can be written in several units.
+#: The unit and power of ten of each sort that can be written in several units.
 _MEASURED = {sort: (unit, power) for sort, unit, power in _SORTS} | {"instant": ("s", -3)}
 _OF_EXACT = {f"{_SIGNS[power]}{unit}": sort for sort, unit, power in _SORTS}
-#: The sorts by how their units are written, also in small letters; of two the smaller one is meant.
+#: The sorts by their units' signs, also in small letters; an ambiguous one is the smaller unit.
 OF_UNITS: Mapping[str, str] = {
     **{unit.lower(): sort for unit, sort in reversed(_OF_EXACT.items())},
     **_OF_EXACT,
 }
-#: A unit behind its number, from which no line break may part it; `as` is a word first.
+#: A unit after its number, never separated by a line break; `as` is rather a word.
 UNIT = (
     rf"(?!as\b)(?:(?:{'|'.join(filter(None, _SIGNS.values()))})?"
     rf"(?:{'|'.join(_BASES.values())})(?:/s)?|%)(?![\w/])"
@@ -92,7 +93,7 @@ NUMBERS = frozenset({*UNITS, "number", "count", "index", "vertex", "priority", "
 
 @cache
 def units_of(sort: str) -> Mapping[str, int]:
-    """Return how many of a sort are one of each unit that it can be written in."""
+    """Return the number of a sort in each unit in which it can be written."""
     if sort not in _MEASURED:
         return {"millionths": {"%": 10_000}, "thousandths": {"%": 10}}.get(sort, {})
     unit, power = _MEASURED[sort]
@@ -106,14 +107,14 @@ def units_of(sort: str) -> Mapping[str, int]:
 
 @cache
 def times_as_many(sort: str, other: str) -> Fraction | None:
-    """Return how many of another sort there are for one of a sort of the same measure."""
+    """Return the factor from one sort to another sort of the same measure, or None."""
     one, two = units_of(sort), units_of(other)
     common = next(iter(one.keys() & two.keys()), None)
     return None if common is None else Fraction(two[common], one[common])
 
 
 def measured(number: int, sort: str) -> str:
-    """Return a number of a sort in the unit that is shown for it: 25000 millihertz as `25 Hz`."""
+    """Return a number of a sort in its shown unit: 25000 millihertz as `25 Hz`."""
     divisor, unit = UNITS[sort]
     if sort in _LARGER and abs(number) >= _LARGER[sort][0]:
         divisor, unit = _LARGER[sort]
@@ -123,7 +124,7 @@ def measured(number: int, sort: str) -> str:
 
 
 def measured_alike(numbers: Iterable[int], sort: str) -> tuple[str, ...]:
-    """Return numbers of a sort in one unit: that of the sort where one is less than a whole unit.
+    """Return numbers of a sort in one unit, that of the sort if one is less than a shown unit.
 
     40 and 50 milliseconds are `40 ms` and `50 ms`, 1500 and 2000 are `1.5 s` and `2 s`.
     """

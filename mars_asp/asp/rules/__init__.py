@@ -1,1 +1,1 @@
-"""Rule files: what may stand in them, what they say, and what is wrong with them."""
+"""Rule files: their permitted statements, their content, and their errors."""

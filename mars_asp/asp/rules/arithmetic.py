@@ -1,4 +1,4 @@
-"""Arithmetic in rules that leaves the 32 bits of clingo's integers, which wrap without a word."""
+"""Arithmetic in rules that exceeds the 32 bits of clingo's integers, which wrap silently."""
 
 from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
@@ -30,7 +30,7 @@ class _Overflow(NamedTuple):
 
 
 def overflows(text: str, path: str) -> Iterator[Diagnostic]:
-    """Yield the numbers of a rule file, and what is computed from them alone, that do not fit."""
+    """Yield the numbers of a rule file, and operations on constants alone, that do not fit."""
     files = map(Path, (__file__, statements.__file__))
     for place, written in memoized("overflows", files, [text], _overflows)[text]:
         yield Diagnostic(
@@ -51,7 +51,7 @@ def _overflows(text: str) -> tuple[_Overflow, ...]:
 
 
 def _constants(defined: Mapping[str, Operand]) -> dict[str, int | None]:
-    """Return the values of constants; what is defined by itself has none."""
+    """Return the values of constants, None for circular definitions."""
     found: dict[str, int | None] = {}
     begun: set[str] = set()
     rest = list(defined)
@@ -69,7 +69,7 @@ def _constants(defined: Mapping[str, Operand]) -> dict[str, int | None]:
 def _exact_value(
     operand: Operand, known: Mapping[str, int | None], found: dict[_Overflow, None]
 ) -> int | None:
-    """Return the exact value of an operand if it is one that fits; note what does not."""
+    """Return the exact value of an operand if it is known and fits; add overflows to `found`."""
     value: int | None
     match operand:
         case str():
@@ -100,12 +100,12 @@ def _computed(sign: str, values: Sequence[int | None]) -> int | None:
         case "*", [int(one), int(other)]:
             return one * other
         case "**", [int(one), int(other)] if other >= 0:
-            # Whatever has more digits does not fit.
+            # With more digits the result does not fit in any case.
             return int(one ** (min(other, 64) if abs(one) > 1 else other % 2 + 2 * bool(other)))
         case "/", [int(one), int(other)] if other:
             return _quotient(one, other)
         case "\\", [int(one), int(other)] if other:
-            # A quotient that does not fit ends the process, though the remainder would.
+            # A quotient that does not fit ends the process, although the remainder would fit.
             whole = _quotient(one, other)
             return one - whole * other if whole <= MOST else whole
         case "**", [int(one), int()]:
@@ -128,19 +128,19 @@ def _quotient(one: int, other: int) -> int:
 # ---- While grounding -----------------------------------------------------------------------------
 
 
-#: A sum, by its rule and place there, and the values of variables that it is made for.
+#: A sum: its rule, its location there, and the values of its global variables.
 _Group: TypeAlias = tuple[Span, Place, tuple[int, ...]]
 
 
 class Asked(NamedTuple):
-    """What a rule that stands at `span` computes."""
+    """An operation or sum of the rule at `span`."""
 
     span: Span
     computed: Computed | Summed
 
 
 def telling(number: int, asked: Asked) -> str:
-    """Return a rule that tells with what values something is computed."""
+    """Return a rule that records the values with which an operation or sum is computed."""
     match asked.computed:
         case Computed(_, inside, body):
             return f"_computed({number},{_tuple(inside)}) :- {body}."
@@ -149,9 +149,10 @@ def telling(number: int, asked: Asked) -> str:
 
 
 def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnostic]:
-    """Yield what left 32 bits while the rules that `telling` gives were grounded with all others.
+    """Yield the operations and sums that left 32 bits; the rules of `telling` must be grounded.
 
-    Of each operation the instance with the least numbers is told, of each sum one.
+    For each operation the instance with the smallest numbers is reported, for each sum one
+    instance.
     """
     least: dict[tuple[Span, _Overflow], tuple[int, str]] = {}
     for atom, _, _ in labelled(control, "_computed", 2, True):
@@ -180,8 +181,8 @@ def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnos
 def _oversized(
     control: clingo.Control, asked: Sequence[Asked], wrong: Set[Span]
 ) -> Iterator[Diagnostic]:
-    """Yield the sums that may leave 32 bits, but for rules with `wrong` numbers in them."""
-    # Elements with equal tuples count once, whichever of them holds.
+    """Yield the sums that may leave 32 bits, except in the rules `wrong`."""
+    # Elements with equal tuples count once, whichever of them is true.
     elements: dict[_Group, dict[tuple[int, ...], tuple[int, bool]]] = {}
     for atom, _, is_fact in labelled(control, "_summed", 3, True):
         number, shared, terms = arguments(atom)
@@ -211,5 +212,5 @@ def _too_large(span: Span, place: Place, message: str) -> Diagnostic:
 
 
 def _tuple(terms: Sequence[str]) -> str:
-    # Without any there would be a constant, which a pack may replace.
+    # Without a term this would be a constant, which a pack may replace.
     return f"v({','.join(('0', *terms))})"

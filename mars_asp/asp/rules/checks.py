@@ -1,4 +1,4 @@
-"""What clingo would say of a rule pack too late, or without the place, or not at all."""
+"""Checks of rule packs that clingo makes too late, without location, or not at all."""
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence, Set
@@ -27,23 +27,22 @@ from mars_asp.spelling import nearest
 
 _NUMBER = re.compile(r"-?[0-9]+")
 
-#: What is found in all packs together.
+#: This error is found in all packs together.
 _TWICE = "redefinition of constant"
 
-#: Yields what a host's own vocabulary has against a rule of a pack: its statements, its text, and
-#: where it stands.
+#: Yields the errors of a pack's rule against the host's vocabulary: its statements, its text, and
+#: its location.
 Judge: TypeAlias = Callable[[Sequence[Statement], str, Span], Iterator[Diagnostic]]
 
 
 @dataclass(frozen=True)
 class Contract:
-    """What packs may do beside the built-in rules of a program.
+    """The permissions of packs beside the built-in rules of a program.
 
-    They derive what is declared extensible, and predicates of their own. What they find they tell
-    by `finding`, of which `findings` is the word for several. `judge` says what is wrong with a
-    head that tells of one. `expansions` are what keys of metadata stand for. In the stages
-    `choosing` rules may choose, and minimise on levels below `free_below`; on others where packs
-    are `trusted`.
+    Packs derive extensible predicates, and predicates of their own. `finding` is the predicate of
+    their findings, and `findings` the plural noun in messages. `judge` checks heads that derive
+    findings. `expansions` are rules that keys of metadata expand to. In the stages `choosing`,
+    rules may choose, and minimise on levels below `free_below`; `trusted` packs may use any level.
     """
 
     finding: Signature
@@ -52,38 +51,38 @@ class Contract:
     expansions: Expansions = field(default_factory=dict)
     choosing: frozenset[str] = frozenset()
     free_below: int = 0
-    #: What the folders of a pack are called, where that is not the name of their stage.
+    #: The folders of a pack by stage, if they are not named after the stage.
     folders: Mapping[str, str] = field(default_factory=dict)
     trusted: bool = False
 
 
 @dataclass(frozen=True)
 class Seal:
-    """What the built-in rules of all stages derive, are given and mean, whichever are loaded.
+    """The meaning of the predicates of the built-in rules in all stages, whichever are loaded.
 
-    `derived` and `given` have the stages of each predicate, `sees` the stages that the rules of one
-    can rest on. `extensible` are the predicates that packs derive, too, each with the stages in
-    which they do, `public` those that a pack with a name of its own may read.
+    `derived` and `given` map each predicate to its stages, `sees` maps a stage to those that its
+    rules can read. `extensible` maps predicates that packs may derive to the stages in which they
+    may, `public` are those that a named pack may read.
     """
 
     derived: Mapping[Signature, frozenset[str]]
     given: Mapping[Signature, frozenset[str]]
     constants: frozenset[str]
-    #: Where the rules stand that have names.
+    #: The locations of the rules that have names.
     ids: Mapping[str, Span]
     extensible: Mapping[Signature, frozenset[str]]
     sees: Mapping[str, frozenset[str]]
     public: frozenset[Signature]
-    #: The stages of which no pack has rules, or rules that can see it.
+    #: The stages for which packs have no rules, and whose predicates no pack can read.
     unseen: frozenset[str] = frozenset()
 
     def for_stages(self, stages: Iterable[str]) -> "Seal":
-        """Return what is sealed for packs that could mean what is given to some stages alone."""
+        """Return the seal for packs whose rules are only in some stages."""
         seen = frozenset().union(*(self.sees[stage] for stage in stages))
         return replace(self, unseen=frozenset(self.sees) - seen)
 
     def without(self, apart: Collection[Signature]) -> "Seal":
-        """Return what is sealed where some names of private predicates mean something else."""
+        """Return the seal without some private predicates, whose names packs use otherwise."""
         freed = {each for each in apart if each not in self.reserved}
         return replace(
             self,
@@ -93,7 +92,7 @@ class Seal:
 
     @cached_property
     def arities(self) -> Mapping[str, int]:
-        """Return how many arguments what is extensible has, by its names."""
+        """Return the arities of extensible predicates, by their names."""
         return {each.name: each.arity for each in self.extensible}
 
     @cached_property
@@ -105,27 +104,27 @@ class Seal:
 
     @cached_property
     def reserved(self) -> frozenset[Signature]:
-        """Return the predicates that no pack can have for itself: given ones, and public ones."""
+        """Return the predicates that no pack can define: given and public ones."""
         given = (each for each, stages in self.given.items() if not stages <= self.unseen)
         return frozenset({*given, *self.extensible, *self.public})
 
     def known(self, stage: str) -> frozenset[Signature]:
-        """Return the predicates that the rules of a stage can rest on."""
+        """Return the predicates that the rules of a stage can read."""
         seen = self.sees[stage]
         return frozenset(each for each, stages in self.named.items() if stages & seen)
 
     def elsewhere(self, signature: Signature, stage: str) -> str | None:
-        """Return the stage that alone derives or is given a predicate, if a stage cannot see it."""
+        """Return a stage of a predicate that `stage` cannot see, or None if it can see it."""
         stages = self.named.get(signature, frozenset())
         return None if not stages or stages & self.sees[stage] else min(stages)
 
     def extended_in(self, stage: str) -> frozenset[Signature]:
-        """Return the predicates that packs derive in a stage, too."""
+        """Return the predicates that packs may derive in a stage."""
         return frozenset(each for each, stages in self.extensible.items() if stage in stages)
 
 
 def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
-    """Yield the errors of clingo about the rules of a text; none of them is grounded here."""
+    """Yield clingo's errors about the rules of a text, which are not grounded here."""
     for note in fragments.notes(refusals(text) or (), [Fragment(masked(text), shown)]):
         yield from fragments.unbound(note)
         if not note.unsafe and not note.said.startswith(_TWICE):
@@ -133,9 +132,9 @@ def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
 
 
 class Reader(NamedTuple):
-    """What the rules of a stage may read: the predicates that are `known` to them.
+    """The predicates that are `known` to the rules of a stage.
 
-    Of other packs some predicates are `hidden`; each stands with the name of its pack.
+    `hidden` maps predicates of other packs to the names of these packs.
     """
 
     stage: str
@@ -146,10 +145,10 @@ class Reader(NamedTuple):
 def unknown_predicates(
     rule: Iterable[Statement], reader: Reader, seal: Seal, contract: Contract, span: Span
 ) -> Iterator[Diagnostic]:
-    """Yield the predicates that a rule reads and nobody gives or derives, or none who comes before.
+    """Yield the predicates that a rule reads and no fact or earlier rule provides.
 
-    A rule that is misspelt, or reads what is decided later, never fires. `span` is where it
-    stands, for the places of what it says count from its beginning.
+    A rule with a misspelt predicate, or one that is decided later, never fires. `span` is the
+    location of the rule; locations in statements are relative to it.
     """
     stage, known, hidden = reader
     literals = {(each.place, each.signature.unsigned) for one in rule for each in one.read}
@@ -195,10 +194,9 @@ def _private(signature: Signature, place: Span) -> Diagnostic:
 def misused_heads(
     rule: Sequence[Statement], text: str, stage: str, seal: Seal, contract: Contract, span: Span
 ) -> Iterator[Diagnostic]:
-    """Yield what is wrong with a head that tells of a finding, such as a choice or a pool.
+    """Yield errors in heads that derive findings, such as a choice or a pool.
 
-    `text` is that of the rule, `span` where it stands, for the places of what it says count from
-    its beginning.
+    `text` is that of the rule, and `span` its location; locations in statements are relative to it.
     """
     extended = seal.extended_in(stage)
     if stage in contract.choosing:
@@ -242,7 +240,7 @@ def misused_heads(
 def misplaced_statements(
     written: Iterable[Piece], stage: str, seal: Seal, contract: Contract, shown: str
 ) -> Iterator[Diagnostic]:
-    """Yield the statements of a pack, rules apart, that would change what others mean."""
+    """Yield the statements of a pack, except rules, that would change the meaning of others."""
     for piece in written:
         place = point(shown, *piece.begin)
         match piece.sort:
@@ -278,7 +276,7 @@ def misplaced_statements(
 def costs_too_high(
     found: Iterable[Statement], contract: Contract, shown: str
 ) -> Iterator[Diagnostic]:
-    """Yield which costs of a file of a pack would outrank those of the built-in rules."""
+    """Yield the costs in a pack's file that would outrank those of the built-in rules."""
     for cost in found:
         level = cost.level or ""
         if contract.trusted or (_NUMBER.fullmatch(level) and int(level) < contract.free_below):
@@ -292,7 +290,7 @@ def costs_too_high(
 
 
 def repeated_constants(written: Iterable[tuple[str, Piece]]) -> Iterator[Diagnostic]:
-    """Yield the constants that packs define twice; pieces stand beside the names of their files."""
+    """Yield the constants that packs define twice; `written` pairs files with statements."""
     first: dict[str, Span] = {}
     for shown, piece in written:
         for name in replaced(piece.text) if piece.sort == "constant" else ():
@@ -305,7 +303,7 @@ def repeated_constants(written: Iterable[tuple[str, Piece]]) -> Iterator[Diagnos
 
 
 def called_functions(text: str, span: Span) -> Iterator[Diagnostic]:
-    """Yield the functions that a rule calls: rules run no code, so there are none."""
+    """Yield the functions that a rule calls; there are none, because rules run no code."""
     for place, name in calls(text):
         message = f"there is no function `@{name}`"
         advice = "rules run no code: state it with facts and rules"
@@ -315,9 +313,9 @@ def called_functions(text: str, span: Span) -> Iterator[Diagnostic]:
 def reserved_heads(
     rule: Iterable[Statement], stage: str, seal: Seal, contract: Contract, span: Span
 ) -> Iterator[Diagnostic]:
-    """Yield the predicates that a rule of a pack may not derive, for others mean something by them.
+    """Yield the predicates that a pack's rule must not derive, because they are defined elsewhere.
 
-    `span` is where the rule stands, for the places of what it says count from its beginning.
+    `span` is the location of the rule; locations in statements are relative to it.
     """
     heads = {(head.literal.place, head.literal.signature) for one in rule for head in one.heads}
     for place, signature in sorted(heads):
@@ -376,6 +374,6 @@ def _too_early(
 
 
 def placed(span: Span, place: Place) -> Span:
-    """Return where something stands in a file that has a place in the rule at `span`."""
+    """Return the location in a file for a location in the rule at `span`."""
     line, column = place
     return point(span.path, span.line + line - 1, column + (span.column - 1) * (line == 1))

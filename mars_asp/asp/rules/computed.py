@@ -1,7 +1,7 @@
-"""Further rules that tell with what values a rule computes, so that Python can compute it, too.
+"""Additional rules that record the operands of a rule's operations, so that Python can check them.
 
-Clingo's integers wrap at 32 bits without a word. What a rule computes is told wherever the other
-literals hold that do not themselves depend on it.
+clingo's integers wrap at 32 bits silently. Operands are recorded for all instances of the other
+literals, without those that depend on the result.
 """
 
 import re
@@ -32,7 +32,7 @@ from mars_asp.asp.rules.trees import (
     names_in,
 )
 
-#: What never leaves 32 bits where its operands do not.
+#: Operations that never leave 32 bits if their operands do not.
 _FITS = frozenset({"&", "?", "^", "~", "/", "\\", ""})
 _SUMS = (ast.AggregateFunction.Sum, ast.AggregateFunction.SumPlus)
 #: A string or a word, such as the name of a variable.
@@ -42,7 +42,7 @@ _NONE: frozenset[str] = frozenset()
 
 
 class Computed(NamedTuple):
-    """An operation of a rule, and the body behind which its `leaves` have their values."""
+    """An operation of a rule, and a body that binds its `leaves`."""
 
     operation: Operation
     leaves: tuple[str, ...]
@@ -50,10 +50,10 @@ class Computed(NamedTuple):
 
 
 class Summed(NamedTuple):
-    """An element of a sum, and the body behind which it counts.
+    """An element of a sum, and the body under which it counts.
 
-    Elements of one sum in one rule, at one `place`, are added for each of the values of `shared`,
-    those that are `negative` if that is said.
+    Elements of one sum, at one `place` of a rule, are added for each instance of the variables
+    `shared`. `negative` is whether negative weights count.
     """
 
     place: Place
@@ -64,7 +64,7 @@ class Summed(NamedTuple):
 
 
 class _Literal(NamedTuple):
-    """A literal of a body or condition as clingo writes it, and its variables."""
+    """A literal of a body or condition in clingo's syntax, and its variables."""
 
     text: str
     names: frozenset[str]
@@ -80,7 +80,7 @@ class _Literal(NamedTuple):
 
 
 class _Site(NamedTuple):
-    """A node, the literals that hold beside it, and the literal that it is of, if that can bind."""
+    """A node, the literals that hold beside it, and its own literal if that can bind variables."""
 
     node: SyntaxNode
     beside: tuple[_Literal, ...]
@@ -88,7 +88,7 @@ class _Site(NamedTuple):
 
 
 def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...]]:
-    """Return the operations of each of some rules that could leave 32 bits."""
+    """Return the operations of each rule that can leave 32 bits."""
     files = map(Path, (__file__, statements.__file__, trees.__file__, ast.__file__))
     # Most rules compute nothing.
     asked = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
@@ -96,7 +96,7 @@ def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...
 
 
 def _is_open(operand: Operand) -> bool:
-    """Whether an operation has values that only grounding tells, and may not fit."""
+    """Whether an operation has values known only after grounding, and may not fit."""
     return isinstance(operand, Operation) and bool(leaves(operand)) and not _fits(operand)
 
 
@@ -107,7 +107,7 @@ def _fits(operand: Operand) -> bool:
 
 
 def leaves(operand: Operand) -> tuple[str, ...]:
-    """Return the operands of an operation besides numbers, each once."""
+    """Return the operands of an operation except numbers, each once."""
     if isinstance(operand, Operation):
         found = (leaf for inner in operand.operands for leaf in leaves(inner))
         return tuple(dict.fromkeys(found))
@@ -131,7 +131,7 @@ def _computations(text: str) -> tuple[Computed | Summed, ...]:
 
 
 def _sites(rule: SyntaxNode, beside: tuple[_Literal, ...]) -> Iterator[_Site]:
-    """Yield the parts of a rule that hold independently of others, each with those literals."""
+    """Yield the nodes of a rule that hold independently, each with the literals beside it."""
     yield from _sites_in(rule.head, beside, ())
     for number, node in enumerate(rule.body):
         rest = (*beside[:number], *beside[number + 1 :])
@@ -157,9 +157,9 @@ def _sites_in(
 
 
 def _beside(rule: SyntaxNode) -> tuple[_Literal, ...]:
-    """Return the body of a rule, the local variables of its elements renamed.
+    """Return the body of a rule, with the local variables of its elements renamed.
 
-    So the literals can be written beside an element of the rule.
+    So the literals can be joined with those of an element of the rule.
     """
     known = names_in(rule)
     body = tuple(map(_literal, rule.body))
@@ -206,9 +206,9 @@ def _sums(
 
 
 def _body(values: Sequence[str], site: _Site) -> tuple[_Literal, ...] | None:
-    """Return literals beside a tree that bind all values, or None if none do.
+    """Return literals beside a node that bind all values, or None if no literals do.
 
-    Left out are those with a variable that nothing else binds than what is computed.
+    Literals are left out if only the computed result binds one of their variables.
     """
     kept = site.beside
     for own in ((), site.own):
@@ -228,7 +228,7 @@ def _literal(node: SyntaxNode) -> _Literal:
 
 
 def _written(literals: Iterable[_Literal]) -> str:
-    """Return a body of literals."""
+    """Return the text of a body."""
     return "; ".join(literal.text for literal in literals) or "#true"
 
 

@@ -1,8 +1,8 @@
 """Rule packs that leave no answer set.
 
-Of those that leave none a minimal set is named that does so together. It is found by leaving out
-one rule after the other, as deletion filters do (Chinneck and Dravnieks 1991); every rule that is
-kept is needed. The built-in rules alone always have an answer.
+A minimal set of rules that together exclude every answer is reported. It is found by leaving out
+one rule after the other, as deletion filters do (Chinneck and Dravnieks 1991); every rule in it is
+needed. The built-in rules alone always have an answer.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from mars_asp.asp.rules.rulebook import BASE, Rulebook
 from mars_asp.asp.rules.statements import without_rules
 from mars_asp.diagnostic import Diagnostic, MarsError
 
-#: The code of what is said of packs that leave no answer.
+#: The code of the error about packs that leave no answer.
 INCONSISTENT = "rules-inconsistent"
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 
@@ -23,10 +23,10 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding
     """Check that the rules of packs have an answer set with facts.
 
     `control` holds all rules of the base and the facts, grounded; without packs nothing is done.
-    `finding` is how packs tell what they find.
+    `finding` is the predicate of findings, which the advice names.
 
     Raises:
-        MarsError: there is none; the conflicting rules with their places.
+        MarsError: there is none; it lists the conflicting rules with their locations.
     """
     if not rulebook.packs or control.solve().satisfiable:
         return

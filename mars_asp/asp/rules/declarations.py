@@ -1,4 +1,4 @@
-"""What `%*! predicate(Arguments) ... *%` declares of a predicate, read by machine.
+"""Declarations of predicates, `%*! predicate(Arguments) ... *%`, in machine-readable form.
 
     %*! length(E: edge, L: metres)
     Edge E is L long.
@@ -7,22 +7,23 @@
     from:   stated
     *%
 
-A sort behind an argument says what its values are: one word or several (`edge |
-node`), the constants that there are (`{flat, hierarchical}`), or both. Behind the words for readers
-stand lines `key: value`: `from` says where the facts of the predicate come from, with `tag` and
-`property` from annotations of modules that are called as it is, `packs: extend`
-that rules from elsewhere may derive it, `packs: read` that those with a name may read it, and
-`joins: nothing` that its facts do not bring together what they name. Names of arguments and words
-are enough, as for what rules derive.
+The sort after an argument defines its values: one word or several (`edge | node`), a list of all
+constants (`{flat, hierarchical}`), or both. Names of arguments and a text for readers are enough,
+as for predicates that rules derive. After the text, there can be lines `key: value`:
 
-Traces tell an atom by `says`, its absence by `unless`. A hole `{L}` is an argument, written in the
-unit of its sort, and `{edge.X}` the argument X of the given fact that has the same values
-of all arguments that both declarations name alike. Of several forms the first counts of which all
-holes have a value: an absence leaves arguments open. `cited: never` is said of what is no reason
-for anything, such as how something is written, and `orders: P` that things are told in the order
-of the numbers P, the highest first. `key: E, F` says that there is one fact at most for each value
-of some arguments, `key: nothing` that there is one at most. A line goes on in lines that begin with
-white space.
+- `from` is the source of the predicate's facts; with `tag` and `property` they are from annotations
+  of modules with the same name.
+- `packs: extend` lets packs derive it, and `packs: read` lets named packs read it.
+- `joins: nothing` means that its facts do not connect their arguments.
+- `says` is the sentence of an atom in traces, `unless` that of its absence. A hole `{L}` is an
+  argument, in the unit of its sort. `{edge.X}` is the argument X of the given fact that agrees in
+  all arguments with the same name in both declarations. Among several sentences, the first is used
+  whose holes all have a value: an absence leaves arguments open.
+- `cited: never` means that the facts are never reasons, such as those about notation.
+- `orders: P` means that things are sorted by the numbers P, the highest first.
+- `key: E, F` means at most one fact for each value of these arguments, `key: nothing` at most one.
+
+A line is continued by lines that begin with white space.
 """
 
 import re
@@ -38,45 +39,45 @@ from mars_asp.asp.signature import Signature, plain
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
-#: Who says that a fact holds: the user, a method outside of the rules, or a run.
+#: The source of a fact: the user, a method outside of the rules, or a run.
 Origin: TypeAlias = Literal["stated", "computed", "observed"]
 #: How the user states an attribute of a module: by an annotation without a value, or with one.
 Attribution: TypeAlias = Literal["tag", "property"]
 
-# Most commands declare nothing, so these are compiled when they are wanted.
+# Most commands use no declarations, so these are compiled at the first use.
 _MARK = r"(?s)%\*!(.*)\*%"
 _HEADER = r"(-?[a-z_][A-Za-z0-9_']*) ?(?:\((.*)\))?"
-#: A variable, or a term with some inside, and its sort.
+#: A variable, or a term with variables inside, and its sort.
 _ARGUMENT = r"(?s)([A-Z_][A-Za-z0-9_]*'*|[a-z_]*\(.*\))\s*(?::\s*(.+))?"
 _SORT = r"[a-z][a-z_]*"
 _CONSTANTS = r"\{([^{}]*)\}"
 _LINE = r"([a-z]+):\s*(.*)"
-#: So much alike are a misspelt sort and the one that is meant.
+#: The similarity of a misspelt sort to the intended one.
 _LIKENESS = 0.8
-#: Of a comment that cannot be read so much is shown.
+#: The maximal number of characters that are shown of a comment that cannot be read.
 _MOST_SHOWN = 60
-#: The keys of the lines behind the words, and what each can say.
+#: The keys of lines with fixed values, and these values.
 _SAID: Mapping[str, tuple[str, ...]] = {
     "from": (*get_args(Origin), *get_args(Attribution)),
     "packs": ("extend", "read"),
     "joins": ("nothing",),
     "cited": ("never",),
 }
-#: The keys of lines that hold a sentence, of which there can be several.
+#: The keys of lines that hold a sentence, which can be repeated.
 _SENTENCES = ("says", "unless")
 _ORDERS = "orders"
 _KEY = "key"
-#: Of what has no key there is one fact at most.
+#: The value for a predicate with one fact at most.
 _NO_KEY = "nothing"
 _KEYS = (*_SAID, *_SENTENCES, _ORDERS, _KEY)
 _CONTINUED = r"\n[ \t]+(?![a-z]+:)"
-#: A hole of a sentence: an argument, of the predicate itself or of the fact of another one.
+#: A hole of a sentence: an argument, of the predicate itself or of another predicate's fact.
 SENTENCE_HOLE = r"\{(?:([a-z_]\w*)\.)?([A-Z_]\w*'*)\}"
 _BRACES = r"\{[^{}]*\}"
 
 
 class PredicateArgument(NamedTuple):
-    """An argument: its name, and the sorts or constants that its values are of; none: any."""
+    """An argument: its name, and the sorts or constants of its values; without both, any value."""
 
     name: str
     sorts: frozenset[str] = frozenset()
@@ -84,7 +85,7 @@ class PredicateArgument(NamedTuple):
 
 
 class Docstring(NamedTuple):
-    """A comment that declares a predicate, and where it begins."""
+    """A comment that declares a predicate, and the location of its begin."""
 
     text: str
     line: int
@@ -92,7 +93,7 @@ class Docstring(NamedTuple):
 
 
 class Documented(NamedTuple):
-    """A file's comments that declare predicates; its stage, and its path as it is shown."""
+    """The comments of a file that declare predicates, its stage, and its path as it is shown."""
 
     stage: str
     path: str
@@ -100,17 +101,16 @@ class Documented(NamedTuple):
 
     @property
     def declarations(self) -> "Sequence[Declaration]":
-        """Return what they declare; what cannot be read declares nothing, as lint says."""
+        """Return the declarations; unreadable comments are skipped, and lint reports them."""
         return _declared(self)
 
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """What is declared of a predicate; `origin` is `None` where nobody says it.
+    """The declaration of a predicate; `origin` is None if it is not stated.
 
-    `orders` is the position from 0 of the argument that things are ordered by, `keys` those of
-    arguments for whose values there is one fact at most, `attribution` how modules are annotated
-    with what is an attribute of theirs.
+    `orders` is the position from 0 of the argument that orders things, `keys` the positions of the
+    arguments of each key, `attribution` the form of the annotation for an attribute of modules.
     """
 
     name: str
@@ -136,7 +136,7 @@ class Declaration:
 
     @property
     def ordering(self) -> str | None:
-        """Return the name of the argument that things are ordered by."""
+        """Return the name of the argument that orders things, or None."""
         return None if self.orders is None else self.arguments[self.orders].name
 
     @property
@@ -153,7 +153,7 @@ class Declaration:
         return f"{name}({inside})" if inside else name
 
     def with_constants(self, known: str, more: tuple[str, ...]) -> "Declaration":
-        """Return it with more constants for the arguments that may be a certain one."""
+        """Return the declaration with more constants for arguments that have a certain constant."""
         if not any(known in each.constants for each in self.arguments):
             return self
         arguments = tuple(
@@ -163,14 +163,14 @@ class Declaration:
         return replace(self, arguments=arguments)
 
     def places(self, *sorts: str) -> tuple[int, ...]:
-        """Return the positions from 0 of the arguments that are of one of some sorts."""
+        """Return the positions from 0 of the arguments of some sorts."""
         asked = frozenset(sorts)
         return tuple(at for at, each in enumerate(self.arguments) if each.sorts & asked)
 
 
 @lru_cache(maxsize=1000)
 def _declared(documented: Documented) -> tuple[Declaration, ...]:
-    """Return the declarations of a file; each rulebook and each slice of one reads them."""
+    """Return the declarations of a file, cached for the rulebooks and slices that read them."""
     return tuple(declarations(documented.docstrings, documented.path, []))
 
 
@@ -184,7 +184,7 @@ def docstrings(written: Iterable[Piece]) -> Iterator[Docstring]:
 def declarations(
     found_in: Iterable[Docstring], shown: str, problems: list[Diagnostic]
 ) -> Iterator[Declaration]:
-    """Yield the declarations in the comments of a file, each predicate once; note the faults."""
+    """Yield the declarations in a file's comments, each predicate once; extend `problems`."""
     first: dict[Signature, Span] = {}
     for text, line, column in found_in:
         place = point(shown, line, column)
@@ -202,7 +202,7 @@ def declarations(
 
 def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declaration | None:
     lines = text.split("\n")
-    # Arguments may go on in further lines.
+    # Arguments may continue in further lines.
     opened = accumulate(line.count("(") - line.count(")") for line in lines)
     end = next((number for number, each in enumerate(opened, 1) if each <= 0), len(lines))
     header, rest = " ".join(" ".join(lines[:end]).split()), "\n".join(lines[end:])
@@ -268,7 +268,7 @@ def _wrong_holes(sentence: str, names: Sequence[str], place: Span) -> Iterator[D
 def wrong_references(declared: Iterable[Declaration]) -> Iterator[Diagnostic]:
     """Yield the holes of sentences that name no argument of another predicate.
 
-    A fact of that one is found by the arguments that both name alike, so there has to be one.
+    The other predicate's fact is found by arguments of the same name, so there has to be one.
     """
     declared = tuple(declared)
     arguments = {each.name: [argument.name for argument in each.arguments] for each in declared}
@@ -292,9 +292,9 @@ def wrong_references(declared: Iterable[Declaration]) -> Iterator[Diagnostic]:
 def misspelt_sorts(
     own: Iterable[Declaration], known: Iterable[str], units: Mapping[str, str]
 ) -> Iterator[Diagnostic]:
-    """Yield the sorts that occur in one declaration alone and are spelt nearly as known ones.
+    """Yield the sorts in only one declaration that are spelt nearly as known ones.
 
-    `units` are known sorts by how their unit is written: `ms`.
+    `units` maps the sign of a unit, such as `ms`, to its sort.
     """
     own, known = tuple(own), frozenset(known)
     uses = Counter(sort for each in own for sort in {s for a in each.arguments for s in a.sorts})
@@ -309,7 +309,7 @@ def misspelt_sorts(
 
 
 def _split(written: str) -> Iterator[str]:
-    """Yield the parts between the commas outside of brackets."""
+    """Yield the texts between the commas outside of brackets."""
     depth = begin = 0
     for at, character in enumerate(written):
         depth += (character in "({") - (character in ")}")
@@ -352,7 +352,7 @@ def _read_argument(
 def _split_docstring(
     text: str, place: Span, problems: list[Diagnostic]
 ) -> tuple[str, Mapping[str, Sequence[str]]]:
-    """Return the words for readers, and what the lines behind them say by their keys."""
+    """Return the text for readers, and the values of the lines after it, by their keys."""
     lines = re.sub(_CONTINUED, " ", text.rstrip()).split("\n")
     entries: dict[str, list[str]] = {}
     while lines and (match := re.fullmatch(_LINE, lines[-1].strip())):
@@ -374,7 +374,7 @@ def _split_docstring(
 
 
 def _wrong_line(key: str, value: str, near_key: str) -> str | None:
-    """Return what to write instead of a line that says nothing, or None if it does."""
+    """Return the correction of a wrong line, or None if the line is correct."""
     choices = _SAID.get(near_key, ())
     if key == near_key and (value in choices if choices else value):
         return None

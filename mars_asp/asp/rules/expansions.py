@@ -1,7 +1,7 @@
-"""Rules that metadata stand for, so that nobody repeats the body of the rule below it.
+"""Rules that metadata expand to, so that the body of the rule below is not repeated.
 
-A host says what a key of metadata stands for. Where `who` gives `part(Name, Order, Who)` above a
-rule that derives `found(Name, ...)`, these lines say three rules:
+A host defines the rules for a key of metadata. If `who` gives `part(Name, Order, Who)` above a rule
+that derives `found(Name, ...)`, the first two lines mean the three rules below:
 
     %! who: S, C; E@R : helps(R, E, S)
     found(N, S) :- seen(N, S, C).
@@ -10,10 +10,10 @@ rule that derives `found(Name, ...)`, these lines say three rules:
     part(N, 1, C) :- seen(N, S, C).
     part(N, R, E) :- seen(N, S, C); helps(R, E, S).
 
-A list has elements between semicolons; each is one term or several, and may have a condition
-after a colon. After `@` comes what a term is ordered by, else it is its place in the list.
+A list has elements between semicolons; each is one term or several, and may have a condition after
+a colon. After `@` follows the order of a term, by default its index in the list.
 
-A term may have a label, a message in quotes whose holes are filled as those of `because` are:
+A term may have a label, a message in quotes with holes like those of `because`:
 
     %! at: R; R' "`{C}` was seen here before" : first(R', C)
 """
@@ -45,16 +45,16 @@ _VARIABLE = re.compile(r"(?<!\w)_*[A-Z]\w*'*")
 _LABELLED = re.compile(r'(.*\S)\s+"((?:\\.|[^"\\])*)"', re.DOTALL)
 
 
-#: A list holds so many terms at most, each of which is a rule.
+#: The maximal number of terms in a list, each of which is a rule.
 MOST_ELEMENTS = 2000
 
 
 class Expansion(NamedTuple):
-    """What a key of metadata stands for above a rule that derives `of`.
+    """The expansion of a key of metadata above a rule that derives `of`.
 
-    For each term that is listed, `gives` holds of the arguments of the head at the positions
-    `kept`, of what the term is ordered by if there is an order, and of the term. Its terms may have
-    labels where it `is_labelled`.
+    For each listed term, `gives` is derived. Its arguments are those of the head at the positions
+    `kept`, the order of the term if the expansion `is_ordered`, and the term. Terms may have labels
+    if it `is_labelled`.
     """
 
     of: Signature
@@ -64,7 +64,7 @@ class Expansion(NamedTuple):
     is_labelled: bool = False
 
 
-#: What keys of metadata stand for, by the keys.
+#: The expansions of metadata keys, by key.
 Expansions: TypeAlias = Mapping[str, Expansion]
 
 
@@ -78,7 +78,7 @@ class _Element(NamedTuple):
 
 
 class Label(NamedTuple):
-    """What a list says of a term: the message, and the body of the rule with its condition."""
+    """The label of a listed term: the message, and the rule's body with the term's condition."""
 
     term: str
     text: str
@@ -93,10 +93,10 @@ class Label(NamedTuple):
 def expanded(
     rule: Rule, key: str, written: str, place: Span, expansion: Expansion
 ) -> Iterator[Rule]:
-    """Yield the rules that a line of metadata stands for, of which nothing is `wrong`.
+    """Yield the rules that a line of metadata expands to; `wrong` must have no objections.
 
-    `written` is what stands behind the key, `place` where that is. The rules stand where that does
-    which they belong to, and have its id with the key behind it.
+    `written` is the text after the key, `place` its location. The rules have the location of the
+    rule above which the line is, and its id followed by the key.
     """
     head, body = rule.statements[0].head, rule.written[1]
     kept = [head.terms[position].text for position in expansion.kept]
@@ -119,7 +119,7 @@ def labels(rule: Rule, expansions: Expansions) -> Iterator[Label]:
 
 
 def with_conditions(written: str, change: Callable[[str], str]) -> str:
-    """Return what stands behind a key with its conditions changed, term by term."""
+    """Return the text after a key with its conditions changed, term by term."""
     found = []
     for term, order, condition, label in _elements(written):
         parts = [f"{term}@{order}" if order else term]
@@ -134,9 +134,9 @@ def _rule_text(head: str, body: str) -> str:
 
 
 def _is_above(rule: Rule, expansion: Expansion) -> bool:
-    """Whether a rule derives what a list may stand above, and nothing else.
+    """Whether a rule derives only the predicate of an expansion.
 
-    Its body may have pools: each way to read them derives the same.
+    Its body may have pools: all variants derive the same.
     """
     first = rule.statements[0]
     return first.forces and all(
@@ -148,7 +148,7 @@ def _is_above(rule: Rule, expansion: Expansion) -> bool:
 def wrong(
     rule: Rule, key: str, written: str, place: Span, expansion: Expansion
 ) -> Iterator[Diagnostic]:
-    """Yield what is wrong with a line of metadata, but for what clingo says of its rules."""
+    """Yield the errors in a line of metadata, except those that clingo finds in its rules."""
     if not _is_above(rule, expansion):
         message = f"`{key}` is above a rule that does not derive `{expansion.of}` alone"
         advice = f"leave it out, or give the rule a head `{expansion.of}`"
@@ -183,7 +183,7 @@ def wrong(
             message = f"`{key}` cannot be read: it means `{made.text}`"
             yield _expansion_error(message, place, advice)
             return
-        # What leaves 32 bits is told where a rule computes it, and this one stands in no file.
+        # Overflows are reported for rules in files, and this one is in no file.
         for operand in operands(alone):
             if isinstance(operand, Operation) and leaves(operand):
                 message = f"`{key}` computes `{operand.text}`"
@@ -212,7 +212,7 @@ def _wrong_label(element: _Element, made: Rule, key: str, place: Span) -> Iterat
 
 
 def _is_rule(text: str, shown: str, readings: int = 1) -> bool:
-    """Whether a text is one rule with so many readings of its pools, and nothing else."""
+    """Whether a text is one rule with a number of variants of its pools, and nothing else."""
     try:
         check_text(text, shown)
         sorts = [piece.sort for piece in pieces(text) if piece.sort != "begin"]
@@ -237,7 +237,7 @@ def _elements_of(written: str) -> Iterator[_Element]:
 
 
 def _split(written: str, sign: str, most: int = -1) -> list[str]:
-    """Return the parts between separators outside of brackets and strings."""
+    """Return the texts between separators outside of brackets and strings."""
     parts, depth = [""], 0
     for match in _TOKEN.finditer(written):
         token = match[0]

@@ -1,7 +1,7 @@
-"""Checks of a rule file before clingo sees it.
+"""Checks of a rule file before clingo reads it.
 
-Each check answers a way to hang, crash or mislead the solver: a scripted or included file, a byte
-that kills its logger, a term so deep that its parser overflows.
+Each check prevents a hang, a crash or a wrong reading of the solver: a scripted or included file, a
+byte that kills its logger, a term so deep that its parser overflows.
 """
 
 import re
@@ -18,19 +18,20 @@ MOST_STATEMENTS = 100_000
 MOST_STATEMENT = 64 * 1024
 MOST_NESTING = 200
 MOST_OPERATORS = 4096
-#: So many refusals are reported of one file.
+#: The maximal number of refusals that are reported for one file.
 _MOST_TOLD = 20
 _REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
-#: Of the caller's own files, in which included files are resolved already.
+#: For the caller's own files, in which included files are resolved already.
 _REFUSED_OWN = re.compile(r"#\s*(include|script|theory|edge|heuristic)\b")
 #: Strings, comments, and `#include`.
 _INCLUDING = re.compile(r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|#\s*include\b')
 _INCLUDE = re.compile(r'#include\s*"([^"\\\n]+)"\s*\.')
-#: Where clingo's own scanner would find strings, comments, ends of statements and what nests.
+#: The tokens of clingo's scanner that matter: strings, comments, ends of statements, brackets and
+#: operators.
 _TOKEN = re.compile(
     r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{},;:]|[-+*/\\&?^|~]|[^\t\n\r -~]+'
 )
-#: What counts in a block comment, where `%` begins one that goes to the end of its line.
+#: The marks in a block comment, where `%` begins a comment to the end of its line.
 _COMMENTED = re.compile(r"%\*|\*%|%[^\n]*")
 
 
@@ -38,7 +39,7 @@ def gate_text(path: Path, shown: str) -> str:
     """Return the text of a rule file.
 
     Raises:
-        MarsError: the file cannot be read or may not be given to clingo.
+        MarsError: the file cannot be read, or clingo must not read it.
     """
     text = read_text(path, shown)
     check_text(text, shown)
@@ -46,17 +47,17 @@ def gate_text(path: Path, shown: str) -> str:
 
 
 class IncludedFile(NamedTuple):
-    """A statement `#include`: the path that it names, and where it begins."""
+    """A statement `#include`: the path in it, and the location of its begin."""
 
     path: str
     begin: tuple[int, int]
 
 
 def included(text: str, shown: str) -> tuple[str, list[IncludedFile], list[Diagnostic]]:
-    """Return a text without its `#include` statements, these, and the errors in others.
+    """Return a text with its `#include` statements blanked, these, and the errors in others.
 
-    All else stays at its place. In comments the word is masked as well, so that clingo reads no
-    file wherever it takes a comment to end.
+    All other text keeps its location. In comments the word is masked as well, so that clingo reads
+    no file wherever it ends a comment.
     """
     found: list[IncludedFile] = []
     wrong: list[Diagnostic] = []
@@ -109,7 +110,7 @@ def read_text(path: Path, shown: str) -> str:
 
 
 def check_text(text: str, shown: str, is_own: bool = False) -> None:
-    """Refuse a text that may not be given to clingo; less is refused of the caller's own.
+    """Check that clingo may read a text; `is_own` relaxes the check for the caller's own texts.
 
     Raises:
         MarsError: with the first reasons.
@@ -139,14 +140,14 @@ def _forbidden_text(text: str, refused: re.Pattern[str]) -> Iterator[tuple[int, 
 
 
 def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
-    """Yield the statements that are too long or too deep, and characters that stand for nothing.
+    """Yield the statements that are too long or too deep, and invalid characters.
 
-    Comments and strings count for nothing, wherever they stand: so it is for clingo. How deep a
-    term is, brackets and the operators between two commas tell: `1+1+1` is `(1+1)+1`.
+    As in clingo, comments and strings do not count. The depth of a term is the number of open
+    brackets and of the operators between two commas: `1+1+1` is `(1+1)+1`.
     """
     begin = commented = operators = statements = 0
     result = False
-    # Of each open bracket the operators so far.
+    # The number of operators so far in each open bracket.
     open_ = [0]
     depth = 0
     for at, end, token in _tokens(text):
@@ -190,7 +191,7 @@ def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
 
 
 def _tokens(text: str) -> Iterator[tuple[int, int, str]]:
-    """Yield where what counts begins and ends, and what it is; last the end of the text."""
+    """Yield the begin, the end and the text of each relevant token; at last the end of the text."""
     at = 0
     while match := _TOKEN.search(text, at):
         begin, at = match.span()
@@ -201,7 +202,7 @@ def _tokens(text: str) -> Iterator[tuple[int, int, str]]:
 
 
 def _closed(text: str, at: int) -> int:
-    """Return where a block comment ends that is open at a place."""
+    """Return the end of a block comment that is open at an offset."""
     depth = 1
     while depth and (match := _COMMENTED.search(text, at)):
         at = match.end()

@@ -1,16 +1,15 @@
-"""What stands above the rules of a file.
+"""Metadata: the comments above the rules of a file.
 
 Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
-`{Variable}` holes), an `effect` (what will happen, a sentence with holes), a `help`, and `fits`:
-why what it computes fits into 32 bits. `why` tells what it is about and why that matters, `example`
-names a case of it. `allow: CODE REASON` says that a lint does not count for the rule. Keys of a
-host stand for further rules (see `expansions`). A line whose text is indented by four or more goes
-on with the one before.
-`%*! predicate(Arguments) ... *%` documents a predicate.
+`{Variable}` holes), an `effect` (the consequence, a sentence with holes), a `help`, and `fits` (the
+reason why its arithmetic fits into 32 bits). `why` describes the subject and its importance,
+`example` is the path of a case. `allow: CODE REASON` switches a lint off for the rule. Keys of a
+host expand to further rules (see `expansions`). A line whose text is indented by four or more
+blanks continues the line before. `%*! predicate(Arguments) ... *%` documents a predicate.
 
 An id begins with the name of its file: `data/link` in `data.lp`, `resolve/data/edge` in that of the
-stage `resolve`. A rule that is given none has its line, `data:17`, and where several of these begin
-in one line, those behind the first have their column, too: `data:17:30`.
+stage `resolve`. A rule without an id is named by its line, `data:17`. If several of these begin in
+one line, all except the first are named by their column as well: `data:17:30`.
 """
 
 import re
@@ -26,14 +25,14 @@ from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
 KEYS = ("id", "because", "effect", "help", "fits", "why", "example")
-#: A line that allows a lint, of which there can be several.
+#: The key of a line that allows a lint, which can be repeated.
 _ALLOW = "allow"
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
 _CONTINUED = re.compile(r"%!\s{4,}(\S.*)")
 
 
 def file_name(shown: str, stage: str) -> str:
-    """Return the first part of the ids of the rules in a file, which repeats no name."""
+    """Return the first component of the ids of the rules in a file, without repeated names."""
     stem = Path(shown).stem
     return stem if stage in ("base", stem) else f"{stage}/{stem}"
 
@@ -46,10 +45,10 @@ def rules_of(
     strict: bool,
     expansions: Expansions,
 ) -> Iterator[Rule]:
-    """Yield the rules of a file with what stands above them; note what is wrong with that.
+    """Yield the rules of a file with their metadata; add errors in the metadata to `problems`.
 
-    Behind each rule come those that lines of its metadata stand for, by `expansions`; only when
-    `strict` it is checked that they are rules.
+    Each rule is followed by the rules that its metadata expand to, by `expansions`. If `strict`,
+    these are checked, and left out if they have errors.
     """
     name = file_name(shown, stage)
     lines: set[int] = set()
@@ -107,7 +106,7 @@ def _note_metadata(
             )
         )
     elif key == _ALLOW:
-        # Each line has a key of its own.
+        # Each line has its own key.
         pending[f"{_ALLOW} {span.line}"] = (value, span)
     elif key in pending:
         problems.append(
@@ -118,7 +117,7 @@ def _note_metadata(
 
 
 def _go_on(pending: dict[str, tuple[str, Span]], more: str) -> None:
-    """Add a further line to the metadata that was noted last."""
+    """Append a continuation line to the last metadata."""
     for key in list(pending)[-1:]:
         text, place = pending[key]
         pending[key] = (f"{text} {more}", place)
@@ -211,10 +210,10 @@ def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:
 def repeated_ids(
     rules: Iterable[Rule], known: Mapping[str, Span] = MappingProxyType({})
 ) -> Iterator[Diagnostic]:
-    """Yield the names that rules have twice; `known` are names of others with their places."""
+    """Yield an error for each repeated id; `known` are the ids of other rules with locations."""
     first = dict(known)
     for rule in rules:
-        # What lines of metadata stand for is named after the rule that they are above.
+        # A rule made from metadata is named after the rule below the metadata.
         place = rule.place_of("id")
         earlier = first.setdefault(rule.id, place)
         if earlier is not place and rule.listed is None:

@@ -1,7 +1,7 @@
-"""Name spaces: what a pack derives for itself never meets what others call the same.
+"""Name spaces: predicates of a pack never meet predicates of the same name elsewhere.
 
-A predicate that nobody else names keeps its name. One that others name, too, gets that of its pack
-behind two primes, `seen''rover`, which nothing shows: `plain` takes it away again.
+A predicate whose name is used once keeps it. Otherwise the name of the pack is appended after two
+primes, `seen''rover`, which is never shown: `plain` removes it again.
 """
 
 import re
@@ -18,19 +18,19 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import renamed
 from mars_asp.asp.signature import SPACE, Signature
 
-#: What makes a condition a rule.
+#: The head that makes a rule of a condition.
 _HEAD = "x :- "
-#: What is written before the name of a predicate that a comment declares.
+#: The text before the name of the predicate that a comment declares.
 _HEADER = re.compile(r"(%\*!\s*-?)([a-z_]\w*'*)")
 
 
 def spaced(signature: Signature, space: str) -> str:
-    """Return the name that a predicate has where it is that of a name space."""
+    """Return the name of a predicate in a name space."""
     return f"{signature.name}{SPACE}{re.sub(r'[^A-Za-z0-9_]', '_', space)}"
 
 
 def in_space(file: RuleFile, names: Mapping[Signature, str]) -> RuleFile:
-    """Return a file of rules in which predicates have the names of a space."""
+    """Return a file of rules with predicates renamed into a name space."""
     if not names:
         return file
     text = renamed(file.text, names)
@@ -43,7 +43,7 @@ def in_space(file: RuleFile, names: Mapping[Signature, str]) -> RuleFile:
 
 def _in_space(rule: Rule, names: Mapping[Signature, str]) -> Rule:
     def condition(written: str) -> str:
-        # What is no condition is refused where lists are read, at its place.
+        # A text that is not a condition is refused where lists are read, with its location.
         with suppress(RuntimeError):
             return renamed(f"{_HEAD}{written}.", names).removeprefix(_HEAD).removesuffix(".")
         return written
@@ -53,7 +53,7 @@ def _in_space(rule: Rule, names: Mapping[Signature, str]) -> Rule:
 
 
 def _documented(docstring: Docstring, names: Mapping[Signature, str]) -> Docstring:
-    """Return a comment about a predicate under its name in a space."""
+    """Return a comment about a predicate with its name in a name space."""
     by_name = {signature.name: new for signature, new in names.items()}
 
     def header(match: re.Match[str]) -> str:
@@ -65,10 +65,10 @@ def _documented(docstring: Docstring, names: Mapping[Signature, str]) -> Docstri
 def apart(
     spaces: Iterable[NameSpace], sealed: Seal, common: Mapping[Signature, str]
 ) -> Iterator[NameSpace]:
-    """Yield packs in which no predicate of one's own is called as one of others is.
+    """Yield packs in which private predicates have unique names.
 
-    What a pack reads of another has the name that it has there, and what facts give to all of them
-    its `common` one.
+    A predicate of another pack has the name that it has there, and a predicate that facts give to
+    all packs its `common` name.
     """
     taken = {each.name for each in (*sealed.named, *common)}
     shared = {each: name for each, name in common.items() if each.name != name}
@@ -77,7 +77,7 @@ def apart(
         names: dict[Signature, str] = {}
         for each in sorted(own):
             if each.name in taken:
-                # Folders of several packs can have one name.
+                # Several packs can have folders of the same name.
                 name = spaced(each, space.name)
                 free = (f"{name}{number or ''}" for number in count())
                 names[each] = next(one for one in free if one not in taken)

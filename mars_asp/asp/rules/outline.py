@@ -1,7 +1,7 @@
-"""What a file of rules is for, and what its rules read, derive, decide and show.
+"""The outline of a file of rules: its purpose, and the predicates that it reads, derives and shows.
 
-A file begins with comments: `%# Name: what it is about`, and `% Purpose: ...` over one line or
-several. All else is read from its rules.
+A file begins with comments: `%# Name: subject`, and `% Purpose: ...` over one line or several. The
+predicates are read from its rules.
 """
 
 import re
@@ -19,10 +19,10 @@ _CONTINUED = re.compile(r"% {3,}(\S.*)")
 
 
 class Outline(NamedTuple):
-    """A file of rules at a glance; predicates are sorted.
+    """The outline of a file of rules; predicates are sorted.
 
-    `given` is what its rules and costs read that none of its rules has in its head, `decides` what
-    a choice offers.
+    `given` are predicates that rules and costs read without any rule that has them in its head,
+    `decides` the predicates that a choice offers.
     """
 
     title: str
@@ -47,7 +47,7 @@ def outline(text: str, rules: Iterable[Rule]) -> Outline:
 
 
 def _header(text: str) -> tuple[str, str]:
-    """Return the title and the purpose that a file states, empty where it states none."""
+    """Return the title and the purpose in the header of a file, or "" without them."""
     title, purpose = "", list[str]()
     for line in text.split("\n"):
         if not line.startswith("%") or line.startswith("%*"):

@@ -1,7 +1,7 @@
-"""What each rule of a text cannot fire without, as the build has read it.
+"""The premises that each rule of a text cannot fire without, as read by the build.
 
-To read that of a text takes longer than to ground what cannot fire, so of texts that no build has
-read it is not known. Of a rule it always is.
+Reading the premises of a text takes longer than grounding its rules, so they are unknown for texts
+that no build has read. Those of a single rule are always known.
 """
 
 import re
@@ -16,10 +16,10 @@ from mars_asp.asp.rules import trees
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import Place, pieces, statements
 
-#: The sorts of statements that make no atoms possible but those in the heads of rules.
+#: The sorts of statements that make no atoms possible except those in the heads of rules.
 _SILENT = ("rule", "comment", "constant", "declaration", "shown", "cost")
 _BLANKS = re.compile(r"[ \t]+\n")
-#: Where a file begins has no text.
+#: The statement at the begin of a file has no text.
 _SILENT_TOO = re.compile(r"$|#\s*project\b")
 
 
@@ -29,15 +29,15 @@ def premises_of(text: str) -> Premises | None:
 
 
 def read_premises(text: str) -> Premises | None:
-    """Return what the rules of a text need, for a build to keep it.
+    """Return the premises of the rules of a text, which a build keeps.
 
-    `None` where it makes atoms possible by something else than rules.
+    The result is None if other statements than rules make atoms possible.
     """
     return _known(text, lambda: _read_text(text))
 
 
 def fragment_of(rule: Rule) -> Fragment:
-    """Return a rule as clingo reads it."""
+    """Return a rule as a fragment."""
     return Fragment(rule.text, rule.span.path, rule.span, premises_of_rule(rule))
 
 

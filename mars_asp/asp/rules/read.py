@@ -1,4 +1,4 @@
-"""Files of rules and of cases, read with everything that is wrong with them."""
+"""Files of rules and of cases, read with all their errors."""
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -45,7 +45,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 class RuleFile(NamedTuple):
     """A file of rules: its path as it is shown, its stage, and its text.
 
-    Besides them what the text is made of, its rules, and the comments that declare predicates.
+    `written` are its statements; `rules` and `docstrings` are made from them.
     """
 
     shown: str
@@ -54,7 +54,7 @@ class RuleFile(NamedTuple):
     written: tuple[Piece, ...]
     rules: tuple[Rule, ...]
     docstrings: tuple[Docstring, ...] = ()
-    #: The parts of a caller's own program, each with the place where it begins.
+    #: The parts of a caller's own program, each with the location of its begin.
     begins: tuple[tuple[Place, ProgramPart], ...] = ()
 
     @property
@@ -69,10 +69,10 @@ class RuleFile(NamedTuple):
 
 
 def read_case(path: Path) -> tuple[str, tuple[Piece, ...]]:
-    """Return the text of a case for the rules, and what it is made of.
+    """Return the text of a case for the rules, and its statements.
 
     Raises:
-        MarsError: it may not be given to clingo.
+        MarsError: clingo must not read it.
     """
     text = gate_text(path, str(path))
     written, problems = _case(text, str(path))
@@ -83,7 +83,7 @@ def read_case(path: Path) -> tuple[str, tuple[Piece, ...]]:
 
 @lru_cache(maxsize=1000)
 def _case(text: str, shown: str) -> tuple[tuple[Piece, ...], tuple[Diagnostic, ...]]:
-    """Return what a case is made of, and all that is wrong with it; many are read again."""
+    """Return the statements of a case, and all its errors; cached, because many are read again."""
     problems: list[Diagnostic] = []
     written = _pieces(text, shown, problems)
     for piece in written:
@@ -91,14 +91,14 @@ def _case(text: str, shown: str) -> tuple[tuple[Piece, ...], tuple[Diagnostic, .
             problems += called_functions(piece.text, Span(shown, *piece.begin, *piece.end))
     if not problems:
         problems += overflows(text, shown)
-    # Of some numbers that do not fit clingo itself ends the process.
+    # At some numbers that do not fit, clingo ends the process.
     if not problems:
         problems += refused_rules(text, shown)
     return written, tuple(problems)
 
 
 def _pieces(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Piece, ...]:
-    """Return the content of a text; empty if clingo cannot parse it."""
+    """Return the statements of a text; empty if clingo cannot parse it."""
     try:
         return tuple(pieces(text))
     except RuleSyntaxError as error:
@@ -114,10 +114,10 @@ def read_file(
     strict: bool,
     expansions: Expansions = MappingProxyType({}),
 ) -> RuleFile | None:
-    """Return a file, or None if it cannot be read as rules, and `problems` say why.
+    """Return a file, or None if it cannot be read as rules; reasons are added to `problems`.
 
-    When `strict`, numbers and the holes of messages are checked, too. `expansions` are what keys of
-    metadata stand for besides.
+    If `strict`, numbers and the holes of messages are checked as well. `expansions` are additional
+    metadata keys.
     """
     try:
         text = gate_text(path, shown)
@@ -135,7 +135,7 @@ def read_rules(
     expansions: Expansions = MappingProxyType({}),
     is_own: bool = False,
 ) -> RuleFile | None:
-    """Return a text as if it were a file of rules, all of it checked; `is_own` is the caller's."""
+    """Return a text as a file of rules, completely checked; `is_own` is the caller's text."""
     try:
         check_text(text, shown, is_own)
     except MarsError as error:
@@ -166,13 +166,13 @@ def _rule_file(
 
 
 def _wrong_lists(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
-    """Yield what clingo would say of rules that metadata stands for, at the place of that.
+    """Yield clingo's errors in rules made from metadata, at the locations of the metadata.
 
-    What it says of the rule above which that stands, it is not asked again.
+    Errors that the rule below the metadata has as well are left out.
     """
     concerned = [rule for rule in rules if rule.lists or rule.listed is not None]
     whole = "\n".join(rule.text for rule in concerned)
-    # All at once, which takes less than one by one, for hardly ever is there something to say.
+    # One check of all takes less time than single ones, and hardly ever is there an error.
     if not concerned or not _refused_text(whole, concerned[0].span.path):
         return
     entries: set[str] = set()
@@ -186,18 +186,18 @@ def _wrong_lists(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
 
 
 def _refused_text(text: str, path: str) -> tuple[Diagnostic, ...]:
-    # Of some numbers that do not fit clingo itself ends the process.
+    # At some numbers that do not fit, clingo ends the process.
     return tuple(overflows(text, path)) or tuple(refused_rules(text, path))
 
 
-#: Folders of one name that are told apart.
+#: The maximal number of folders of one name that receive different names.
 _MOST_SPACES = 1000
 
 
 class NameSpace(NamedTuple):
-    """The files of one pack. `needs` are the packs that it names, or None if it has no manifest.
+    """The files of one pack; `needs` are the packs that its manifest names, or None without one.
 
-    Without a manifest it reads whatever other rules derive before its own, too.
+    Without a manifest its rules can also read all predicates that rules of earlier stages derive.
     """
 
     name: str
@@ -210,7 +210,7 @@ class NameSpace(NamedTuple):
         return tuple(rule for file in self.files for rule in file.rules)
 
     def derived(self, stages: Collection[str]) -> frozenset[Signature]:
-        """Return what its rules of some stages derive, and what its files say that facts hold."""
+        """Return the predicates that its rules of some stages derive, and its `#defined` ones."""
         found = (rule.heads for rule in self.rules if rule.stage in stages)
         facts = (defined(file.text) for file in self.files if file.stage in stages)
         return frozenset().union(*found, *facts)
@@ -223,7 +223,7 @@ class NameSpace(NamedTuple):
 
     @property
     def public(self) -> frozenset[Signature]:
-        """Return the predicates that it lets others read."""
+        """Return the predicates that other packs may read."""
         declared = (each for file in self.files for each in file.documented.declarations)
         return frozenset(each.signature.unsigned for each in declared if each.public)
 
@@ -231,14 +231,14 @@ class NameSpace(NamedTuple):
 def wrong_packs(
     spaces: Sequence[NameSpace], sealed: Seal, contract: Contract
 ) -> Iterator[Diagnostic]:
-    """Yield all that packs may not do, and what would make nothing of their rules."""
+    """Yield all violations of packs, and the reasons why their rules would never fire."""
     files = [file for space in spaces for file in space.files]
-    # All at once, which takes less than one by one.
+    # One call for all takes less time than single ones.
     statements_of(rule.text for file in files for rule in file.rules)
     for file in files:
         yield from misplaced_statements(file.written, file.stage, sealed, contract, file.shown)
         overflowing = tuple(overflows(file.text, file.shown))
-        # Of some numbers that do not fit clingo itself ends the process.
+        # At some numbers that do not fit, clingo ends the process.
         yield from () if overflowing else refused_rules(file.text, file.shown)
     yield from repeated_constants((file.shown, piece) for file in files for piece in file.written)
     for space in spaces:
@@ -282,7 +282,7 @@ def _wrong_rules(
             entries = {each.message for each in found}
             yield from found
         else:
-            # The body is that of the rule before it, of which all has been said.
+            # The rule repeats the body of the rule before it, whose errors are reported already.
             yield from (
                 replace(each, span=rule.listed) for each in found if each.message not in entries
             )
@@ -301,11 +301,11 @@ def _syntax(note: str, shown: str) -> Diagnostic:
 
 
 def told_apart(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> Iterator[NameSpace]:
-    """Yield packs of which no two name a rule alike.
+    """Yield packs whose rules have unique ids.
 
-    Rules of a pack with a manifest have its name before their ids, once. Of the others, where the
-    name of a file is `taken`, or another's, its path stands before the lines of rules that have no
-    id: `mine/data.lp:17`.
+    In a pack with a manifest, ids begin with its name. In other packs, if the name of a file is
+    `taken` or repeated, rules without an id are named by the path of the file and their line:
+    `mine/data.lp:17`.
     """
     ours = frozenset(taken)
     names = set(ours)
@@ -343,13 +343,13 @@ def _named_by_space(space: NameSpace, name: str) -> NameSpace:
 
 
 def _in_pack(rule: Rule, name: str, stays: str) -> Rule:
-    """Return a rule with the name of its pack before its id, unless it begins so and `stays`."""
+    """Return a rule with the name of its pack before its id, unless its id begins with `stays`."""
     is_named = bool(stays) and rule.id.startswith(stays)
     return rule if is_named else replace(rule, id=f"{name}/{rule.id}")
 
 
 def _of_space(rule: Rule, name: str, file: RuleFile) -> Rule:
-    """Return a rule with the name of its pack before its id, which a path tells apart already."""
+    """Return a rule with the name of its pack before its id, unless the id begins with a path."""
     return rule if rule.id.startswith(file.shown) else replace(rule, id=f"{name}/{rule.id}")
 
 

@@ -1,4 +1,4 @@
-"""One rule of a file: what stands above it, its text, and what it says."""
+"""One rule of a file: its metadata, its text, and its content."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -10,12 +10,12 @@ from mars_asp.asp.rules.statements import Statement, Tree, statements, tree
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
-#: A variable in a message, and the sort in the unit of which its value is written, if any.
+#: A variable in a message, and the sort whose unit its value is written in, if any.
 HOLE = re.compile(r"\{([^{}:]*)(?::([a-z_]+))?\}")
 
 
 class Allow(NamedTuple):
-    """A line of metadata that allows a lint: its code, the reason, and where it stands."""
+    """A line of metadata that allows a lint: its code, its reason and its location."""
 
     code: str
     reason: str
@@ -24,7 +24,7 @@ class Allow(NamedTuple):
 
 @dataclass(frozen=True)
 class Rule:
-    """One rule as it is written, with its metadata and what it says."""
+    """One rule in its written form, with its metadata and its content."""
 
     id: str
     because: str | None
@@ -32,36 +32,36 @@ class Rule:
     span: Span
     text: str
     stage: str
-    #: Why what the rule computes fits into 32 bits, where that does not show.
+    #: The reason why the arithmetic of the rule fits into 32 bits, if that is not evident.
     fits: str | None = None
-    #: What the rule is about and why that matters.
+    #: The subject of the rule and its importance.
     why: str | None = None
     #: The path of a case in which it fires.
     example: str | None = None
-    #: Lines of metadata that stand for further rules: the key and what it lists.
+    #: Lines of metadata that expand to further rules: the key and the list.
     lists: tuple[tuple[str, str], ...] = ()
-    #: Where the line of metadata is that stands for this rule; no file has its text.
+    #: The location of the metadata line from which this rule was made; no file has its text.
     listed: Span | None = None
-    #: What will happen, a sentence for those who read no more of the rule.
+    #: The effect, as a sentence that is readable by itself.
     effect: str | None = None
-    #: The lints that have nothing to say of the rule.
+    #: The lints that do not apply to the rule.
     allows: tuple[Allow, ...] = ()
-    #: Where each line of metadata is, by its key.
+    #: The location of each line of metadata, by its key.
     places: tuple[tuple[str, Span], ...] = ()
 
     @cached_property
     def ast(self) -> Tree:
-        """Return clingo's syntax tree of the text, for further rules to be made of it."""
+        """Return clingo's syntax tree of the text, which further rules are made from."""
         return tree(self.text)
 
     @cached_property
     def written(self) -> tuple[str, str]:
-        """Return the head and the body as clingo writes them."""
+        """Return the head and the body in clingo's formatting."""
         return str(self.ast.head), "; ".join(map(str, self.ast.body))
 
     @property
     def statements(self) -> tuple[Statement, ...]:
-        """Return what the rule says, without pools."""
+        """Return the content of the rule, as one statement for each variant without pools."""
         return statements(self.text)
 
     @cached_property
@@ -70,13 +70,13 @@ class Rule:
         return frozenset(each.unsigned for one in self.statements for each in one.derives)
 
     def derives(self, signature: Signature) -> bool:
-        """Whether the head can derive a predicate, or its contrary."""
-        # What does not name it need not be read.
+        """Whether the head can derive a predicate or its classical negation."""
+        # A rule that does not contain the name need not be parsed.
         return signature.name in self.text and signature in self.heads
 
     @cached_property
     def reads(self) -> frozenset[Signature]:
-        """Return the predicates that the rule reads, without signs, and those that it offers."""
+        """Return the predicates that the rule reads or offers, without signs."""
         read = frozenset(each.unsigned for one in self.statements for each in one.reads)
         return read | self.heads if self.is_choice else read
 
@@ -87,9 +87,9 @@ class Rule:
 
     @cached_property
     def firsts(self) -> Mapping[Signature, frozenset[str]]:
-        """Return, by the predicates of its head, the constants that their first arguments are.
+        """Return the constants that are first arguments in the head, by predicate.
 
-        Predicates of which one can be anything are left out.
+        Predicates with any other first argument are left out.
         """
         found: dict[Signature, set[str | None]] = {}
         for statement in self.statements:
@@ -104,10 +104,10 @@ class Rule:
         }
 
     def __getstate__(self) -> dict[str, object]:
-        """Keep what most questions need of what the rule says."""
+        """Keep the derived values that most questions need."""
         written = {field.name: getattr(self, field.name) for field in fields(self)}
         names = ["heads", "reads", "is_choice", "firsts"]
-        # Of a rule with a message every question makes another.
+        # Every question makes another rule from a rule with a message.
         names += ["written"] if self.because is not None else []
         return {**written, **{name: getattr(self, name) for name in names}}
 
@@ -125,11 +125,11 @@ class Rule:
                 yield key, text
 
     def place_of(self, key: str) -> Span:
-        """Return where the line of metadata with a key is; without one, where the rule is."""
+        """Return the location of the metadata line with a key, or else of the rule."""
         return dict(self.places).get(key, self.span)
 
     def place_of_hole(self, hole: str) -> Span:
-        """Return where the first line is that names a variable."""
+        """Return the location of the first metadata line with a variable, or else of the rule."""
         for key, text in self.sentences:
             if any(name == hole for name, _ in HOLE.findall(text)):
                 return self.place_of(key)

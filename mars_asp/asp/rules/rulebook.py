@@ -1,4 +1,4 @@
-"""The rules of a program, and the texts that clingo is given of them."""
+"""The rules of a program, and their texts for clingo."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from mars_asp.asp.rules.statements import renamed, replaced
 from mars_asp.asp.signature import SPACE, Signature, plain
 from mars_asp.output import brief_repr
 
-#: The stage of what follows from the facts alone.
+#: The stage of consequences of the facts alone.
 BASE = "base"
 #: A stage, and a text of it.
 _Text: TypeAlias = tuple[str, str]
@@ -25,11 +25,11 @@ _Text: TypeAlias = tuple[str, str]
 
 @dataclass(frozen=True, repr=False)
 class Rulebook:
-    """All rules, in the order of their files, and the texts that clingo is given.
+    """All rules, in the order of their files, and the texts for clingo.
 
     The stage of a file in `rules/` is `base`, in a folder below it the folder's name. The last
-    `packs` texts and `pack_rules` rules are from elsewhere. `paths` are those of
-    the texts, as they are shown. `documented` says of each what it declares of predicates.
+    `packs` texts and `pack_rules` rules are those of packs. `paths` are the shown paths of the
+    texts. `documented` has the declarations of predicates of each text.
 
     >>> load_rulebook().by_id["data/divergence"].span.path
     'rules/data.lp'
@@ -43,17 +43,17 @@ class Rulebook:
     pack_rules: int = 0
     paths: tuple[str, ...] = ()
     documented: tuple[Documented, ...] = ()
-    #: What packs bring besides rules, for the host to read.
+    #: Further content of packs, which the host reads.
     brought: tuple[object, ...] = ()
-    #: Constants that packs add to the finite sorts that have a certain one.
+    #: Constants that packs add to the finite sorts with a certain constant.
     added: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def text(self, stage: str) -> str:
-        """Return the rules of one stage as clingo reads them."""
+        """Return the rules of one stage as text for clingo."""
         return joined(self.fragments(stage))
 
     def fragments(self, stage: str) -> tuple[Fragment, ...]:
-        """Return the texts of one stage with their files, and the rules that no file has."""
+        """Return the texts of one stage as fragments, and the rules made from metadata."""
         if stage not in self._fragments:
             self._fragments[stage] = self._read_fragments(stage)
         return self._fragments[stage]
@@ -67,7 +67,7 @@ class Rulebook:
         paths = (*self.paths, *repeat("rules", len(self.texts) - len(self.paths)))
         found = zip(self.texts, paths, strict=True)
         rules = [rule for rule in self.rules if rule.stage == stage]
-        # A text of no file is that of a rule that another rulebook has read.
+        # A text without a file is a rule of another rulebook.
         own, in_files = len(self.texts) - self.packs, len(self.paths)
         alone = {rule.text: rule for rule in rules} if in_files < own else {}
         files = (
@@ -88,7 +88,7 @@ class Rulebook:
         return {
             path: (stage, outline(text, rules.get(path, ())))
             for path, (stage, text) in zip(self.paths, self.texts, strict=True)
-            # What a manifest states is no file of rules.
+            # The text of a manifest is not a file of rules.
             if not path.endswith(".toml")
         }
 
@@ -131,12 +131,12 @@ class Rulebook:
         return tuple(each for file in files for each in file.declarations)
 
     def as_named(self, facts: str) -> str:
-        """Return facts that name predicates as packs do under the names of the program."""
+        """Return facts in the notation of packs with the program's names of predicates."""
         return renamed(facts, self._spaced) if self._spaced else facts
 
     @cached_property
     def _spaced(self) -> Mapping[Signature, str]:
-        """Return the predicates of packs that have a name space, by what packs call them."""
+        """Return the names of pack predicates with a name space, by their plain signatures."""
         heads = [head for rule in self.of_packs for head in rule.heads]
         documented = self.documented[len(self.documented) - self.packs :]
         declared = [each.signature for file in documented for each in file.declarations]
@@ -147,14 +147,14 @@ class Rulebook:
     def asked(self) -> tuple[Asked, ...]:
         """Return the operations of packs that may leave 32 bits."""
         own = self.of_packs
-        # What metadata lists computes nothing but what the rule does whose body it has.
+        # A rule made from metadata computes nothing except in the body of its original.
         rules = [rule for rule in own if rule.listed is None and rule.stage == BASE]
         found = computations(rule.text for rule in rules)
         return tuple(Asked(r.span, each) for r in rules for each in found.get(r.text, ()))
 
     @cached_property
     def replaced(self) -> frozenset[str]:
-        """Return the constants that packs replace by other values."""
+        """Return the constants that packs redefine by `#const`."""
         packs = self.texts[len(self.texts) - self.packs :]
         return frozenset().union(*(replaced(text) for _, text in packs))
 

@@ -30,10 +30,11 @@ def term_of(symbol: clingo.Symbol) -> Term:
 
 
 def symbol_in(text: str) -> clingo.Symbol | None:
-    """Return the ground term that a text of a user's is, or None if it is none."""
+    """Return the ground term of a user's text, or None if it cannot be read."""
     try:
         if not text.isascii():
-            # What clingo says of a text it cuts between bytes, which its own Python cannot read.
+            # clingo may cut its message about the text within a character, which its Python package
+            # cannot decode.
             clingo.parse_term(masked(text), logger=lambda *_: None)
         return clingo.parse_term(text, logger=lambda *_: None)
     except RuntimeError:
