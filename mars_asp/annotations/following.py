@@ -17,9 +17,9 @@ _STEPS = (256, 1024, 4096, MOST_DECLARED)
 #: Parameters without names may be names in old style, with types after the brackets. These types
 #: are searched in at least this number of characters.
 _LEAST_OLD_STYLE = 4096
-_BEHIND_ANY = re.compile(r"[()\[\]{;]")
+_AFTER_ANY = re.compile(r"[()\[\]{;]")
 #: A result in Go may contain braces; the brace of the function body ends its line.
-_BEHIND_PARAMETERS = {"go": re.compile(r"[()\[\];]|\{(?=[ \t]*\n)")}
+_AFTER_PARAMETERS = {"go": re.compile(r"[()\[\];]|\{(?=[ \t]*\n)")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Following:
     over: bool
 
 
-def stated(source: Source, signature: Directive) -> Following:
+def signature_declaration(source: Source, signature: Directive) -> Following:
     """Read the declaration of a `@Signature`; a text that ends with a comma is endless."""
     if signature.rest.endswith(","):
         return Following(Endless(0), partial(signature.place, source), True)
@@ -88,7 +88,7 @@ def _is_whole(
         if read.parameters and all(parameter.name is None for parameter in read.parameters):
             return False
     depth = 0
-    for sign in _BEHIND_PARAMETERS.get(language, _BEHIND_ANY).finditer(stretch.code, read.end + 1):
+    for sign in _AFTER_PARAMETERS.get(language, _AFTER_ANY).finditer(stretch.code, read.end + 1):
         depth += (sign[0] in "([") - (sign[0] in ")]")
         if depth <= 0 and sign[0] in "{;":
             return True

@@ -77,7 +77,7 @@ class _ModuleReader:
             self.problems.note(
                 "MARS109",
                 directive.offset,
-                self.behind(directive, found.written),
+                self.word_end(directive, found.written),
                 f"unknown annotation `@{found.written}`",
                 f"did you mean `@{directive.word}`?",
             )
@@ -85,7 +85,7 @@ class _ModuleReader:
             self.problems.note(
                 "MARS110",
                 directive.offset,
-                self.behind(directive, directive.written),
+                self.word_end(directive, directive.written),
                 f"`@{directive.written}` has the wrong case",
                 f"write `@{directive.word}`",
             )
@@ -97,7 +97,7 @@ class _ModuleReader:
             self.orphan(directive)
         self.pending.until = directive.until
 
-    def behind(self, directive: Directive, word: str) -> int:
+    def word_end(self, directive: Directive, word: str) -> int:
         """Return the offset after the word of an annotation."""
         return self.source.within(directive.offset, f"@{word}", len(word) + 1)
 

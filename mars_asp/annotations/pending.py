@@ -10,7 +10,7 @@ from mars_asp.annotations.following import (
     Endless,
     Following,
     following,
-    stated,
+    signature_declaration,
 )
 from mars_asp.annotations.overrides import Overrides, read_overrides
 from mars_asp.annotations.problems import Problems
@@ -99,7 +99,7 @@ class Pending:
                 "MARS210", again, "a second `@Signature`", "keep one of the two"
             )
         if signatures:
-            return stated(self._source, signatures[0])
+            return signature_declaration(self._source, signatures[0])
         return following(self._source, self.until, offset)
 
     def _note_idle(self) -> None:
@@ -112,17 +112,17 @@ class Pending:
                 " before the function",
             )
 
-    def _note_missing(self, behind: Following, first: Directive) -> None:
+    def _note_missing(self, result: Following, first: Directive) -> None:
         """Report that no declaration follows the first of some annotations."""
-        found = behind.found
+        found = result.found
         if isinstance(found, NoFunction):
             # A string may have many lines.
             word = '"' if found.found.startswith('"') else found.found[:_MOST_SHOWN]
-            begin, end = behind.place(found.offset), behind.place(found.offset + len(word))
+            begin, end = result.place(found.offset), result.place(found.offset + len(word))
             message = f"expected a function declaration, found `{word}`"
             self._problems.note("MARS202", begin, end, message, _BEFORE)
         elif isinstance(found, Endless):
-            begin = behind.place(found.offset)
+            begin = result.place(found.offset)
             message = f"this declaration does not end within {MOST_DECLARED} bytes"
             help_text = "state it with `@Signature DECLARATION`"
             self._problems.note("MARS212", begin, begin, message, help_text)

@@ -50,7 +50,7 @@ class Note(NamedTuple):
     """
 
     place: Span
-    said: str
+    message: str
     is_copy: bool
     unsafe: tuple[tuple[str, Span], ...] = ()
 
@@ -60,7 +60,7 @@ def joined(fragments: Iterable[Fragment]) -> str:
     return "\n".join(fragment.text for fragment in fragments)
 
 
-def stated(text: str, names: Iterable[str]) -> Fragment:
+def fact_fragment(text: str, names: Iterable[str]) -> Fragment:
     """Return a fragment of facts, with the names of their predicates."""
     premises = Premises(("", ""), (text,), (frozenset(),), (frozenset(names),))
     return Fragment(text, "facts", premises=premises)
@@ -74,9 +74,9 @@ def firing(rules: Sequence[tuple[Set[str], Set[str]]], known: Iterable[str]) -> 
     there = {*known}
     found: set[int] = set()
     waiting = list(range(len(rules)))
-    asked = len(waiting) + 1
-    while len(waiting) < asked:
-        asked, idle = len(waiting), []
+    previous = len(waiting) + 1
+    while len(waiting) < previous:
+        previous, idle = len(waiting), []
         for number in waiting:
             needs, gives = rules[number]
             if needs <= there:
@@ -128,9 +128,9 @@ def blank(text: str) -> str:
     return "\n" * text.count("\n") + " " * len(text.rpartition("\n")[2])
 
 
-def notes(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Note]:
+def notes(messages: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Note]:
     """Yield clingo's messages about some fragments, with locations, in their order."""
-    for match in filter(None, (re.match(_NOTE, each) for each in said)):
+    for match in filter(None, (re.match(_NOTE, each) for each in messages)):
         found = _located(fragments, int(match[1]), int(match[2]))
         if found is not None:
             place, is_copy = found
@@ -165,15 +165,15 @@ def unbound(note: Note) -> Iterator[Diagnostic]:
         yield Diagnostic("rule-unsafe", "error", message, place, help=advice)
 
 
-def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Diagnostic]:
+def refusals(messages: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Diagnostic]:
     """Yield the reasons why clingo cannot use some fragments, once for each location."""
-    found = dict.fromkeys(notes(dict.fromkeys(said), fragments))
+    found = dict.fromkeys(notes(dict.fromkeys(messages), fragments))
     # An error in a text made from a rule repeats the error of the rule, and is a fallback.
     for note in [note for note in found if not note.is_copy] or found:
         yield from unbound(note)
         if note.unsafe:
             continue
-        place, result = note.place, note.said
+        place, result = note.place, note.message
         what, colon, term = result.partition(_UNDEFINED)
         if colon and not what:
             message = f"`{term}` has no value" if term.startswith("(") else f"{term}"

@@ -53,7 +53,7 @@ class RenderedMessage(NamedTuple):
 
 
 def saying(stage: str, rules: Sequence[Rule], instead: bool = False) -> list[Fragment]:
-    """Return one rule for each of `rules`; it derives the atoms that `said` reads.
+    """Return one rule for each of `rules`; it derives the atoms that `rendered_messages` reads.
 
     The body begins with the head of the rule, which has few instances. With `instead` it is the
     rule's own body alone, so that the rule itself need not be grounded.
@@ -72,7 +72,9 @@ def predicate_of(stage: str) -> str:
     return f"_said_{stage}"
 
 
-def said(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> Iterator[RenderedMessage]:
+def rendered_messages(
+    control: clingo.Control, stage: str, rules: Sequence[Rule]
+) -> Iterator[RenderedMessage]:
     """Yield the messages of rules; the fragments of `saying` must be grounded with them."""
     return (heard(atom, rules) for atom in atoms(control, predicate_of(stage), 3, True))
 

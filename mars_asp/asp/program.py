@@ -13,12 +13,12 @@ from typing import NamedTuple, TypeAlias
 
 import clingo
 
-from mars_asp.asp.messages import predicate_of, said, saying
+from mars_asp.asp.messages import predicate_of, rendered_messages, saying
 from mars_asp.asp.rules.checks import refused_rules
 from mars_asp.asp.rules.externals import External, externals_of
 from mars_asp.asp.rules.metadata import repeated_ids
 from mars_asp.asp.rules.program_files import BASE_PART, ProgramReader, of_part, parts_of
-from mars_asp.asp.rules.read import NameSpace, RuleFile, told_apart
+from mars_asp.asp.rules.read import NameSpace, RuleFile, with_unique_ids
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import without_rules
@@ -103,7 +103,7 @@ class Program:
         Raises:
             MarsError: there are problems, or two rules have one id.
         """
-        (space,) = told_apart([NameSpace("", tuple(found_files))])
+        (space,) = with_unique_ids([NameSpace("", tuple(found_files))])
         files = space.files
         found = [*problems, *repeated_ids(rule for file in files for rule in file.rules)]
         # clingo ends the process at some numbers that do not fit.
@@ -182,7 +182,7 @@ class Program:
             found = Diagnostic("unsatisfiable", "error", message, place, help=advice)
             raise Unsatisfiable((found,))
         spans: dict[str, Span] = {}
-        for each in said(grounding.control, _STAGE, declared):
+        for each in rendered_messages(grounding.control, _STAGE, declared):
             spans.setdefault(text(each.head), each.rule.span)
         return Answer(program, defined, grounding, resolution, spans)
 

@@ -11,13 +11,13 @@ from typing import TypeAlias, TypeVar
 
 import clingo
 
-from mars_asp.asp.fragments import Fragment, stated
+from mars_asp.asp.fragments import Fragment, fact_fragment
 from mars_asp.asp.messages import (
     RenderedMessage,
     check_decided,
     labelling,
     labels,
-    said,
+    rendered_messages,
     saying,
     shown,
     written,
@@ -153,7 +153,8 @@ def analyse(
     facts = tuple(facts)
     speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
     asked = [
-        Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(rulebook.asked)
+        Fragment(telling(at, each), "rules", each.span)
+        for at, each in enumerate(rulebook.checked_operations)
     ]
     labelled = tuple(
         (rule, label)
@@ -166,19 +167,19 @@ def analyse(
         *saying(_STAGE, speakers),
         *labelling(_STAGE, labelled),
         *asked,
-        stated(text, {fact.atom.name for fact in facts}),
+        fact_fragment(text, {fact.atom.name for fact in facts}),
     ]
     try:
         grounding = Grounding(program)
     except MarsError as error:
         raise _all_wrong(error, program, rulebook) from None
-    overflowing = tuple(wrapped(grounding.control, rulebook.asked))
+    overflowing = tuple(wrapped(grounding.control, rulebook.checked_operations))
     if overflowing:
         raise MarsError(overflowing)
     check_packs(grounding.control, rulebook, text, "consequence/4")
     if rulebook.packs:
         check_decided(grounding.control, _STAGE, speakers)
-    check_severities(said(grounding.control, _STAGE, speakers))
+    check_severities(rendered_messages(grounding.control, _STAGE, speakers))
     return Analysis(grounding, facts, speakers, configuration, labelled)
 
 
@@ -187,9 +188,9 @@ def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook
 
     Of a sum that a choice decides the solver says no more than that it is too large.
     """
-    if not rulebook.asked:
+    if not rulebook.checked_operations:
         return error
-    overflowing = tuple(wrapped(unsolved(program), rulebook.asked))
+    overflowing = tuple(wrapped(unsolved(program), rulebook.checked_operations))
     placed = (each for each in error.diagnostics if each.code == "rule-undefined")
     return MarsError((*overflowing, *placed)) if overflowing else error
 
@@ -329,7 +330,7 @@ def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCo
 def _first_said(analysis: Analysis) -> dict[TermId, RenderedMessage]:
     """Return for each consequence what the first rule says of it."""
     first: dict[TermId, RenderedMessage] = {}
-    for item in said(analysis.grounding.control, _STAGE, analysis.speakers):
+    for item in rendered_messages(analysis.grounding.control, _STAGE, analysis.speakers):
         rival = first.setdefault(item.head, item)
         if (item.number, as_symbol(item.values)) < (rival.number, as_symbol(rival.values)):
             first[item.head] = item

@@ -11,7 +11,7 @@ from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.namespaces import apart
-from mars_asp.asp.rules.read import NameSpace, read_file, told_apart, wrong_packs
+from mars_asp.asp.rules.read import NameSpace, read_file, with_unique_ids, wrong_packs
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constant_names, defined
@@ -143,7 +143,7 @@ def load_rulebook(
         attributes = attribute_kinds(spaces, sealed, problems)
         own_names = {each.declaration.signature: each.predicate for each in attributes}
         taken = (file_name(path, at) for path, (at, _) in zip(own.paths, own.texts, strict=True))
-        spaces = tuple(told_apart(spaces, taken))
+        spaces = tuple(with_unique_ids(spaces, taken))
         problems += wrong_kinds(attributes, spaces, sealed)
         contract = replace(CONTRACT, trusted=trusted)
         problems += wrong_packs(spaces, sealed.without(own_names), contract)

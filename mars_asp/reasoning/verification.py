@@ -7,7 +7,7 @@ import clingo
 
 from mars_asp.annotations.representations import RepresentationNames, canonical_names
 from mars_asp.asp.fragments import Fragment
-from mars_asp.asp.messages import said, saying
+from mars_asp.asp.messages import rendered_messages, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, plain
@@ -171,7 +171,7 @@ def _judged_by(
     }
     violations: dict[tuple[int, str], Violation] = {}
     cautions: dict[str, Caution] = {}
-    for item in said(grounding.control, _STAGE, judges):
+    for item in rendered_messages(grounding.control, _STAGE, judges):
         head = as_symbol(item.head)
         message = item.message or plain(str(head))
         if item.rule.derives(_CAUTION):

@@ -10,7 +10,7 @@ from mars_asp.annotations.declarations.c_parameters import (
 )
 from mars_asp.annotations.declarations.c_types import (
     ATTRIBUTES,
-    behind_attribute,
+    after_attribute,
     is_macro,
     type_text,
     units,
@@ -23,8 +23,8 @@ from mars_asp.annotations.declarations.declaration import (
 )
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
+    after_angle,
     angle,
-    behind_angle,
     closing,
     is_word,
     joined,
@@ -41,24 +41,24 @@ _STATEMENTS = frozenset(
 )
 _ACCESS = frozenset(("public", "private", "protected", "signals", "Q_SIGNALS"))
 #: Words that can follow the parameters.
-_BEHIND = frozenset(
+_AFTER = frozenset(
     "const noexcept override final volatile throw requires try mutable asm __asm__".split()
 )
 #: Words that can follow the parameters and cannot begin a type.
-_BEHIND_ALL = _BEHIND - {"const", "volatile"}
-_BEHIND_TRAILING = _BEHIND_ALL | {";", "{", "=", "}"}
+_AFTER_ALL = _AFTER - {"const", "volatile"}
+_AFTER_TRAILING = _AFTER_ALL | {";", "{", "=", "}"}
 _SIGNS = frozenset(("::", "*", "&", "&&", "^"))
 
 
 def read_c(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
     """Read type, name and parameters after templates, attributes, labels and macros."""
-    first = min(_behind_prefix(tokens), len(tokens) - 1)
+    first = min(_after_prefix(tokens), len(tokens) - 1)
     none = NoFunction(tokens[first].offset, tokens[first].text)
     head: list[SourceToken] = []
     at = first
     while at < len(tokens):
         text = tokens[at].text
-        after = behind_attribute(tokens, at)
+        after = after_attribute(tokens, at)
         if after > at:
             at = after
         elif text in _STATEMENTS:
@@ -92,18 +92,18 @@ def read_c(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFu
     return none
 
 
-def _behind_prefix(tokens: Sequence[SourceToken]) -> int:
+def _after_prefix(tokens: Sequence[SourceToken]) -> int:
     """Return the index after attributes, templates and access labels."""
     at = 0
     while at < len(tokens):
         text, following = text_at(tokens, at), text_at(tokens, at + 1)
-        after = behind_attribute(tokens, at)
+        after = after_attribute(tokens, at)
         if after > at:
             at = after
         elif text == "template" and following == "<":
-            at = behind_angle(tokens, at + 1)
+            at = after_angle(tokens, at + 1)
         elif text == "requires":
-            at = _behind_requires(tokens, at + 1)
+            at = _after_requires(tokens, at + 1)
         elif text in _ACCESS and following == ":":
             at += 2
         elif text in _ACCESS and text_at(tokens, at + 2) == ":":
@@ -115,7 +115,7 @@ def _behind_prefix(tokens: Sequence[SourceToken]) -> int:
     return at
 
 
-def _behind_requires(tokens: Sequence[SourceToken], at: int) -> int:
+def _after_requires(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index after a constraint: primaries joined by `&&` and `||`."""
     while at < len(tokens):
         if text_at(tokens, at) == "!":
@@ -128,7 +128,7 @@ def _behind_requires(tokens: Sequence[SourceToken], at: int) -> int:
         else:
             at += 1
             while text_at(tokens, at) in ("::", "<"):
-                at = behind_angle(tokens, at) if tokens[at].text == "<" else at + 2
+                at = after_angle(tokens, at) if tokens[at].text == "<" else at + 2
             at = closing(tokens, at) if text_at(tokens, at) == "(" else at
         if text_at(tokens, at) not in ("&&", "||"):
             break
@@ -139,7 +139,7 @@ def _behind_requires(tokens: Sequence[SourceToken], at: int) -> int:
 def _is_macro_call(tokens: Sequence[SourceToken], head: Sequence[SourceToken], end: int) -> bool:
     """Whether brackets, closed before `end`, belong to a macro before the declaration."""
     following = text_at(tokens, end)
-    goes_on = (is_word(following) and following not in _BEHIND) or following == "::"
+    goes_on = (is_word(following) and following not in _AFTER) or following == "::"
     if not head or not goes_on:
         return False
     return len(head) == 1 or is_macro(head[-1].text)
@@ -175,7 +175,7 @@ def _operator(
     if text_at(tokens, stop) == "(":
         stop += 2
     while stop < len(tokens) and tokens[stop].text != "(":
-        stop = behind_angle(tokens, stop) if _opens_arguments(tokens, stop) else stop + 1
+        stop = after_angle(tokens, stop) if _opens_arguments(tokens, stop) else stop + 1
     named = tokens[at + 1 : stop]
     if not named or stop >= len(tokens):
         return None
@@ -218,7 +218,7 @@ def _plain_name(tokens: Sequence[SourceToken]) -> str:
     name, at = "", 0
     while at < len(tokens):
         if tokens[at].text == "<":
-            at = behind_angle(tokens, at)
+            at = after_angle(tokens, at)
         else:
             name += tokens[at].text
             at += 1
@@ -249,7 +249,7 @@ def _trailing(tokens: Sequence[SourceToken], at: int) -> str | None:
     start = at = at + 1
     while at < len(tokens):
         text = tokens[at].text
-        if text in _BEHIND_TRAILING:
+        if text in _AFTER_TRAILING:
             break
         if text in ("(", "["):
             at = closing(tokens, at)
@@ -271,7 +271,7 @@ def _old_style(
     following = text_at(tokens, end)
     if not names or len(names) < len(found) or not is_word(following):
         return None
-    if following in _BEHIND_ALL:
+    if following in _AFTER_ALL:
         return None
     stop = end
     while stop < len(tokens) and tokens[stop].text not in ("{", "}", "="):

@@ -12,8 +12,8 @@ from mars_asp.annotations.declarations.c_types import (
 from mars_asp.annotations.declarations.declaration import CALLBACK, DeclaredParameter
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
+    after_angle,
     before,
-    behind_angle,
     closing,
     is_word,
     outside,
@@ -63,7 +63,7 @@ def _with_angles(tokens: Sequence[SourceToken]) -> list[tuple[int, str]]:
     while at < len(tokens):
         text = tokens[at].text
         found.append((at, text))
-        at = behind_angle(tokens, at) if text == "<" else at + 1
+        at = after_angle(tokens, at) if text == "<" else at + 1
     return found
 
 

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
-    behind_angle,
+    after_angle,
     closing,
     is_word,
     joined,
@@ -45,7 +45,7 @@ def without_attributes(tokens: Sequence[SourceToken]) -> list[SourceToken]:
     kept: list[SourceToken] = []
     at = 0
     while at < len(tokens):
-        after = behind_attribute(tokens, at)
+        after = after_attribute(tokens, at)
         if after == at:
             kept.append(tokens[at])
             after += 1
@@ -53,7 +53,7 @@ def without_attributes(tokens: Sequence[SourceToken]) -> list[SourceToken]:
     return kept
 
 
-def behind_attribute(tokens: Sequence[SourceToken], at: int) -> int:
+def after_attribute(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index after the attribute that begins at `at`, or `at` without an attribute."""
     text = text_at(tokens, at)
     if text == "[":
@@ -94,20 +94,20 @@ def units(tokens: Sequence[SourceToken]) -> list[Unit]:
             kind = "placeholder"
             at = closing(tokens, at) if text_at(tokens, at) == "(" else at
         elif is_word(text):
-            at = _behind_name(tokens, at)
+            at = _after_name(tokens, at)
         elif text == "::" and is_word(text_at(tokens, at)):
-            at = _behind_name(tokens, at + 1)
+            at = _after_name(tokens, at + 1)
         else:
             kind = "sign"
         found.append(Unit(kind, tokens[begin:at]))
     return found
 
 
-def _behind_name(tokens: Sequence[SourceToken], at: int) -> int:
+def _after_name(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index after the continuation of a name: arguments and `::name`."""
     while True:
         if text_at(tokens, at) == "<":
-            at = behind_angle(tokens, at)
+            at = after_angle(tokens, at)
         elif text_at(tokens, at) == "::":
             at += 1
             while text_at(tokens, at) == "template":

@@ -45,14 +45,14 @@ def _results(tokens: Sequence[SourceToken], at: int, code: str) -> tuple[Declare
         return ()
     if tokens[at].text == "(":
         return _parameters(tokens[at + 1 : closing(tokens, at) - 1])
-    end = _behind_type(tokens, at)
+    end = _after_type(tokens, at)
     return (DeclaredParameter(None, joined(tokens[at:end])),) if end > at else ()
 
 
 def _parameters(tokens: Sequence[SourceToken]) -> tuple[DeclaredParameter, ...]:
     """Return the parameters with their types; in `a, b T` all names have the last type."""
     groups = split(tokens, angles=False)
-    named = any(_behind_type(group, 0) != len(group) for group in groups)
+    named = any(_after_type(group, 0) != len(group) for group in groups)
     found: list[DeclaredParameter] = []
     following: str | None = None
     for group in reversed(groups):
@@ -72,7 +72,7 @@ def _type_text(tokens: Sequence[SourceToken]) -> str:
     return joined(tokens)
 
 
-def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
+def _after_type(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index after the type that begins at `at`, or `at` without a type."""
     while True:
         text, following = text_at(tokens, at), text_at(tokens, at + 1)
@@ -91,7 +91,7 @@ def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
         return closing(tokens, at)
     if text == "func" and following == "(":
         at = closing(tokens, at + 1)
-        return closing(tokens, at) if text_at(tokens, at) == "(" else _behind_type(tokens, at)
+        return closing(tokens, at) if text_at(tokens, at) == "(" else _after_type(tokens, at)
     if text in ("interface", "struct") and following == "{":
         return closing(tokens, at + 1)
     if not is_word(text):

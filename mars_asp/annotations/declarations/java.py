@@ -9,7 +9,7 @@ from mars_asp.annotations.declarations.declaration import (
 )
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
-    behind_angle,
+    after_angle,
     closing,
     is_word,
     joined,
@@ -34,15 +34,15 @@ _STATEMENTS = frozenset(
 
 def read_java(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
     """Read `modifiers <T> type name(parameters)` after annotations."""
-    first = _behind_annotations(tokens, 0)
+    first = _after_annotations(tokens, 0)
     token = tokens[min(first, len(tokens) - 1)]
     none = NoFunction(token.offset, token.text)
-    at = _behind_modifiers(tokens, first)
+    at = _after_modifiers(tokens, first)
     if text_at(tokens, at) == "<":
-        at = _behind_modifiers(tokens, behind_angle(tokens, at))
+        at = _after_modifiers(tokens, after_angle(tokens, at))
     if text_at(tokens, at) in _STATEMENTS:
         return none
-    stop = _behind_type(tokens, at)
+    stop = _after_type(tokens, at)
     name = text_at(tokens, stop)
     if stop == at or not is_word(name) or text_at(tokens, stop + 1) != "(":
         return none
@@ -56,7 +56,7 @@ def read_java(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | N
     return SourceDeclaration(name, written, taken, token.offset, tokens[end - 1].offset)
 
 
-def _behind_annotations(tokens: Sequence[SourceToken], at: int) -> int:
+def _after_annotations(tokens: Sequence[SourceToken], at: int) -> int:
     while text_at(tokens, at) == "@" and text_at(tokens, at + 1) != "interface":
         at += 2
         while text_at(tokens, at) == ".":
@@ -66,15 +66,15 @@ def _behind_annotations(tokens: Sequence[SourceToken], at: int) -> int:
     return at
 
 
-def _behind_modifiers(tokens: Sequence[SourceToken], at: int) -> int:
+def _after_modifiers(tokens: Sequence[SourceToken], at: int) -> int:
     while True:
-        at = _behind_annotations(tokens, at)
+        at = _after_annotations(tokens, at)
         if text_at(tokens, at) not in _MODIFIERS:
             return at
         at += 1
 
 
-def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
+def _after_type(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index after the type that begins at `at`, or `at` without a type."""
     if not is_word(text_at(tokens, at)):
         return at
@@ -82,13 +82,13 @@ def _behind_type(tokens: Sequence[SourceToken], at: int) -> int:
     while True:
         text = text_at(tokens, at)
         if text == "<":
-            at = behind_angle(tokens, at)
+            at = after_angle(tokens, at)
         elif text == "." and (is_word(text_at(tokens, at + 1)) or text_at(tokens, at + 1) == "@"):
-            at = _behind_annotations(tokens, at + 1) + 1
+            at = _after_annotations(tokens, at + 1) + 1
         elif text == "[":
             at = closing(tokens, at)
-        elif text == "@" and text_at(tokens, _behind_annotations(tokens, at)) in ("[", "..."):
-            at = _behind_annotations(tokens, at)
+        elif text == "@" and text_at(tokens, _after_annotations(tokens, at)) in ("[", "..."):
+            at = _after_annotations(tokens, at)
         else:
             return at
 
@@ -98,7 +98,7 @@ def _type_text(tokens: Sequence[SourceToken]) -> str:
     kept: list[SourceToken] = []
     at = 0
     while at < len(tokens):
-        after = _behind_annotations(tokens, at)
+        after = _after_annotations(tokens, at)
         kept += tokens[at : at + 1] if after == at else ()
         at = max(after, at + (after == at))
     return joined(kept)
@@ -114,8 +114,8 @@ def _arrays(tokens: Sequence[SourceToken], at: int) -> str:
 
 
 def _parameter(group: Sequence[SourceToken]) -> DeclaredParameter | None:
-    at = _behind_modifiers(group, 0)
-    stop = _behind_type(group, at)
+    at = _after_modifiers(group, 0)
+    stop = _after_type(group, at)
     written = _type_text(group[at:stop])
     if text_at(group, stop) == "...":
         written += "[]"

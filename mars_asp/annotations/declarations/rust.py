@@ -9,8 +9,8 @@ from mars_asp.annotations.declarations.declaration import (
 )
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
+    after_angle,
     before,
-    behind_angle,
     closing,
     is_word,
     joined,
@@ -24,7 +24,7 @@ _BEFORE = frozenset(("pub", "crate", "async", "unsafe", "const", "extern", "defa
 
 def read_rust(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
     """Read `fn name<...>(parameters) -> type` after attributes and qualifiers."""
-    first = at = _behind_attributes(tokens, 0)
+    first = at = _after_attributes(tokens, 0)
     token = tokens[min(first, len(tokens) - 1)]
     none = NoFunction(token.offset, token.text)
     while text_at(tokens, at) != "fn":
@@ -41,7 +41,7 @@ def read_rust(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | N
     name = text_at(tokens, at)
     at += 1
     if text_at(tokens, at) == "<":
-        at = behind_angle(tokens, at)
+        at = after_angle(tokens, at)
     if not is_word(name) or text_at(tokens, at) != "(":
         return none
     end = closing(tokens, at)
@@ -54,12 +54,12 @@ def read_rust(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | N
             if tokens[stop].text in ("(", "["):
                 stop = closing(tokens, stop)
             else:
-                stop = behind_angle(tokens, stop) if tokens[stop].text == "<" else stop + 1
+                stop = after_angle(tokens, stop) if tokens[stop].text == "<" else stop + 1
         output = joined(tokens[end + 1 : stop])
     return SourceDeclaration(name, output, parameters, token.offset, tokens[end - 1].offset)
 
 
-def _behind_attributes(tokens: Sequence[SourceToken], at: int) -> int:
+def _after_attributes(tokens: Sequence[SourceToken], at: int) -> int:
     while text_at(tokens, at) == "#":
         opening = at + 2 if text_at(tokens, at + 1) == "!" else at + 1
         if text_at(tokens, opening) != "[":
@@ -70,7 +70,7 @@ def _behind_attributes(tokens: Sequence[SourceToken], at: int) -> int:
 
 def _parameter(group: Sequence[SourceToken]) -> DeclaredParameter | None:
     """Return the parameter of `pattern: type`, or None for the receiver."""
-    group = group[_behind_attributes(group, 0) :]
+    group = group[_after_attributes(group, 0) :]
     words = texts(before(group, ":"))
     written = group[len(words) + 1 :]
     if "self" in words or not written:

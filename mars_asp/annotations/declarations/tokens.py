@@ -50,13 +50,13 @@ def texts(tokens: Sequence[SourceToken]) -> list[str]:
 def joined(tokens: Sequence[SourceToken]) -> str:
     """Return tokens as one text, with blanks only where two words would run together."""
     pieces: list[str] = []
-    behind_word = False
+    after_word = False
     for text, _ in tokens:
         wordlike = text[0].isalnum() or text[0] in "_$"
-        if behind_word and wordlike:
+        if after_word and wordlike:
             pieces.append(" ")
         pieces.append(text)
-        behind_word = wordlike
+        after_word = wordlike
     return "".join(pieces)
 
 
@@ -94,7 +94,7 @@ def angle(tokens: Sequence[SourceToken], at: int, expression: bool = False) -> i
     return None
 
 
-def behind_angle(tokens: Sequence[SourceToken], at: int) -> int:
+def after_angle(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index after the arguments that open at `at`, or after `at` if none do."""
     end = angle(tokens, at)
     return at + 1 if end is None else end
@@ -140,4 +140,4 @@ def outside(tokens: Sequence[SourceToken]) -> Iterator[tuple[int, str]]:
         if text in _OPENING:
             index = closing(tokens, index)
         else:
-            index = behind_angle(tokens, index) if text == "<" else index + 1
+            index = after_angle(tokens, index) if text == "<" else index + 1

@@ -131,12 +131,12 @@ def refusals(program: str, numbers: Iterable[int], name: str) -> Iterator[int]:
 
 
 def _one_by_one(
-    told: Mapping[str, Sequence[str]], rulebook: Rulebook, cases: Sequence[Case]
+    probe_texts: Mapping[str, Sequence[str]], rulebook: Rulebook, cases: Sequence[Case]
 ) -> set[tuple[str, int]]:
     held: set[tuple[str, int]] = set()
     for case in cases:
         rules = [*map(rulebook.text, case.stages)]
-        rules += [text for stage in case.stages for text in told.get(stage, ())]
+        rules += [text for stage in case.stages for text in probe_texts.get(stage, ())]
         for facts in case.texts:
             held |= _true_probes("\n".join([facts, *rules]))
     return held

@@ -25,7 +25,7 @@ ANY = clingo.Function("_any")
 
 
 @dataclass(frozen=True, slots=True)
-class StatedAtom:
+class ExpectedAtom:
     """An atom of an expectation in its written form, with its location."""
 
     text: str
@@ -46,14 +46,14 @@ class Expectation:
     """One expectation: `kind` is its sign or word, `last` its last line."""
 
     kind: str
-    stated: tuple[StatedAtom, ...]
+    atoms: tuple[ExpectedAtom, ...]
     span: Span
     last: int
 
     @property
     def text(self) -> str:
         """Return the text after the sign or word."""
-        return " ".join(each.text for each in self.stated)
+        return " ".join(each.text for each in self.atoms)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +127,7 @@ def _read_expectations(
                 problems.append(Diagnostic(_CODE, "error", message, span, help=advice))
             continue
         if kind in (">", "~", "case"):
-            yield Expectation(kind, (StatedAtom(match["rest"], span),), span, first)
+            yield Expectation(kind, (ExpectedAtom(match["rest"], span),), span, first)
             continue
         declared = list(_atoms(match["rest"], shown, first, match.start("rest")))
         while number < len(lines) and (more := _CONTINUED.match(lines[number])) is not None:
@@ -138,11 +138,11 @@ def _read_expectations(
         yield Expectation(kind, tuple(declared), span, number)
 
 
-def _unread(kind: str, stated: Sequence[StatedAtom], span: Span) -> Iterator[Diagnostic]:
-    if not stated:
+def _unread(kind: str, atoms: Sequence[ExpectedAtom], span: Span) -> Iterator[Diagnostic]:
+    if not atoms:
         advice = f'write them, as in `%{kind}: seen(_,3) blind("A")`'
         yield Diagnostic(_CODE, "error", f"`%{kind}:` names no atoms", span, help=advice)
-    for each in stated:
+    for each in atoms:
         try:
             kind_of = each.pattern.type
         except RuntimeError:
@@ -152,7 +152,7 @@ def _unread(kind: str, stated: Sequence[StatedAtom], span: Span) -> Iterator[Dia
             yield Diagnostic(_CODE, "error", message, each.span, help=advice)
 
 
-def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[StatedAtom]:
+def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[ExpectedAtom]:
     """Yield the atoms of a line; blanks outside of brackets and strings separate them."""
     depth, begin, at = 0, 0, 0
     while at <= len(text):
@@ -165,6 +165,6 @@ def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[StatedAtom
         if not character or (character in " \t" and not depth):
             if begin < at:
                 place = Span(shown, line, before + begin + 1, line, before + at + 1)
-                yield StatedAtom(text[begin:at], place)
+                yield ExpectedAtom(text[begin:at], place)
             begin = at + 1
         at += 1

@@ -74,7 +74,7 @@ def judge(
 
     def answer(question: tuple[Mutant, tuple[Case, ...]]) -> tuple[str, bool]:
         mutant, tried = question
-        if not _is_told(mutant, holes):
+        if not _binds_holes(mutant, holes):
             return "its message", False
         file = by_path[mutant.path]
         changed = _exchanged(bench, file, mutant)
@@ -159,7 +159,7 @@ def _useful(
     for number, mutant in enumerate(mutants):
         file = by_path[mutant.path]
         head = _head(file.statements[mutant.place].tree)
-        if not _is_told(mutant, holes):
+        if not _binds_holes(mutant, holes):
             continue
         if file.stage in bench.deterministic and head is not None:
             probed.setdefault(file.stage, []).append((number, mutant))
@@ -200,7 +200,7 @@ def _probe(name: str, statement: str, holes: Sequence[str]) -> str:
     return f"__probe({name},t({','.join([str(_head(tree)), *holes])})) :- {body}."
 
 
-def _is_told(mutant: Mutant, holes: _Holes) -> bool:
+def _binds_holes(mutant: Mutant, holes: _Holes) -> bool:
     """Whether a mutant still binds the variables of its message."""
     named = holes.get((mutant.path, mutant.line), ())
     return not mutant.after or not named or is_safe(_probe("0", mutant.after, named))

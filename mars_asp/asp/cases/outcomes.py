@@ -7,7 +7,7 @@ from pathlib import Path
 
 import clingo
 
-from mars_asp.asp.cases.expectations import ANY, ANYTHING, Block, Expectation, StatedAtom
+from mars_asp.asp.cases.expectations import ANY, ANYTHING, Block, Expectation, ExpectedAtom
 from mars_asp.asp.signature import plain
 from mars_asp.diagnostic import Span
 from mars_asp.spelling import nearest
@@ -76,7 +76,7 @@ class FoundAnswer:
 
     compared: tuple[str, ...]
     atoms: tuple[clingo.Symbol, ...]
-    said: frozenset[str]
+    messages: frozenset[str]
     cost: str
 
 
@@ -113,8 +113,8 @@ def _exactly(
     block: Block, exact: Sequence[Expectation], answers: Sequence[FoundAnswer]
 ) -> Iterator[Failure]:
     rest = [f"%{each.kind} {each.text}" for each in block.of(">", "~")]
-    expected = {tuple(sorted([*map(_even, each.stated), *rest])): each for each in exact}
-    given = sorted(tuple(sorted([*map(_even, each.stated), *rest])) for each in exact)
+    expected = {tuple(sorted([*map(_even, each.atoms), *rest])): each for each in exact}
+    given = sorted(tuple(sorted([*map(_even, each.atoms), *rest])) for each in exact)
     found = sorted({answer.compared for answer in answers})
     if given == found:
         return
@@ -134,14 +134,14 @@ def _exactly(
     yield Failure(span, what, tuple(" ".join(answer) for answer in extra), None, tuple(lines))
 
 
-def _even(stated: StatedAtom) -> str:
+def _even(expected: ExpectedAtom) -> str:
     """Return an atom in clingo's formatting."""
-    if " " not in stated.text:
-        return stated.text
+    if " " not in expected.text:
+        return expected.text
     try:
-        return str(clingo.parse_term(stated.text))
+        return str(clingo.parse_term(expected.text))
     except RuntimeError:
-        return stated.text
+        return expected.text
 
 
 def _expectation_text(expectation: Expectation) -> str:
@@ -158,11 +158,11 @@ def _unmet(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
                 found = answer.cost.removeprefix("%~").strip() or "nothing"
                 yield _failure(expectation.span, _expectation_text(expectation), (found,))
         case "has":
-            for each in expectation.stated:
+            for each in expectation.atoms:
                 if not any(matches(each.pattern, atom) for atom in answer.atoms):
                     yield _missing(each, answer.atoms)
         case "not":
-            for each in expectation.stated:
+            for each in expectation.atoms:
                 found_here = _atom_texts(a for a in answer.atoms if matches(each.pattern, a))
                 if found_here:
                     yield _failure(each.span, f"no `{each.text}`", found_here)
@@ -172,18 +172,18 @@ def _unmet(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
 
 def _unsaid(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
     wanted = f"%> {expectation.text}"
-    if wanted not in answer.said:
+    if wanted not in answer.messages:
         name = expectation.text.partition(":")[0]
-        of_rule = tuple(sorted(each for each in answer.said if each.startswith(f"%> {name}:")))
-        near = of_rule[0] if of_rule else nearest(wanted, answer.said)
+        of_rule = tuple(sorted(each for each in answer.messages if each.startswith(f"%> {name}:")))
+        near = of_rule[0] if of_rule else nearest(wanted, answer.messages)
         shown = None if near is None else near.removeprefix("%> ")
         yield _failure(expectation.span, _expectation_text(expectation), (), shown)
 
 
 def _beyond(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
     """Yield the missing atoms, and the surplus ones of predicates that an `only` names."""
-    patterns = [each.pattern for each in expectation.stated]
-    for each, pattern in zip(expectation.stated, patterns, strict=True):
+    patterns = [each.pattern for each in expectation.atoms]
+    for each, pattern in zip(expectation.atoms, patterns, strict=True):
         if not any(matches(pattern, atom) for atom in answer.atoms):
             yield _missing(each, answer.atoms)
     extra = [
@@ -196,9 +196,9 @@ def _beyond(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
         yield _failure(expectation.span, f"nothing but `{expectation.text}`", _atom_texts(extra))
 
 
-def _missing(stated: StatedAtom, atoms: Sequence[clingo.Symbol]) -> Failure:
-    near = _nearest(stated.pattern, atoms)
-    return _failure(stated.span, f"`{stated.text}`", (), near)
+def _missing(expected: ExpectedAtom, atoms: Sequence[clingo.Symbol]) -> Failure:
+    near = _nearest(expected.pattern, atoms)
+    return _failure(expected.span, f"`{expected.text}`", (), near)
 
 
 def _failure(span: Span, expected: str, found: tuple[str, ...], near: str | None = None) -> Failure:
@@ -289,7 +289,7 @@ def _edits(
     """Yield edits: the first line, the end, and the lines that replace this range."""
     exact = block.of("=")
     for each in block.of("only") if answers else ():
-        patterns = [declared.pattern for declared in each.stated]
+        patterns = [declared.pattern for declared in each.atoms]
         found = [a for a in answers[0].atoms if any(_same_sort(p, a) for p in patterns)]
         if found and tuple(_unmet(each, answers[0])):
             yield each.span.line - 1, each.last, _expectation_lines("%only:", _atom_texts(found))
@@ -331,7 +331,7 @@ def _closed(answer: FoundAnswer, own: Sequence[str], shows: bool) -> Iterator[st
 
 def _as_expected_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:
     """Return atoms in the order in which they were expected, others last."""
-    order = {_even(each): at for at, each in enumerate(e for one in exact for e in one.stated)}
+    order = {_even(each): at for at, each in enumerate(e for one in exact for e in one.atoms)}
     return sorted(atoms, key=lambda atom: (order.get(atom, len(order)), atom))
 
 

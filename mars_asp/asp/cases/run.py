@@ -155,10 +155,10 @@ def _answers(
     program = [Fragment(rulebook.as_named(block.text), block.span.path)]
     program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]
     program += saying(_STAGE, speakers)
-    asked = rulebook.asked
-    program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(asked)]
+    checked = rulebook.checked_operations
+    program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(checked)]
     control = _grounded(able_to_fire(program))
-    overflowing = tuple(wrapped(control, asked))
+    overflowing = tuple(wrapped(control, checked))
     if overflowing:
         raise MarsError(overflowing)
     with_atoms = bool(block.of("has", "not", "only"))

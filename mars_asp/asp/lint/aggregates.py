@@ -94,10 +94,10 @@ def _element(
             yield found(AGGREGATE, message, clause.place(term), clause.rule, advice)
 
 
-def _lost(element: Element, told: frozenset[str]) -> str:
+def _lost(element: Element, known: frozenset[str]) -> str:
     """Return the variable, or "others" for `_`, that is missing in a tuple; otherwise ""."""
     for atom in element.scope.positive:
-        for name in sorted(names_in(atom.node) - told):
+        for name in sorted(names_in(atom.node) - known):
             return f"`{name}`"
     for atom in element.scope.positive:
         if any(each.ast_type is Kind.Variable and each.name == "_" for each in below(atom.node)):

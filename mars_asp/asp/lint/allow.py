@@ -10,11 +10,11 @@ from mars_asp.spelling import nearest
 ALLOW = "rule-allow"
 
 
-def allowed(rules: Iterable[Rule], told: Sequence[LintFinding]) -> Iterator[LintFinding]:
+def allowed(rules: Iterable[Rule], findings: Sequence[LintFinding]) -> Iterator[LintFinding]:
     """Yield the findings that no rule allows, and the findings about wrong `allow` lines."""
     owners = {rule.span: rule for rule in rules if rule.listed is None}
     used: set[tuple[object, str]] = set()
-    for each in told:
+    for each in findings:
         owner = owners.get(each.rule.span) if each.rule is not None else None
         code = each.diagnostic.code
         if owner is not None and any(allow.code == code for allow in owner.allows):

@@ -126,13 +126,13 @@ def _unbounded_positions(
     return found
 
 
-def _large(clause: Clause, stated: Mapping[Signature, Set[int]]) -> frozenset[str]:
+def _large(clause: Clause, positions: Mapping[Signature, Set[int]]) -> frozenset[str]:
     """Return the variables of a clause that hold numbers that users state."""
     found = {
         name
         for scope in (clause.body, *clause.inner)
         for atom in scope.positive
-        for at in stated.get(atom.signature, ())
+        for at in positions.get(atom.signature, ())
         for name in _matched(atom.terms[at])
     }
     for aggregate in clause.aggregates:

@@ -139,21 +139,21 @@ class MessageFunctions:
         every = frozenset(range(signature.arity))
         if any(given >= set(key) for key in keys):
             return every
-        asked = (signature, given)
-        if asked not in self._settled:
+        key = (signature, given)
+        if key not in self._settled:
             # During its own computation, a recursive predicate determines no further argument.
-            self._settled[asked] = given
+            self._settled[key] = given
             rules = self._rules.get(signature, [])
             if len(rules) == 1:
                 ((clause, head),) = rules
                 names = frozenset[str]().union(*(names_in(head.terms[at]) for at in given))
                 fixed = self.closed(clause, names)
-                self._settled[asked] = frozenset(
+                self._settled[key] = frozenset(
                     at for at in every if names_in(head.terms[at]) <= fixed
                 )
             elif rules and signature.unsigned not in self._keys and self._is_table(rules, given):
-                self._settled[asked] = every
-        return self._settled[asked]
+                self._settled[key] = every
+        return self._settled[key]
 
     def _is_table(self, rules: Sequence[tuple[Clause, ClauseAtom]], given: frozenset[int]) -> bool:
         """Whether facts define a predicate as a table, without repeated `given` arguments."""

@@ -268,14 +268,14 @@ class KnownValue:
                 reading.setdefault(signature, []).append(number)
         # A queue without duplicates, so that long chains take no longer.
         waiting = deque(range(len(clauses)))
-        asked = set(waiting)
+        queued = set(waiting)
         while waiting:
             number = waiting.popleft()
-            asked.remove(number)
+            queued.remove(number)
             for signature in self._handed_on(clauses[number]):
-                more = [each for each in reading.get(signature, ()) if each not in asked]
+                more = [each for each in reading.get(signature, ()) if each not in queued]
                 waiting += more
-                asked.update(more)
+                queued.update(more)
 
     def _handed_on(self, clause: Clause) -> Iterator[Signature]:
         """Add the values that a rule gives its heads; yield the predicates whose values grow."""

@@ -74,8 +74,8 @@ def _exact_value(
     match operand:
         case str():
             return known.get(operand)
-        case Number(stated, _):
-            value, written = stated, str(stated)
+        case Number(number, _):
+            value, written = number, str(number)
         case Operation("-", (Number(whole, _),)) if whole == MOST + 1:
             return LEAST
         case Operation(sign, inside, written, _):
@@ -132,23 +132,23 @@ def _quotient(one: int, other: int) -> int:
 _Group: TypeAlias = tuple[Span, Place, tuple[int, ...]]
 
 
-class Asked(NamedTuple):
+class CheckedOperation(NamedTuple):
     """An operation or sum of the rule at `span`."""
 
     span: Span
     computed: Computed | Summed
 
 
-def telling(number: int, asked: Asked) -> str:
+def telling(number: int, checked: CheckedOperation) -> str:
     """Return a rule that records the values with which an operation or sum is computed."""
-    match asked.computed:
+    match checked.computed:
         case Computed(_, inside, body):
             return f"_computed({number},{_tuple(inside)}) :- {body}."
         case Summed(_, _, terms, shared, body):
             return f"_summed({number},{_tuple(shared)},{_tuple(terms)}) :- {body}."
 
 
-def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnostic]:
+def wrapped(control: clingo.Control, checked: Sequence[CheckedOperation]) -> Iterator[Diagnostic]:
     """Yield the operations and sums that left 32 bits; the rules of `telling` must be grounded.
 
     For each operation the instance with the smallest numbers is reported, for each sum one
@@ -157,7 +157,7 @@ def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnos
     least: dict[tuple[Span, _Overflow], tuple[int, str]] = {}
     for atom, _, _ in labelled(control, "_computed", 2, True):
         number, values = arguments(atom)
-        span, computed = asked[as_symbol(number).number]
+        span, computed = checked[as_symbol(number).number]
         if isinstance(computed, Computed):
             inside = [as_symbol(value) for value in arguments(values)[1:]]
             known = {
@@ -175,18 +175,18 @@ def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnos
                 least[span, overflow] = min(result, least.get((span, overflow), result))
     for (span, overflow), (_, message) in least.items():
         yield _too_large(span, overflow.place, message)
-    yield from _oversized(control, asked, {span for span, _ in least})
+    yield from _oversized(control, checked, {span for span, _ in least})
 
 
 def _oversized(
-    control: clingo.Control, asked: Sequence[Asked], wrong: Set[Span]
+    control: clingo.Control, checked: Sequence[CheckedOperation], wrong: Set[Span]
 ) -> Iterator[Diagnostic]:
     """Yield the sums that may leave 32 bits, except in the rules `wrong`."""
     # Elements with equal tuples count once, whichever of them is true.
     elements: dict[_Group, dict[tuple[int, ...], tuple[int, bool]]] = {}
     for atom, _, is_fact in labelled(control, "_summed", 3, True):
         number, shared, terms = arguments(atom)
-        span, summed = asked[as_symbol(number).number]
+        span, summed = checked[as_symbol(number).number]
         if isinstance(summed, Summed) and span not in wrong:
             key = (span, summed.place, tuple(arguments(shared)))
             weight = as_symbol(arguments(terms)[1])

@@ -127,8 +127,8 @@ def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
     """Yield clingo's errors about the rules of a text, which are not grounded here."""
     for note in fragments.notes(refusals(text) or (), [Fragment(masked(text), shown)]):
         yield from fragments.unbound(note)
-        if not note.unsafe and not note.said.startswith(_TWICE):
-            yield Diagnostic("rule-syntax", "error", note.said, note.place)
+        if not note.unsafe and not note.message.startswith(_TWICE):
+            yield Diagnostic("rule-syntax", "error", note.message, note.place)
 
 
 class Reader(NamedTuple):

@@ -91,8 +91,10 @@ def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...
     """Return the operations of each rule that can leave 32 bits."""
     files = map(Path, (__file__, statements.__file__, trees.__file__, ast.__file__))
     # Most rules compute nothing.
-    asked = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
-    return memoized("computations", files, asked, _computations)
+    computing = (
+        text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text)))
+    )
+    return memoized("computations", files, computing, _computations)
 
 
 def _is_open(operand: Operand) -> bool:

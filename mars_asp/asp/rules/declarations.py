@@ -57,7 +57,7 @@ _LIKENESS = 0.8
 #: The maximal number of characters that are shown of a comment that cannot be read.
 _MOST_SHOWN = 60
 #: The keys of lines with fixed values, and these values.
-_SAID: Mapping[str, tuple[str, ...]] = {
+_FIXED_VALUES: Mapping[str, tuple[str, ...]] = {
     "from": (*get_args(Origin), *get_args(Attribution)),
     "packs": ("extend", "read"),
     "joins": ("nothing",),
@@ -69,7 +69,7 @@ _ORDERS = "orders"
 _KEY = "key"
 #: The value for a predicate with one fact at most.
 _NO_KEY = "nothing"
-_KEYS = (*_SAID, *_SENTENCES, _ORDERS, _KEY)
+_KEYS = (*_FIXED_VALUES, *_SENTENCES, _ORDERS, _KEY)
 _CONTINUED = r"\n[ \t]+(?![a-z]+:)"
 #: A hole of a sentence: an argument, of the predicate itself or of another predicate's fact.
 SENTENCE_HOLE = r"\{(?:([a-z_]\w*)\.)?([A-Z_]\w*'*)\}"
@@ -164,8 +164,8 @@ class Declaration:
 
     def places(self, *sorts: str) -> tuple[int, ...]:
         """Return the positions from 0 of the arguments of some sorts."""
-        asked = frozenset(sorts)
-        return tuple(at for at, each in enumerate(self.arguments) if each.sorts & asked)
+        wanted = frozenset(sorts)
+        return tuple(at for at, each in enumerate(self.arguments) if each.sorts & wanted)
 
 
 @lru_cache(maxsize=1000)
@@ -375,7 +375,7 @@ def _split_docstring(
 
 def _wrong_line(key: str, value: str, near_key: str) -> str | None:
     """Return the correction of a wrong line, or None if the line is correct."""
-    choices = _SAID.get(near_key, ())
+    choices = _FIXED_VALUES.get(near_key, ())
     if key == near_key and (value in choices if choices else value):
         return None
     near = (nearest(value, choices) or choices[0]) if choices else value or "..."

@@ -19,7 +19,7 @@ MOST_STATEMENT = 64 * 1024
 MOST_NESTING = 200
 MOST_OPERATORS = 4096
 #: The maximal number of refusals that are reported for one file.
-_MOST_TOLD = 20
+_MOST_REFUSALS = 20
 _REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
 #: For the caller's own files, in which included files are resolved already.
 _REFUSED_OWN = re.compile(r"#\s*(include|script|theory|edge|heuristic)\b")
@@ -120,7 +120,7 @@ def check_text(text: str, shown: str, is_own: bool = False) -> None:
         line = text.count("\n", 0, offset) + 1
         column = offset - text.rfind("\n", 0, offset)
         found.append(_refusal(shown, line, column, what, advice))
-        if len(found) == _MOST_TOLD:
+        if len(found) == _MOST_REFUSALS:
             break
     if found:
         raise MarsError(found)

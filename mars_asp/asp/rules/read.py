@@ -300,7 +300,7 @@ def _syntax(note: str, shown: str) -> Diagnostic:
     return Diagnostic("rule-syntax", "error", text.strip(), point(shown, line, column))
 
 
-def told_apart(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> Iterator[NameSpace]:
+def with_unique_ids(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> Iterator[NameSpace]:
     """Yield packs whose rules have unique ids.
 
     In a pack with a manifest, ids begin with its name. In other packs, if the name of a file is

@@ -54,19 +54,19 @@ class Partition(NamedTuple):
 
 
 def partition(
-    program: Recorded, names: Mapping[int, TermId], asked: Iterable[int] = ()
+    program: Recorded, names: Mapping[int, TermId], requested: Iterable[int] = ()
 ) -> Partition:
     """Divide a program into components.
 
     Components of the same form become equal values. For this, projected atoms are numbered first,
     in the order of their `names`; all others, and without names these as well, in the order in
-    which clingo grounded them. Rules on which `asked` atoms depend are kept besides those for
+    which clingo grounded them. Rules on which `requested` atoms depend are kept besides those for
     choices, constraints and costs.
     """
     facts = frozenset(program.facts)
     rules: list[Flat] = []
     groups: DisjointSets[int] = DisjointSets()
-    for rule, atoms in _relevant(program, facts, asked):
+    for rule, atoms in _relevant(program, facts, requested):
         rules.append(rule)
         groups.join(atoms)
     members = groups.members(sorted(groups.parent))
@@ -111,9 +111,9 @@ def _ordered(
 
 
 def _relevant(
-    program: Recorded, facts: Set[int], asked: Iterable[int]
+    program: Recorded, facts: Set[int], requested: Iterable[int]
 ) -> Iterator[tuple[Flat, Sequence[int]]]:
-    """Yield the rules on which a choice, a constraint, a cost or an atom of `asked` depends.
+    """Yield the rules on which a choice, a constraint, a cost or an atom of `requested` depends.
 
     Facts and underivable atoms are removed from them. Each rule comes with its atoms.
     """
@@ -133,7 +133,7 @@ def _relevant(
                 by_head[atom].append(at)
         at += _FIXED + heads + bodies
     unsettled = (offered | by_head.keys()) - facts
-    reached = {*asked, *program.projected, *(abs(literal) for _, _, literal in program.costs)}
+    reached = {*requested, *program.projected, *(abs(literal) for _, _, literal in program.costs)}
     for atom in reached:
         waiting += by_head.pop(atom, ())
     seen = set()

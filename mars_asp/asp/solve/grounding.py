@@ -154,7 +154,7 @@ class Grounding:
     def __init__(
         self,
         program: Sequence[Fragment],
-        stated: Mapping[Signature, Iterable[TermId]] = MappingProxyType({}),
+        initial: Mapping[Signature, Iterable[TermId]] = MappingProxyType({}),
         options: Sequence[str] = (),
         solved: bool = True,
     ) -> None:
@@ -182,7 +182,7 @@ class Grounding:
         if not solved:
             self.control.register_observer(clingo.Observer(), replace=True)
         self.add([*program, Fragment(_NOTHING_SHOWN, "rules")])
-        self.state(stated)
+        self.state(initial)
         #: The signatures whose atoms are decided before any choice.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
 

@@ -20,7 +20,7 @@ Labelled: TypeAlias = tuple[TermId, int, bool]
 
 #: Facts to state: the name and sign of a predicate, and atoms or terms with the arguments of its
 #: facts.
-Stated: TypeAlias = Mapping[tuple[str, bool], Iterable[TermId]]
+FactArguments: TypeAlias = Mapping[tuple[str, bool], Iterable[TermId]]
 
 
 class TermReader(NamedTuple):
@@ -32,7 +32,7 @@ class TermReader(NamedTuple):
     arguments: Callable[[TermId], Sequence[TermId]]
     atoms: Callable[[clingo.Control, str, int, bool], list[TermId]]
     labelled: Callable[[clingo.Control, str, int, bool], list[Labelled]]
-    state: Callable[[clingo.Control, Stated], None]
+    state: Callable[[clingo.Control, FactArguments], None]
 
 
 def plain_reader() -> TermReader:
@@ -58,9 +58,9 @@ def plain_reader() -> TermReader:
         found = control.symbolic_atoms.by_signature(name, arity, positive)
         return [(as_term(atom.symbol), atom.literal, atom.is_fact) for atom in found]
 
-    def state(control: clingo.Control, stated: Stated) -> None:
+    def state(control: clingo.Control, facts: FactArguments) -> None:
         with control.backend() as backend:
-            for (name, positive), like in stated.items():
+            for (name, positive), like in facts.items():
                 for term in like:
                     fact = clingo.Function(name, symbols[term].arguments, positive)
                     backend.add_rule([backend.add_atom(fact)])
@@ -165,7 +165,7 @@ def _raw_atoms(
     return atoms, labelled
 
 
-def _raw_state(ffi: Any, lib: Any, check: Any) -> Callable[[clingo.Control, Stated], None]:
+def _raw_state(ffi: Any, lib: Any, check: Any) -> Callable[[clingo.Control, FactArguments], None]:
     inside = ffi.new("clingo_symbol_t**")
     size = ffi.new("size_t*")
     symbol = ffi.new("clingo_symbol_t*")
@@ -173,11 +173,11 @@ def _raw_state(ffi: Any, lib: Any, check: Any) -> Callable[[clingo.Control, Stat
     read, create = lib.clingo_symbol_arguments, lib.clingo_symbol_create_function
     add, rule = lib.clingo_backend_add_atom, lib.clingo_backend_rule
 
-    def state(control: clingo.Control, stated: Stated) -> None:
+    def state(control: clingo.Control, facts: FactArguments) -> None:
         with control.backend() as backend:
             base: Any = backend
             held, none = base._rep, ffi.NULL
-            for (name, positive), like in stated.items():
+            for (name, positive), like in facts.items():
                 word = name.encode()
                 for term in like:
                     done = read(term, inside, size)

@@ -46,16 +46,16 @@ def _come_near(
 ) -> dict[clingo.Symbol, list[tuple[Candidate, Firing]]]:
     """Return for each pattern the nearest candidate of each rule."""
     lines = []
-    asked: dict[str, list[TermId]] = {}
+    queries: dict[str, list[TermId]] = {}
     for index, pattern in enumerate(patterns):
         kind = signature_of(pattern).unsigned
         parts = clingo.Function("w", fixed_parts(pattern))
-        asked.setdefault(NEAR, []).append(as_term(clingo.Tuple_([clingo.Number(index), parts])))
+        queries.setdefault(NEAR, []).append(as_term(clingo.Tuple_([clingo.Number(index), parts])))
         for number, rule in enumerate(explainer.rules):
             if kind in rule.heads:
                 lines.append(near.text(rule, number, pattern, index))
     best: dict[tuple[int, int], tuple[Candidate, Firing]] = {}
-    for firing in explainer.firings("\n".join(lines), asked):
+    for firing in explainer.firings("\n".join(lines), queries):
         candidate = near.candidates[firing.rule]
         key = (candidate.pattern, candidate.rule)
         if key not in best or _nearness(candidate, firing) < _nearness(*best[key]):
@@ -76,11 +76,11 @@ def _lacking(
     A candidate can lack any of several terms. A query about all candidates would have as many
     instances as candidates times the elements of a conditional literal.
     """
-    asked = {f.rule: _lack(f) for f in firings if _lack(f).name == IN_QUESTION}
-    if not asked:
+    queries = {f.rule: _lack(f) for f in firings if _lack(f).name == IN_QUESTION}
+    if not queries:
         return {}
-    questions = [as_term(clingo.Tuple_([clingo.Number(n), lack])) for n, lack in asked.items()]
-    text = "\n".join(map(near.lacking.__getitem__, asked))
+    questions = [as_term(clingo.Tuple_([clingo.Number(n), lack])) for n, lack in queries.items()]
+    text = "\n".join(map(near.lacking.__getitem__, queries))
     return {f.rule: f.lacks for f in explainer.firings(text, {LACKING: questions}) if f.lacks}
 
 

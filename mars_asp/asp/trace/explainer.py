@@ -53,29 +53,29 @@ class Explainer:
 
         One grounding finds all firings of the derivations; traces share common steps.
         """
-        asked = tuple(atoms)
+        queries = tuple(atoms)
         unsupported = self.rewriter.unsupported
         # As an iterator, so that the firings can be freed while they are read.
-        proofs = Proofs(iter(self._ask(asked)), self.given, self.rules, unsupported, every)
-        return {atom: proofs.of(atom) for atom in asked}
+        proofs = Proofs(iter(self._ask(queries)), self.given, self.rules, unsupported, every)
+        return {atom: proofs.of(atom) for atom in queries}
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:
-        asked: dict[str, list[TermId]] = {}
+        queries: dict[str, list[TermId]] = {}
         firsts: dict[str, set[TermId | None]] = {}
         for atom in atoms:
             name, term = atom.name if atom.positive else f"-{atom.name}", as_term(atom)
-            asked.setdefault(asking_name(name), []).append(term)
+            queries.setdefault(asking_name(name), []).append(term)
             firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
         entries = {name: frozenset(map(_term_text, terms)) for name, terms in firsts.items()}
         rules = dependencies_of(rule.text for rule in self.rules)
         numbers = reachable_rules(rules, entries, self._present(), self._rulebook.replaced)
-        return self.firings(self.rewriter.text(self.rules, numbers), asked)
+        return self.firings(self.rewriter.text(self.rules, numbers), queries)
 
-    def firings(self, text: str, asked: Mapping[str, Sequence[TermId]]) -> list[Firing]:
+    def firings(self, text: str, queries: Mapping[str, Sequence[TermId]]) -> list[Firing]:
         """Return the firings that explanation rules find.
 
         The rules are grounded as a separate program part whose predicates have unique names, so
-        that earlier rules cannot match. The part begins with facts of the predicates of `asked`,
+        that earlier rules cannot match. The part begins with facts of the predicates of `queries`,
         with the arguments of the given terms.
         """
         if not self._question:
@@ -86,7 +86,7 @@ class Explainer:
         question = str(self._question)
         part = f"_explain{question}"
         self._control.add(part, [], text.replace(QUESTION, question))
-        numbered = {name.replace(QUESTION, question): terms for name, terms in asked.items()}
+        numbered = {name.replace(QUESTION, question): terms for name, terms in queries.items()}
         state(self._control, {(name, True): terms for name, terms in numbered.items()})
         self._control.ground([(part, [])])
         return read_firings(self._control, self._question)

@@ -134,14 +134,14 @@ class Rewriter:
         number: int,
         tag: str,
         shown: str,
-        asked: Iterable[str],
+        conditions: Iterable[str],
         literals: Sequence[ast.AST],
         terms: "Terms",
         names: Iterable[str],
         ask: bool = True,
         tests: Sequence[str] | None = None,
     ) -> Iterator[str]:
-        """Yield rules for the instances of literals of rule `number` where `asked` holds too.
+        """Yield rules for the instances of literals of rule `number` where `conditions` hold too.
 
         `shown` is the head, and `names` are the variables that distinguish instances. With `ask`
         the premises are queried in turn. `tests` replace the aggregates and conditional literals;
@@ -149,7 +149,7 @@ class Rewriter:
         """
         rule = _NUMBER if ask else str(number)
         place = f"{QUESTION}_{rule}"
-        before, terms.equations = (*asked, *terms.equations), []
+        before, terms.equations = (*conditions, *terms.equations), []
         premises: list[tuple[str, str]] = []
         absent: list[str] = []
         rest: list[str] = []
@@ -224,7 +224,7 @@ class Rewriter:
         place: str,
         key: str,
         ask: bool,
-        told_apart: str,
+        element_key: str,
         required: Sequence[ast.AST],
         optional: Sequence[ast.AST],
     ) -> Iterator[str]:
@@ -239,11 +239,11 @@ class Rewriter:
                     self._symbolic(literal, terms, found, absent, rest)
                 else:
                     rest.append(str(literal))
-        if not told_apart:
+        if not element_key:
             first = (premises[0][1],) if premises else ("absent", *absent)[:2]
-            told_apart = f"t({','.join(first)})"
+            element_key = f"t({','.join(first)})"
         needed, more = (",".join(term for _, term in found) for found in (premises, others))
-        element = f"_e{place}({key},{told_apart},p({needed}),o({more}),a({','.join(absent)}))"
+        element = f"_e{place}({key},{element_key},p({needed}),o({more}),a({','.join(absent)}))"
         sources = (text for text, _ in (*premises, *others))
         wanted = [f"_g{place}({key})", *sources, *rest, *terms.equations]
         yield f"{element} :- {'; '.join(wanted)}."

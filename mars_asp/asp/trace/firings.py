@@ -76,10 +76,10 @@ def read_firings(control: clingo.Control, question: int) -> list[Firing]:
     """Return the firings that the explanation rules of a question found."""
     elements: dict[TermId, list[AggregateElement]] = {}
     for atom in _atoms(control, f"_e{question}_"):
-        key, told_apart, *parts = term_ids.arguments(atom)
+        key, counted_tuple, *parts = term_ids.arguments(atom)
         inside = elements.setdefault(key, [])
         inside.append(
-            AggregateElement(told_apart, *(tuple(term_ids.arguments(part)) for part in parts))
+            AggregateElement(counted_tuple, *(tuple(term_ids.arguments(part)) for part in parts))
         )
     counted: dict[TermId, Counted] = {}
     groups: dict[TermId, AggregateGroup] = {}
@@ -140,9 +140,9 @@ def firing_order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol
     return firing.rule, as_symbol(firing.values), [as_symbol(atom) for atom in firing.premises]
 
 
-def weight_of(told_apart: TermId) -> clingo.Symbol:
+def weight_of(counted_tuple: TermId) -> clingo.Symbol:
     """Return the weight of an element: the first term of its tuple."""
-    inside = term_ids.arguments(told_apart)
+    inside = term_ids.arguments(counted_tuple)
     return as_symbol(inside[0]) if inside else clingo.Number(0)
 
 

@@ -152,7 +152,7 @@ class NearMisses:
         self,
         candidate: Candidate,
         left_out: ast.AST | None,
-        asked: str,
+        query: str,
         kept: Sequence[ast.AST],
         bound: Set[str],
         shared: Set[str],
@@ -161,7 +161,7 @@ class NearMisses:
         terms = Terms("N")
         joined, lack, tests = self._instead(left_out, terms, set(bound))
         tests = [*tests, *more]
-        body, counting, rules = self._counted_apart(asked, (*kept, *joined), shared)
+        body, counting, rules = self._counted_apart(query, (*kept, *joined), shared)
         yield from rules
         several = variables_of((lack, *tests)) - bound
         # A term such as `X + 1` can be undefined, and then there is no atom to read.
@@ -175,7 +175,7 @@ class NearMisses:
         names = {name for name in bound if not name.startswith("_")}
         # A missing term is reported alone, without the literals that hold.
         alone = left_out is not None and lack != "test" and not joined
-        before, literals = ((*body, *tests), ()) if alone else ((asked, *tests), (*kept, *joined))
+        before, literals = ((*body, *tests), ()) if alone else ((query, *tests), (*kept, *joined))
         yield from self._rewriter.instance(
             candidate.rule, tag, "none", before, literals, terms, names, False, counting
         )
@@ -189,7 +189,7 @@ class NearMisses:
         return signature not in self._derived
 
     def _counted_apart(
-        self, asked: str, literals: Sequence[ast.AST], shared: Set[str]
+        self, query: str, literals: Sequence[ast.AST], shared: Set[str]
     ) -> tuple[list[str], list[str], list[str]]:
         """Return a body with separate tests for aggregates, these tests, and the rules for them.
 
@@ -198,8 +198,8 @@ class NearMisses:
         name.
         """
         place = f"{QUESTION}_{len(self.candidates)}"
-        body, counting, rules = [asked], list[str](), list[str]()
-        bound = variables_of((asked,))
+        body, counting, rules = [query], list[str](), list[str]()
+        bound = variables_of((query,))
         for number, literal in enumerate(literals):
             named = variables_of((literal,)) & {*shared, _VALUE}
             text = self._rewriter.renamed(literal)

@@ -74,7 +74,7 @@ def traces_text(
             else:
                 yield from wrapped(line, level, width)
             continue
-        key, text = id(step), _said(step, folded)
+        key, text = id(step), _step_text(step, folded)
         if key in numbers:
             yield from wrapped(text, level, width, f", as in ({numbers[key]})")
         else:
@@ -114,7 +114,7 @@ class _Entry(NamedTuple):
     step: Derived | NearMiss | None = None
 
 
-def _said(step: Derived | NearMiss, folded: bool) -> str:
+def _step_text(step: Derived | NearMiss, folded: bool) -> str:
     if isinstance(step, NearMiss):
         return plain(step.sentence)
     return step.message or plain(_head_words(step.head) if folded else step.atom)
@@ -158,7 +158,7 @@ class _Teller:
         stack: list[tuple[Trace | NearMiss | str | _Quoted, int]] = [(trace, 1)]
         if not isinstance(trace, Derived | Underivable):
             stack = [(leaf, 1) for leaf in self._leaves([trace])[::-1]]
-        said_of: dict[int, str] = {}
+        remarks: dict[int, str] = {}
         #: The leaves printed at each level since the last step above it.
         items: list[set[str | _Quoted]] = []
         while stack:
@@ -179,10 +179,10 @@ class _Teller:
                     choice = self._chosen(step) if step.chosen else None
                     remark = "" if choice is None else f", {choice.remark}"
                     if step.others:
-                        said_of |= _numbered(step, self._folded)
+                        remarks |= _numbered(step, self._folded)
                         stack += [(other, level) for other in reversed(step.others)]
-                    if id(step) in said_of:
-                        remark += f", {said_of[id(step)]}"
+                    if id(step) in remarks:
+                        remark += f", {remarks[id(step)]}"
                     yield _Entry(level, remark, step)
                     below = self._interesting(step.premises, level == 1 or depth is None)
                     if depth is not None and level >= depth:
@@ -213,7 +213,7 @@ class _Teller:
         found: list[Trace | NearMiss | str | _Quoted] = []
         quoted: dict[tuple[object, ...], list[Given]] = {}
         for each in below:
-            if isinstance(each, Given) and self._folded and not _is_told(each):
+            if isinstance(each, Given) and self._folded and not _is_sentence(each):
                 assert each.span is not None
                 quoted.setdefault(each.span[:2], []).append(each)
                 continue
@@ -286,8 +286,8 @@ class _Teller:
         below another premise are left out. Beside a message, absences are left out.
         """
         if not self._folded:
-            told_once = {id(each): each for each in premises}.values()
-            return [each for each in told_once if absences or not isinstance(each, Absent)]
+            unique = {id(each): each for each in premises}.values()
+            return [each for each in unique if absences or not isinstance(each, Absent)]
         found: list[Trace] = []
         stack = list(reversed(premises))
         seen: set[int] = set()
@@ -327,7 +327,7 @@ class _Teller:
         """Whether a fact occurs below other steps, or a line quoted there shows all its values."""
         if any(given.atom in near.facts for near in nears):
             return True
-        if given.span is None or _is_told(given):
+        if given.span is None or _is_sentence(given):
             return False
         line = given.span[:2]
         if not any(line in near.lines for near in nears):
@@ -335,14 +335,14 @@ class _Teller:
         return _fact_sentence(given, self._line_at(given.span)) is None
 
 
-def _is_told(given: Given) -> bool:
+def _is_sentence(given: Given) -> bool:
     """Whether a fact is printed as a sentence and not by quoting the line that states it."""
     return given.span is None or given.origin != "stated" or is_pseudo(given.span)
 
 
 def _fact_sentence(given: Given, line: str) -> str | None:
     """Return the sentence of a fact, or None if all its values can be seen in the line."""
-    result = given.told
+    result = given.declared_sentence
     if result is None or all(value.partition(" ")[0] in line for value in result.values):
         return None
     return result.sentence

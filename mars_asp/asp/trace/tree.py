@@ -64,14 +64,14 @@ class Given:
     words: SentenceRenderer | None = field(default=None, compare=False, repr=False)
 
     @property
-    def told(self) -> Sentence | None:
+    def declared_sentence(self) -> Sentence | None:
         """Return the sentence that the vocabulary has for the fact, or None if it has none."""
         return None if self.words is None else self.words.sentences.says(self.words.atom)
 
     @property
     def message(self) -> str | None:
         """Return the sentence as text, or None."""
-        result = self.told
+        result = self.declared_sentence
         return None if result is None else result.sentence
 
     @property

@@ -9,8 +9,8 @@ from typing import NamedTuple, TypeAlias
 
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
+    after_angle,
     before,
-    behind_angle,
     closing,
     is_word,
     split,
@@ -106,7 +106,7 @@ class CppTexts:
     ) -> CppText:
         """Return the value of a parameter that an expression reads, if it does no more."""
         at = next(at for at, word in enumerate(words) if word in PARAMETERS)
-        opening = behind_angle(tokens, at + 1) if text_at(tokens, at + 1) == "<" else at + 1
+        opening = after_angle(tokens, at + 1) if text_at(tokens, at + 1) == "<" else at + 1
         if text_at(tokens, opening) != "(":
             return _UNKNOWN
         end = closing(tokens, opening)
@@ -296,7 +296,7 @@ class CppTexts:
         is_left = False
         for place, at in places:
             opening = (
-                behind_angle(place.tokens, at + 1)
+                after_angle(place.tokens, at + 1)
                 if text_at(place.tokens, at + 1) == "<"
                 else at + 1
             )

@@ -105,7 +105,7 @@ def snapshot(path: Path, rulebook: Rulebook) -> str:
     """
     text = _without_snapshot(read_text(path))
     robot = _Robot(str(path), rulebook, text)
-    new = [SNAPSHOT, *(f"# expect: {each}" for each in robot.told if each.severity != "note")]
+    new = [SNAPSHOT, *(f"# expect: {each}" for each in robot.reported if each.severity != "note")]
     new.append(f"# expect findings: {_all(robot.findings)}")
     if robot.is_realised:
         new.append(f"# expect nodes: {_all(robot.nodes)}")
@@ -152,7 +152,7 @@ class _Robot:
         self._reasoner = Reasoner(load_project(path, text=text), rulebook)
 
     @cached_property
-    def told(self) -> tuple[ReportedFinding, ...]:
+    def reported(self) -> tuple[ReportedFinding, ...]:
         """Return the findings of the configuration."""
         return tuple(map(self._reported_finding, self._reasoner.analysis.consequences))
 
@@ -180,7 +180,7 @@ class _Robot:
     @cached_property
     def findings(self) -> Mapping[str, int]:
         """Return the numbers of errors and warnings."""
-        counted = Counter(each.severity for each in self.told)
+        counted = Counter(each.severity for each in self.reported)
         return {severity: counted[severity] for severity in _COUNTED}
 
     @cached_property
@@ -337,19 +337,19 @@ def _unmet(
         yield from _miscounted(line, line.counts, robot)
     elif line.what == "expect":
         (wanted,) = line.wanted
-        if not any(map(wanted.fits, robot.told)):
-            near = [each for each in robot.told if wanted.fits(each, anywhere=True)]
-            near = near or [each for each in robot.told if each.kind == wanted.kind]
+        if not any(map(wanted.fits, robot.reported)):
+            near = [each for each in robot.reported if wanted.fits(each, anywhere=True)]
+            near = near or [each for each in robot.reported if each.kind == wanted.kind]
             yield _failure(line.span, line.text, [], near[0] if near else None)
     elif line.what == "never":
-        found = [each for each in robot.told if line.wanted[0].fits(each)]
+        found = [each for each in robot.reported if line.wanted[0].fits(each)]
         if found:
             yield _failure(line.span, f"no {line.text}", found)
     else:
         expected = [wanted for each in lines if each.what == "expect" for wanted in each.wanted]
         extra = [
             each
-            for each in robot.told
+            for each in robot.reported
             if any(wanted.fits(each) for wanted in line.wanted)
             and not any(wanted.fits(each) for wanted in expected)
         ]
@@ -407,7 +407,7 @@ def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
     """
     if not lines:
         own = robot.own_kinds
-        findings = [each for each in robot.told if own is None or each.kind in own]
+        findings = [each for each in robot.reported if own is None or each.kind in own]
         new = [f"# expect: {each}" for each in findings]
         new += [f"# only: {', '.join(sorted(own))}"] if own else []
         if not robot.is_realised:
@@ -419,13 +419,13 @@ def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
         return text.rstrip("\n") + "\n" + "\n".join(new) + "\n"
     written = text.split("\n")
     for line in lines:
-        result = _told_instead(line, robot)
+        result = _updated_text(line, robot)
         if result is not None:
             written[line.span.line - 1] = line.before + result
     return "\n".join(written)
 
 
-def _told_instead(line: ExpectationLine, robot: _Robot) -> str | None:
+def _updated_text(line: ExpectationLine, robot: _Robot) -> str | None:
     """Return the new text of an expectation, or None if it stays unchanged."""
     if line.counts is not None:
         there = robot.counted_of(line.what)
@@ -434,10 +434,10 @@ def _told_instead(line: ExpectationLine, robot: _Robot) -> str | None:
         return _all({name: there[name] for name in line.counts})
     if line.what == "expect order":
         return _order_of(line, robot)
-    if line.what != "expect" or not line.wanted or any(map(line.wanted[0].fits, robot.told)):
+    if line.what != "expect" or not line.wanted or any(map(line.wanted[0].fits, robot.reported)):
         return None
     (wanted,) = line.wanted
-    near = [each for each in robot.told if wanted.fits(each, anywhere=True)]
+    near = [each for each in robot.reported if wanted.fits(each, anywhere=True)]
     if len(near) != 1:
         return None
     severity = near[0].severity if wanted.severity else None

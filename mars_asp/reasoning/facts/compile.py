@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import NamedTuple, get_args
 
 from mars_asp.annotations.representations import RepresentationNames, canonical_names
-from mars_asp.asp.fragments import Fragment, stated
+from mars_asp.asp.fragments import Fragment, fact_fragment
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import (
@@ -434,7 +434,7 @@ class Compiler:
 def given(facts: Iterable[Fact]) -> Fragment:
     """Return facts as a program has them beside its rules."""
     facts = tuple(facts)
-    return stated(facts_text(facts), {fact.atom.name for fact in facts})
+    return fact_fragment(facts_text(facts), {fact.atom.name for fact in facts})
 
 
 def facts_text(facts: Iterable[Fact]) -> str:

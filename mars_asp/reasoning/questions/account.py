@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 import clingo
 
-from mars_asp.asp.messages import RenderedMessage, said, saying, shown
+from mars_asp.asp.messages import RenderedMessage, rendered_messages, saying, shown
 from mars_asp.asp.rules.premises import fragment_of
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -269,7 +269,7 @@ def told(
     grounding.derive([*program, *sayings])
     found: dict[Key, dict[str, list[RenderedMessage]]] = {}
     word = cache(text)
-    for each in said(grounding.control, STAGE, telling):
+    for each in rendered_messages(grounding.control, STAGE, telling):
         kind, subject, case, part, _, _ = arguments(each.head)
         key = kind, subject, case
         if key not in wanted:
@@ -278,7 +278,7 @@ def told(
         parts.setdefault(word(part), []).append(each)
     forced: dict[TermId, RenderedMessage] = {}
     by_rule = sorted(
-        said(grounding.control, _DECIDING, deciding),
+        rendered_messages(grounding.control, _DECIDING, deciding),
         # The messages of one pack's node are in the order of their words.
         key=lambda each: (each.number, text(each.values) if _inserts(each) else ""),
     )

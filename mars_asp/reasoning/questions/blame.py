@@ -10,7 +10,7 @@ from functools import cached_property
 
 import clingo
 
-from mars_asp.asp.messages import RenderedMessage, fill, said, saying, shown
+from mars_asp.asp.messages import RenderedMessage, fill, rendered_messages, saying, shown
 from mars_asp.asp.rules.rule import HOLE
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
@@ -161,7 +161,7 @@ class _Messages:
         sought = given(Fact(each, project.configuration.span) for each in atoms)
         self._grounding = analysis.grounding
         self._grounding.derive([*rules.fragments(_STAGE), sought, *saying(_STAGE, speakers)])
-        self._every = tuple(said(self._grounding.control, _STAGE, speakers))
+        self._every = tuple(rendered_messages(self._grounding.control, _STAGE, speakers))
         self._header = project.configuration.span
         self._span_of: Mapping[object, Span] = {
             fact.atom.arguments[0]: fact.span for fact in facts if fact.atom.name == "place"

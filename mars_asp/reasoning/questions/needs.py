@@ -6,8 +6,8 @@ The words are those of `rules/account/needs.lp`.
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from mars_asp.asp.fragments import stated
-from mars_asp.asp.messages import RenderedMessage, said, saying
+from mars_asp.asp.fragments import fact_fragment
+from mars_asp.asp.messages import RenderedMessage, rendered_messages, saying
 from mars_asp.asp.rules.premises import fragment_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.grounding import Grounding
@@ -60,10 +60,10 @@ def reasons(
     names = names_of(project, nodes)
     read = sorted(reads(rules) - {_ASKED})
     grounding = Grounding((), true_atoms(evidence, read))
-    facts = stated("".join(f"asked_node({term}).\n" for term in asked), {_ASKED.name})
+    facts = fact_fragment("".join(f"asked_node({term}).\n" for term in asked), {_ASKED.name})
     grounding.derive([facts, *map(fragment_of, rules), *saying(_STAGE, speaking)])
     found: dict[str, dict[str, list[RenderedMessage]]] = {}
-    for each in said(grounding.control, _STAGE, speaking):
+    for each in rendered_messages(grounding.control, _STAGE, speaking):
         node, part, _, _, _ = arguments(each.head)
         found.setdefault(text(node), {}).setdefault(text(part), []).append(each)
     return {node: _reason(parts, names) for node, parts in found.items() if "what" in parts}

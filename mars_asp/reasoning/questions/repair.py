@@ -12,7 +12,7 @@ from itertools import combinations, groupby, pairwise
 
 import clingo
 
-from mars_asp.asp.messages import said, saying
+from mars_asp.asp.messages import rendered_messages, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
@@ -214,7 +214,7 @@ def _proposals(
         whole, part = symbol.arguments
         parts.setdefault(whole, []).append(part)
     spoiling = {symbol.arguments[0] for symbol in grounding.symbols("spoils", 1)}
-    result = said(grounding.control, _STAGE, speakers)
+    result = rendered_messages(grounding.control, _STAGE, speakers)
     for each in sorted(result, key=lambda s: (s.number, as_symbol(s.head), as_symbol(s.values))):
         *key, term, weight = as_symbol(each.head).arguments
         if term in spoiling:

@@ -3,7 +3,7 @@
 import clingo
 import pytest
 
-from mars_asp.asp.fragments import Fragment, Premises, able_to_fire, joined, stated
+from mars_asp.asp.fragments import Fragment, Premises, able_to_fire, fact_fragment, joined
 from mars_asp.asp.rules.premises import read_premises
 from mars_asp.asp.rules.statements import pieces
 from tests.support.random_programs import random_program
@@ -93,14 +93,14 @@ def test_whatever_a_text_names_that_was_not_read_may_hold() -> None:
     assert (
         joined(able_to_fire([known, Fragment("{ q' }.", "pack.lp")])).split() == "{ q' }.".split()
     )
-    assert "p :- q." in joined(able_to_fire([known, stated("q.\n", {"q"})]))
+    assert "p :- q." in joined(able_to_fire([known, fact_fragment("q.\n", {"q"})]))
 
 
 def test_random_programs_have_the_same_answers() -> None:
     idle = 0
     for seed in range(250):
         text, given = random_program(seed)
-        facts = stated(
+        facts = fact_fragment(
             "".join(f"{atom}.\n" for atom in given), {a.partition("(")[0] for a in given}
         )
         whole = [Fragment(text, "rules.lp", premises=premises(text)), facts]
