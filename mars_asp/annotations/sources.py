@@ -48,8 +48,7 @@ _CONDITION = re.compile(
 )
 _CONTINUATION = bytes(range(0x80, 0xC0))
 _MOST_EXCERPT = 400
-#: The maximal distance between an annotation that ends with a comma and the comment on the next
-#: line, in bytes.
+#: The maximal distance of a continuing comment after an annotation with a final comma, in bytes.
 _MOST_BETWEEN = 4096
 
 

@@ -17,12 +17,12 @@ from zlib import adler32, crc32
 
 _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
-#: Where the tables are.
+#: The folder of the tables.
 FOLDER = Path(__file__).parents[1] / "__tables__"
-#: If more values of one name were computed than this, they are forgotten.
+#: The maximal number of computed values of one name; beyond it, they are dropped.
 _MOST = 5000
 _CHECKSUM = 4
-#: The values that this process has, and the files that compute them, by the names of tables.
+#: The values in this process, and the files that compute them, by the names of tables.
 _known: dict[str, dict[Any, Any]] = {}
 _makers: dict[str, tuple[Path, ...]] = {}
 #: Errors of another Python's pickles, and of classes that have changed.
@@ -30,7 +30,7 @@ _UNREADABLE = (
     *(pickle.UnpicklingError, ValueError, EOFError, TypeError),
     *(AttributeError, ImportError, LookupError),
 )
-#: Files of which values are in all tables.
+#: Files whose classes occur in all tables.
 _COMMON = (
     Path(__file__),
     Path(__file__).with_name("signature.py"),
@@ -41,7 +41,7 @@ _COMMON = (
 def memoized(
     name: str, files: Iterable[Path], keys: Iterable[_Key], make: Callable[[_Key], _Value]
 ) -> dict[_Key, _Value]:
-    """Return the value of each key, in the order of the keys; `files` are those with `make`."""
+    """Return the value of each key, in the order of the keys; `files` define `make`."""
     makers = _makers.setdefault(name, tuple(files))
     known = _known.setdefault(name, {})
     if len(known) > _MOST:
@@ -65,7 +65,7 @@ def _unpickled(packed: bytes, key: _Key, make: Callable[[_Key], _Value]) -> _Val
 
 @cache
 def _table(name: str, files: tuple[Path, ...]) -> Mapping[Any, bytes]:
-    """Return the pickled values of a table; none if it is missing, damaged or of other files."""
+    """Return the pickled values of a table; none if it is missing, damaged or outdated."""
     try:
         content = (FOLDER / name).read_bytes()
         packed = memoryview(content)[_CHECKSUM:]
@@ -102,7 +102,7 @@ def _digest_of(file: Path) -> bytes:
 
 
 def forget(folder: Path) -> None:
-    """Forget the values of this process, and take tables from another folder."""
+    """Drop the values of this process, and use the tables of another folder."""
     global FOLDER  # noqa: PLW0603 -- a build and a test of it are all that ever change it
     FOLDER = folder
     for known in (_known, _makers):

@@ -45,7 +45,7 @@ _ends: set[int] = set()
 
 
 def limit_memory(megabytes: float | None) -> None:
-    """Let this process use so many megabytes at most."""
+    """Limit the memory of this process, in megabytes."""
     if megabytes is None:
         return
     most = int(megabytes * _MEGABYTE)
@@ -56,7 +56,7 @@ def limit_memory(megabytes: float | None) -> None:
 
 
 def limit_time(seconds: float) -> None:
-    """End this process after so many more seconds of the processor; 0 lifts the limit.
+    """End this process after a number of further CPU seconds; 0 lifts the limit.
 
     A process that waits for ever is ended after 20 times the seconds.
     """
@@ -81,7 +81,7 @@ def receive(pipe: int) -> Any:
 
 
 def _exactly(pipe: int, size: int) -> bytes:
-    """Return so many bytes from a pipe, or none if it was closed before."""
+    """Return a number of bytes from a pipe, or none if it was closed before."""
     result = bytearray()
     while len(result) < size:
         chunk = os.read(pipe, min(size - len(result), 1 << 20))

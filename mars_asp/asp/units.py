@@ -38,8 +38,7 @@ _MEASURES = {
     **_BASES,
     **{f"{name}_per_second": f"{unit}/s" for name, unit in _BASES.items() if name != "seconds"},
 }
-#: The sort, the unit and the power of ten of each measure. Bytes have no fractions: dB means
-#: decibel.
+#: The sort, unit and power of ten of each measure. Bytes have no fractions: dB means decibel.
 _SORTS = [
     (f"{prefix}{name}", unit, power)
     for prefix, (power, _) in _PREFIXES.items()

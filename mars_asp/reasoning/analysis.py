@@ -154,7 +154,7 @@ def analyse(
     speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
     asked = [
         Fragment(telling(at, each), "rules", each.span)
-        for at, each in enumerate(rulebook.checked_operations)
+        for at, each in enumerate(rulebook.arithmetic)
     ]
     labelled = tuple(
         (rule, label)
@@ -173,7 +173,7 @@ def analyse(
         grounding = Grounding(program)
     except MarsError as error:
         raise _all_wrong(error, program, rulebook) from None
-    overflowing = tuple(wrapped(grounding.control, rulebook.checked_operations))
+    overflowing = tuple(wrapped(grounding.control, rulebook.arithmetic))
     if overflowing:
         raise MarsError(overflowing)
     check_packs(grounding.control, rulebook, text, "consequence/4")
@@ -188,9 +188,9 @@ def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook
 
     Of a sum that a choice decides the solver says no more than that it is too large.
     """
-    if not rulebook.checked_operations:
+    if not rulebook.arithmetic:
         return error
-    overflowing = tuple(wrapped(unsolved(program), rulebook.checked_operations))
+    overflowing = tuple(wrapped(unsolved(program), rulebook.arithmetic))
     placed = (each for each in error.diagnostics if each.code == "rule-undefined")
     return MarsError((*overflowing, *placed)) if overflowing else error
 

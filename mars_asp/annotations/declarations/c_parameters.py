@@ -86,8 +86,7 @@ def _bracketed(tokens: Sequence[SourceToken], at: int) -> DeclaredParameter | No
         return DeclaredParameter(name, CALLBACK)
     outer, arrays = without_arrays(tokens[end:])
     kind = type_text(units(tokens[:at]))
-    # A pointer or reference to an array is the array; any other pointer is the type that it points
-    # to.
+    # A pointer or reference to an array is the array; any other pointer is its target type.
     extra = "[]" if len(inner) != len(inside) else ""
     written = None if kind is None else f"{kind}{extra}{arrays}"
     return DeclaredParameter(name, written, "const" not in texts([*tokens[:at], *outer]))

@@ -155,7 +155,7 @@ def _answers(
     program = [Fragment(rulebook.as_named(block.text), block.span.path)]
     program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]
     program += saying(_STAGE, speakers)
-    checked = rulebook.checked_operations
+    checked = rulebook.arithmetic
     program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(checked)]
     control = _grounded(able_to_fire(program))
     overflowing = tuple(wrapped(control, checked))
@@ -219,8 +219,7 @@ def _solved(
         compared |= entries | ({cost} if with_costs else set())
         key = tuple(sorted(compared))
         kept = tuple(_public_atoms(atoms)) if with_atoms else ()
-        # With atoms requested, answer sets that agree in the compared ones are distinguished by
-        # others.
+        # With atoms requested, answer sets that agree in the compared ones can differ in others.
         found[(*key, *sorted(map(str, kept)))] = FoundAnswer(key, kept, frozenset(entries), cost)
 
     control.solve(on_model=keep)

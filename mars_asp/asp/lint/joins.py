@@ -1,4 +1,4 @@
-"""Premises that share no variable, so that each of one is paired with each of the other."""
+"""Premises without a common variable, so that each instance of one is paired with all of another."""
 
 from collections.abc import Callable, Iterator, Sequence
 
@@ -11,12 +11,12 @@ JOIN = "rule-join"
 
 
 def paired(clause: Clause, is_large: Callable[[ClauseAtom], bool]) -> Iterator[LintFinding]:
-    """Yield the premises of a body, or of an element or condition, that nothing joins."""
+    """Yield the premises of a body, element or condition that no variable or equation joins."""
     yield from _unjoined(
         clause, clause.body.positive, clause.body.comparisons, clause.aggregates, is_large
     )
     for inner in clause.inner:
-        # What the body binds is one value there.
+        # A variable that the body binds has a single value here.
         free = tuple(a for a in inner.positive if not names_in(a.node) & clause.bound)
         yield from _unjoined(clause, free, inner.comparisons, (), is_large)
 
@@ -38,7 +38,7 @@ def _unjoined(
     others = [names_in(node) for node in nodes]
     for each in comparisons:
         names = names_in(each.left) | names_in(each.right)
-        # What only gives a value to a variable asks for nothing.
+        # An equation that only gives a value to a variable does not join.
         given = {name_of(each.left), name_of(each.right)} - bound - {None}
         if each.sign == "=" and not any(sum(one in each for each in others) == 1 for one in given):
             group.join(tuple(names))

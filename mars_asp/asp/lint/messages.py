@@ -41,8 +41,8 @@ def rival_messages(
     """Yield the rules whose message for a finding differs from that of an earlier rule.
 
     Whether two bodies can hold together is unknown. They count as apart if their atoms of a
-    predicate have different constants or signs, or if both compare; rules with derived premises are
-    skipped.
+    predicate have different constants or signs, or if both compare. Rules with derived premises are
+    left out.
     """
     derived = {head.signature for clause in clauses for head, _ in clause.heads}
     earlier: dict[str, list[Clause]] = {}
@@ -165,8 +165,7 @@ class MessageFunctions:
 def wrong_holes(clause: Clause, known: KnownValue, things: Set[str]) -> Iterator[LintFinding]:
     """Yield the holes in a unit that does not suit the sort of their value.
 
-    Also yield holes whose value is a number that identifies one of the `things`, and unmatched
-    braces.
+    Also yield unmatched braces, and holes with a number that identifies one of the `things`.
     """
     rule = clause.rule
     holes = [(key, *hole) for key, text in rule.sentences for hole in HOLE.findall(text)]

@@ -11,7 +11,7 @@ from mars_asp.asp.signature import Signature
 
 NONE, SILENT, DEMAND = "rule-none", "rule-silent", "rule-demand"
 DESCRIBED, UNPLACED = "rule-described", "rule-unplaced"
-#: Words for a value that there is not.
+#: Words for a missing value.
 _WORDS = frozenset({"none"})
 
 
@@ -22,7 +22,7 @@ def out_of_place(
     demanding: Set[str],
     decided: Mapping[str, Set[Signature]],
 ) -> Iterator[LintFinding]:
-    """Yield the faults of a rule by itself; no constraint is one without `demanding` stages."""
+    """Yield the faults of a single rule; without `demanding` stages no constraint is a fault."""
     yield from words_as_numbers(clause, known)
     yield from silent(clause, reported)
     if demanding:
@@ -30,7 +30,7 @@ def out_of_place(
 
 
 def words_as_numbers(clause: Clause, known: KnownValue) -> Iterator[LintFinding]:
-    """Yield the comparisons with a number of a variable that may be `none`."""
+    """Yield the comparisons between a number and a variable that may be `none`."""
     outer = known.environment(clause, clause.body)
     for scope in clause.scopes:
         comparisons = (*clause.body.comparisons, *scope.comparisons)
@@ -77,9 +77,9 @@ def silent(clause: Clause, reported: Set[Signature]) -> Iterator[LintFinding]:
 def demands(
     clause: Clause, allowed: Set[str], decided: Mapping[str, Set[Signature]]
 ) -> Iterator[LintFinding]:
-    """Yield the constraints of stages that only derive, or over nothing that is decided.
+    """Yield the constraints of stages that only derive, unless they are over decided predicates.
 
-    `allowed` are stages in which constraints belong, `decided` predicates by stages that choose.
+    `allowed` are the stages for constraints, `decided` maps stages that choose to predicates.
     """
     stage = clause.rule.stage
     if clause.sort != "constraint" or stage in allowed:
@@ -107,10 +107,10 @@ def described_anew(
 def unplaced(
     clauses: Sequence[Clause], judged: Set[int], placing: Mapping[Signature, Set[Signature]]
 ) -> Iterator[LintFinding]:
-    """Yield the things that are introduced, but that no rule gives a place.
+    """Yield the introduced things to which no rule gives a place.
 
-    `placing` are, by the predicate that introduces a thing, those that give it a place. The thing
-    is the first argument of each.
+    `placing` maps the predicate that introduces a thing to predicates that place it. The thing is
+    the first argument of each.
     """
     placed = {
         (head.signature.unsigned, _node_form(head.terms[0]))
@@ -130,7 +130,7 @@ def unplaced(
 
 
 def _node_form(term: SyntaxNode) -> tuple[str, int] | None:
-    """Return the function or constant that a term is; None if it may be any."""
+    """Return the function or constant of a term, or None for others."""
     if term.ast_type is Kind.Function:
         return term.name, len(term.arguments)
     return (str(term), 0) if term.ast_type is Kind.SymbolicTerm else None

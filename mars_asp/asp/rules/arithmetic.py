@@ -132,14 +132,14 @@ def _quotient(one: int, other: int) -> int:
 _Group: TypeAlias = tuple[Span, Place, tuple[int, ...]]
 
 
-class CheckedOperation(NamedTuple):
+class Arithmetic(NamedTuple):
     """An operation or sum of the rule at `span`."""
 
     span: Span
     computed: Computed | Summed
 
 
-def telling(number: int, checked: CheckedOperation) -> str:
+def telling(number: int, checked: Arithmetic) -> str:
     """Return a rule that records the values with which an operation or sum is computed."""
     match checked.computed:
         case Computed(_, inside, body):
@@ -148,11 +148,10 @@ def telling(number: int, checked: CheckedOperation) -> str:
             return f"_summed({number},{_tuple(shared)},{_tuple(terms)}) :- {body}."
 
 
-def wrapped(control: clingo.Control, checked: Sequence[CheckedOperation]) -> Iterator[Diagnostic]:
+def wrapped(control: clingo.Control, checked: Sequence[Arithmetic]) -> Iterator[Diagnostic]:
     """Yield the operations and sums that left 32 bits; the rules of `telling` must be grounded.
 
-    For each operation the instance with the smallest numbers is reported, for each sum one
-    instance.
+    One instance of each is reported, that with the smallest numbers for an operation.
     """
     least: dict[tuple[Span, _Overflow], tuple[int, str]] = {}
     for atom, _, _ in labelled(control, "_computed", 2, True):
@@ -179,7 +178,7 @@ def wrapped(control: clingo.Control, checked: Sequence[CheckedOperation]) -> Ite
 
 
 def _oversized(
-    control: clingo.Control, checked: Sequence[CheckedOperation], wrong: Set[Span]
+    control: clingo.Control, checked: Sequence[Arithmetic], wrong: Set[Span]
 ) -> Iterator[Diagnostic]:
     """Yield the sums that may leave 32 bits, except in the rules `wrong`."""
     # Elements with equal tuples count once, whichever of them is true.

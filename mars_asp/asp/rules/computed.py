@@ -91,10 +91,8 @@ def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...
     """Return the operations of each rule that can leave 32 bits."""
     files = map(Path, (__file__, statements.__file__, trees.__file__, ast.__file__))
     # Most rules compute nothing.
-    computing = (
-        text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text)))
-    )
-    return memoized("computations", files, computing, _computations)
+    risky = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
+    return memoized("computations", files, risky, _computations)
 
 
 def _is_open(operand: Operand) -> bool:

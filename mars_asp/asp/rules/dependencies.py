@@ -1,4 +1,4 @@
-"""The rules that an atom can depend on: those that derive it, and all that these read.
+"""The rules that an atom can depend on: those that derive it, and recursively their premises.
 
 A rule with a premise of which no atom holds cannot have fired.
 """
@@ -16,9 +16,9 @@ from mars_asp.asp.signature import Signature
 class Dependencies(NamedTuple):
     """The predicates that a rule without pools derives and reads.
 
-    `heads` are the names of the predicates in its head, each with the first argument where that is
-    a constant; `needs` are those of the predicates without which it cannot fire; `constants` those
-    of the constants that it names.
+    `heads` are the names of the predicates in its head, each with its first argument if constant;
+    `needs` are the names of its positive premises, without which it cannot fire; `constants` are
+    the names of its constants.
     """
 
     heads: tuple[tuple[str, str | None], ...]
@@ -47,8 +47,8 @@ def reachable_rules(
     """Return the numbers of the rules that atoms can depend on, by their predicates' names.
 
     `queried` maps each name to the texts of the first arguments of the atoms: a rule whose head
-    begins with another constant is left out. `present` are the names of the predicates that have
-    any atom, `None` if each may have some; `replaced` are constants that have other values.
+    begins with another constant is left out. `present` are the names of the predicates with atoms,
+    or None if any predicate may have some; `replaced` are constants with other values.
     """
     deriving: dict[Signature, list[int]] = {}
     waiting: list[int] = []

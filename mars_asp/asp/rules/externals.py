@@ -1,4 +1,4 @@
-"""Externals of a program: atoms whose truth is given from outside, by `#external`."""
+"""Externals of a program: atoms whose truth is set from outside, by `#external`."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -19,12 +19,12 @@ class External(NamedTuple):
     span: Span
 
     def marked(self, predicate: str, number: int) -> str:
-        """Return a rule that gives an atom of a predicate, with a number, for each external."""
+        """Return a rule that derives an atom of a predicate, with a number, for each external."""
         atom = f"{predicate}({number},{self.atom})"
         return f"{atom} :- {self.body}." if self.body else f"{atom}."
 
     def fragment(self, predicate: str, number: int) -> Fragment:
-        """Return that rule as a fragment."""
+        """Return the rule of `marked` as a fragment."""
         return Fragment(self.marked(predicate, number), self.span.path, self.span)
 
 

@@ -26,8 +26,7 @@ _REFUSED_OWN = re.compile(r"#\s*(include|script|theory|edge|heuristic)\b")
 #: Strings, comments, and `#include`.
 _INCLUDING = re.compile(r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|#\s*include\b')
 _INCLUDE = re.compile(r'#include\s*"([^"\\\n]+)"\s*\.')
-#: The tokens of clingo's scanner that matter: strings, comments, ends of statements, brackets and
-#: operators.
+#: Relevant tokens of clingo's scanner: strings, comments, ends of statements, brackets, operators.
 _TOKEN = re.compile(
     r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{},;:]|[-+*/\\&?^|~]|[^\t\n\r -~]+'
 )

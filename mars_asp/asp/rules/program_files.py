@@ -1,8 +1,8 @@
-"""The files of a caller's own program: those that they include, and the parts that they begin.
+"""The files of a caller's own program, with their included files and their parts.
 
-Clingo reads no file by itself: each `#include` is resolved here, relative to the file that it is
-in, and blanked before clingo sees the text. As with clingo, a file is included once, its statements
-go on with the part where it is included, and those after the `#include` are in `base`.
+clingo reads no file by itself: each `#include` is resolved here, relative to its own file, and
+blanked before clingo sees the text. As with clingo, a file is included once, its statements belong
+to the part in which it is included, and those after the `#include` are in `base`.
 """
 
 from collections.abc import Sequence
@@ -27,10 +27,10 @@ BASE_PART = ProgramPart("base")
 
 
 class ProgramReader:
-    """Reads files with those that they include, each once."""
+    """Reads files and the files that they include, each once."""
 
     def __init__(self, stage: str, problems: list[Diagnostic]) -> None:
-        """Read for a stage; `problems` takes all that is wrong."""
+        """Read for a stage; errors are added to `problems`."""
         self._stage, self._problems = stage, problems
         self._seen: set[Path] = set()
         self.files: list[RuleFile] = []
@@ -44,7 +44,7 @@ class ProgramReader:
                 self._problems += error.diagnostics
 
     def read_text(self, text: str, path: str) -> None:
-        """Read a text as if it were that of a file."""
+        """Read a text as the content of a file."""
         self._read_part(text, path, BASE_PART, ())
 
     def _read_part(self, text: str, shown: str, part: ProgramPart, above: tuple[Path, ...]) -> None:
@@ -100,7 +100,7 @@ class ProgramReader:
 
 
 def parts_of(files: Sequence[RuleFile]) -> list[ProgramPart]:
-    """Return the parts that files begin, each once."""
+    """Return the `base` part and the parts that files begin, each once."""
     found = dict.fromkeys(part for file in files for _, part in file.begins)
     return list(dict.fromkeys((BASE_PART, *found)))
 
@@ -108,8 +108,7 @@ def parts_of(files: Sequence[RuleFile]) -> list[ProgramPart]:
 def of_part(file: RuleFile, part: clingo.Symbol, is_first: bool) -> RuleFile:
     """Return a file with the statements of a part alone, and values instead of its parameters.
 
-    All stays in its line. Statements that hold in every part are kept if the file `is_first` to
-    have them.
+    All statements keep their lines. Statements for all parts are kept if the file `is_first`.
     """
     kept: list[Piece] = []
     text = file.text

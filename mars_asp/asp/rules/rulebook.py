@@ -7,7 +7,7 @@ from itertools import repeat
 from typing import TypeAlias
 
 from mars_asp.asp.fragments import Fragment, joined
-from mars_asp.asp.rules.arithmetic import CheckedOperation
+from mars_asp.asp.rules.arithmetic import Arithmetic
 from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.declarations import Declaration, Documented
 from mars_asp.asp.rules.outline import Outline, outline
@@ -144,15 +144,13 @@ class Rulebook:
         return {each._replace(name=plain(each.name)): each.name for each in spaced}
 
     @cached_property
-    def checked_operations(self) -> tuple[CheckedOperation, ...]:
+    def arithmetic(self) -> tuple[Arithmetic, ...]:
         """Return the operations of packs that may leave 32 bits."""
         own = self.of_packs
         # A rule made from metadata computes nothing except in the body of its original.
         rules = [rule for rule in own if rule.listed is None and rule.stage == BASE]
         found = computations(rule.text for rule in rules)
-        return tuple(
-            CheckedOperation(r.span, each) for r in rules for each in found.get(r.text, ())
-        )
+        return tuple(Arithmetic(r.span, each) for r in rules for each in found.get(r.text, ()))
 
     @cached_property
     def replaced(self) -> frozenset[str]:

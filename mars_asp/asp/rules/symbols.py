@@ -33,8 +33,7 @@ def symbol_in(text: str) -> clingo.Symbol | None:
     """Return the ground term of a user's text, or None if it cannot be read."""
     try:
         if not text.isascii():
-            # clingo may cut its message about the text within a character, which its Python package
-            # cannot decode.
+            # clingo may cut its message within a character, which its Python package cannot decode.
             clingo.parse_term(masked(text), logger=lambda *_: None)
         return clingo.parse_term(text, logger=lambda *_: None)
     except RuntimeError:

@@ -161,8 +161,7 @@ class Grounding:
         """Ground rules and facts that leave nothing open, and state atoms of other groundings.
 
         `options` are additional ones of clingo's command line. Without `solved` the program is
-        hidden from the solver, which takes less time; then only decided literals and facts can be
-        read.
+        hidden from the solver, which is faster; then only decided literals and facts can be read.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
@@ -222,8 +221,7 @@ class Grounding:
     def derive(self, program: Sequence[Fragment]) -> None:
         """Ground rules for their atoms alone; afterwards answers cannot be searched any more.
 
-        Neither the solver nor the recorded program receives the rules, which saves most of the
-        cost.
+        Neither the solver nor the recorded program receives the rules, which saves most time.
 
         Raises:
             MarsError: clingo refuses a rule.

@@ -80,7 +80,7 @@ def plain_record(control: clingo.Control) -> Recorded:
 
 
 def raw_recorder() -> Callable[[clingo.Control], Recorded] | None:
-    """Return a way to record without a list for each rule, or None if it cannot be had."""
+    """Return a function that records without a list for each rule, or None if unavailable."""
     try:
         internal: Any = importlib.import_module("clingo._internal")
         ffi, lib, check = internal._ffi, internal._lib, internal._handle_error

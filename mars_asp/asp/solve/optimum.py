@@ -92,8 +92,8 @@ def optimise(
 
     `deadline` is a time of `time.monotonic`. When it passes, the best answer so far is returned, or
     else the first answer found, however long that takes. Answers count as optima if they cost the
-    same at the levels from `counted`, or at all levels if it is None; without `counting` there is
-    no count.
+    same at the levels from `counted`, or at all levels if it is None; with `counting` they are
+    counted.
 
     Raises:
         UnsatisfiableError: there is no answer.
@@ -170,8 +170,8 @@ def others(
 ) -> Iterator[Optimum]:
     """Yield further answers in the order of their cost, without those that add to earlier answers.
 
-    `best` is the first answer. An answer with all decisions of an earlier one is left out; at most
-    `most` are found.
+    `best` is the first answer. Answers with all decisions of an earlier one are left out; `most` is
+    the maximal number.
 
     Raises:
         TimeoutError: the deadline passed before the next was found.
@@ -180,7 +180,7 @@ def others(
     for _ in range(most):
         decided = tuple(atom for atom in component.projected if atom in found.true)
         same = GroundRule(False, (), decided or tuple(-atom for atom in component.projected))
-        # Each search begins anew: clasp may never end if rules are added to a program that it
+        # Each search begins anew: clasp may never end with rules added to a program that it
         # optimised.
         left = replace(left, rules=(*left.rules, same))
         try:
@@ -220,8 +220,7 @@ def disjoint_needs(
     needs = []
     for atom in sorted(_in_all(control, best.true.intersection(left), component, deadline)):
         needs.append(Core(left.pop(atom), (atom,)))
-    # Atoms that are not true cost nothing, so the other costs bound the cores that can still be
-    # found.
+    # Atoms that are not true cost nothing, so the other costs bound the cores still to be found.
     open_cost = sum(weight for atom, weight in left.items() if atom in best.true)
     searches = 0
     while open_cost and searches < _MOST_SEARCHES:

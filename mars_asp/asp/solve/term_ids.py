@@ -18,8 +18,7 @@ TermId = NewType("TermId", int)
 Labelled: TypeAlias = tuple[TermId, int, bool]
 
 
-#: Facts to state: the name and sign of a predicate, and atoms or terms with the arguments of its
-#: facts.
+#: Facts to state: the name and sign of a predicate, and terms with the arguments of its facts.
 FactArguments: TypeAlias = Mapping[tuple[str, bool], Iterable[TermId]]
 
 

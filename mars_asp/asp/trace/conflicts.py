@@ -132,7 +132,7 @@ class ConflictSearch:
         values: Mapping[clingo.Symbol, bool | None],
         options: Sequence[str] = (),
     ) -> None:
-        """Ground rules, and the `rest` of their program; `values` are those of externals."""
+        """Ground rules, and other statements as `rest`; `values` are those of externals."""
         self._statements: list[tuple[Rule, Tree]] = []
         lines = [rest, *(each.marked(_EXTERNAL, at) for at, each in enumerate(externals))]
         for rule in rules:
@@ -163,9 +163,10 @@ class ConflictSearch:
     def minimal(
         self, limit: int, atoms: Iterable[clingo.Symbol] = (), holds: bool = True
     ) -> Conflicts:
-        """Return minimal conflicts, at most `limit`, of answers where one of some atoms `holds`.
+        """Return at most `limit` minimal conflicts, which exclude every answer with one of some atoms.
 
-        Where none does not, of answers that lack the first of them; without atoms, of all answers.
+        Without `holds` they exclude every answer that lacks the first atom, without atoms every
+        answer.
         """
         fixed = self._fixed([*atoms], holds)
         found: list[frozenset[int]] = []

@@ -15,8 +15,7 @@ Terms: TypeAlias = tuple[TermId, ...]
 class AggregateElement(NamedTuple):
     """One element of an aggregate, or instance of a conditional literal, that holds.
 
-    `tuple` is the counted tuple; `premises` support it; `conditions` are true without supporting
-    it.
+    `tuple` is the counted tuple; `premises` support it; `conditions` are true but no support.
     """
 
     tuple: TermId

@@ -1,8 +1,7 @@
 """An order in which the literals of a rule's body can be tested, each when its variables are bound.
 
 A literal's turn comes when the variables that it cannot bind itself are bound; tests come before
-literals that bind variables. This is the left-to-right safety of Datalog engines (Ullman 1988,
-chapter 12).
+literals that bind variables. (Left-to-right safety of Datalog, Ullman 1988, chapter 12.)
 """
 
 from collections.abc import Iterator, Sequence, Set

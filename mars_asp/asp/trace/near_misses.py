@@ -80,8 +80,7 @@ class NearMisses:
         self._rewriter = rewriter
         self._derived = derived
         self.candidates: list[Candidate] = []
-        #: Rules that find the missing term of a candidate which can lack several terms or none, by
-        #: number.
+        #: Rules that find the missing term of a candidate that can lack several terms or none.
         self.lacking: dict[int, str] = {}
 
     def text(self, rule: Rule, number: int, pattern: clingo.Symbol, index: int) -> str:
@@ -194,8 +193,7 @@ class NearMisses:
         """Return a body with separate tests for aggregates, these tests, and the rules for them.
 
         The literals are in an order in which each can be tested. clingo counts anew for each
-        instance of the other literals of a body, even of variables that the aggregate does not
-        name.
+        instance of the other literals of a body, even of variables that are not in the aggregate.
         """
         place = f"{QUESTION}_{len(self.candidates)}"
         body, counting, rules = [query], list[str](), list[str]()

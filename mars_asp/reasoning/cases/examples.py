@@ -1,4 +1,4 @@
-"""The case that a rule names as its example, explained."""
+"""The case that a rule names as its example, with a trace of the rule."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -25,9 +25,9 @@ from mars_asp.reasoning.rules import rules_directory
 
 
 def example_of(rule: Rule) -> Path | None:
-    """Return the file that a rule names as its example, where it is there.
+    """Return the file that a rule names as its example, or None if there is no such file.
 
-    Its path is relative to this folder, to that of the rule's pack, or to that of our sources.
+    Its path is relative to the current folder, the folder of the rule's pack, or the sources.
     """
     if rule.example is None:
         return None
@@ -37,9 +37,9 @@ def example_of(rule: Rule) -> Path | None:
 
 
 def example_trace(rule: Rule, rulebook: Rulebook) -> tuple[str, Trace] | None:
-    """Return an atom that a rule about configurations or launch files derives in its example.
+    """Return an atom that a rule of the base or about launch files derives in its example, or None.
 
-    The trace of the atom is beside it.
+    The second value is the trace of the atom.
 
     Raises:
         MarsError: the example cannot be read.
@@ -67,13 +67,13 @@ def example_trace(rule: Rule, rulebook: Rulebook) -> tuple[str, Trace] | None:
 
 
 def _can_derive(rule: Rule, symbol: clingo.Symbol) -> bool:
-    """Whether the first argument of an atom is one that the heads of a rule name."""
+    """Whether the heads of a rule allow the first argument of an atom."""
     firsts = {name for named in rule.firsts.values() for name in named}
     return not firsts or not symbol.arguments or str(symbol.arguments[0]) in firsts
 
 
 def _examples(path: Path, rulebook: Rulebook) -> Iterator[tuple[str, Sequence[Fact]]]:
-    """Yield the facts of each case of a file, as a text and with their places."""
+    """Yield the facts of each case of a file, as a text and with their locations."""
     if path.suffix == SUFFIX:
         facts = project_facts(with_brought(load_project(str(path)), rulebook.brought))
         yield facts_text(facts), facts

@@ -8,7 +8,7 @@ import pytest
 
 from mars_asp.asp.lint.arithmetic import risks
 from mars_asp.asp.lint.clauses import clauses_of
-from mars_asp.asp.rules.arithmetic import LEAST, MOST, CheckedOperation, overflows, telling, wrapped
+from mars_asp.asp.rules.arithmetic import LEAST, MOST, Arithmetic, overflows, telling, wrapped
 from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import pieces
@@ -184,7 +184,7 @@ def test_what_wraps_while_grounding_is_what_does_not_fit(form: str) -> None:
         rule = form.format(expression)
         expected = not all(expression.fits({"X": x, "Y": y}) for x in xs for y in ys if y != 7)
         entries = [
-            CheckedOperation(Span("a.lp", 1, 1, 1, 1), each)
+            Arithmetic(Span("a.lp", 1, 1, 1, 1), each)
             for each in computations([rule]).get(rule, ())
         ]
         facts = [*(f"x({x})." for x in xs), *(f"y({y})." for y in ys), "z(7).", "#defined q/1."]
@@ -230,9 +230,7 @@ def test_what_wraps_while_grounding_is_what_does_not_fit(form: str) -> None:
 def test_sums_that_may_not_fit_are_told_with_what_they_may_be(
     rule: str, facts: str, wrong: list[str]
 ) -> None:
-    entries = [
-        CheckedOperation(Span("a.lp", 1, 1, 1, 1), each) for each in computations([rule])[rule]
-    ]
+    entries = [Arithmetic(Span("a.lp", 1, 1, 1, 1), each) for each in computations([rule])[rule]]
     control = clingo.Control(["--warn=none"])
     # The sum itself would end the process of a clingo that adds in 32 bits, or refuse.
     rules = (telling(number, each) for number, each in enumerate(entries))
