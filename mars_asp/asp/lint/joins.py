@@ -1,4 +1,4 @@
-"""Premises without a common variable, so that each instance of one is paired with all of another."""
+"""Premises without a common variable, whose instances are combined each with each."""
 
 from collections.abc import Callable, Iterator, Sequence
 

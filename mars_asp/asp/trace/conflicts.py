@@ -163,7 +163,7 @@ class ConflictSearch:
     def minimal(
         self, limit: int, atoms: Iterable[clingo.Symbol] = (), holds: bool = True
     ) -> Conflicts:
-        """Return at most `limit` minimal conflicts, which exclude every answer with one of some atoms.
+        """Return at most `limit` minimal conflicts that exclude every answer with one of `atoms`.
 
         Without `holds` they exclude every answer that lacks the first atom, without atoms every
         answer.
