@@ -1,4 +1,4 @@
-"""ROS workspaces, packages and launch files: nodes, their topics and who commands whom."""
+"""Import ROS workspaces, packages and launch files: nodes, their topics and controls."""
 
 from mars_asp.exchange.ros2.read import import_ros2
 

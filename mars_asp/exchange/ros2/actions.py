@@ -1,4 +1,4 @@
-"""What launch files say, whatever they are written in: actions, and texts with open parts."""
+"""Actions of launch files in any language, and texts with parts that are known at launch time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from mars_asp.exchange.yaml_document import Items, Scalar
 
 @dataclass(frozen=True, slots=True)
 class LaunchArgument:
-    """The value of a launch argument; `default` where the place itself gives one."""
+    """The value of a launch argument; `default` is that of the reference itself, if it has one."""
 
     name: str
     default: "Text | None" = None
@@ -69,7 +69,7 @@ Tests: TypeAlias = tuple[Test, ...]
 
 @dataclass(frozen=True, slots=True)
 class Remap:
-    """A name and what stands for it."""
+    """A renaming of `source` to `target`."""
 
     source: Text
     target: Text
@@ -78,10 +78,10 @@ class Remap:
 
 @dataclass(frozen=True, slots=True)
 class NodeParameter:
-    """A parameter that a launch file gives itself; `span` is where its value stands.
+    """A parameter that a launch file sets without a parameter file; `span` is that of its value.
 
-    `keys` are the steps of its name, each with its place; `items` are the texts of a list;
-    `written` is the value where it is written as YAML; the tests decide whether it is given.
+    `keys` are the steps of its name, each with its location; `items` are the texts of a list;
+    `written` is the value where it is written as YAML; the parameter is set if all `tests` hold.
     """
 
     keys: tuple[tuple[Text, Span], ...]
@@ -123,7 +123,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class LaunchGroup:
-    """Actions together; what is set in a scoped one is forgotten behind it."""
+    """A group of actions; the settings in a scoped group end with the group."""
 
     actions: "tuple[Action, ...]"
     scoped: bool = True
@@ -132,7 +132,7 @@ class LaunchGroup:
 
 @dataclass(frozen=True, slots=True)
 class PushNamespace:
-    """What follows in the group stands in a further namespace."""
+    """A namespace for all later actions of the group, within the current one."""
 
     namespace: Text
     span: Span
@@ -140,7 +140,7 @@ class PushNamespace:
 
 @dataclass(frozen=True, slots=True)
 class SetRemap:
-    """What follows in the group is renamed."""
+    """A renaming for all later actions of the group."""
 
     remap: Remap
 
@@ -188,9 +188,9 @@ class Reads:
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """What a launch file does by one or by other branches of its conditions, each a list.
+    """The alternative lists of actions of a launch file, one for each choice of branches.
 
-    `taken` are the branches of each reading.
+    `taken` are the conditions of the branches of each list.
     """
 
     readings: "tuple[tuple[Action, ...], ...]"
@@ -199,7 +199,7 @@ class Readings:
 
 @dataclass(frozen=True, slots=True)
 class NotRead:
-    """Something of a launch file that was not read: its sort in the plural, what it is called."""
+    """Skipped contents of a launch file: their sort (in the plural), name and location."""
 
     sort: str
     name: str
@@ -230,7 +230,7 @@ Action: TypeAlias = (
 
 
 def text_of(*parts: Part | Text) -> Text:
-    """Return parts one behind the other as a text, neighbouring strings joined."""
+    """Return the concatenation of parts, adjacent strings joined; `UNKNOWN` if it is too long."""
     found: list[Part] = []
     size = 0
     for part in parts:

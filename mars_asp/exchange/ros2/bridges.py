@@ -1,4 +1,4 @@
-"""Bridges to the simulator Gazebo, which are told in their calls what they hand on.
+"""Bridges to the simulator Gazebo, whose arguments name the topics that they forward.
 
 How they are called: https://github.com/gazebosim/ros_gz (ros_gz_bridge, ros_gz_image).
 """
@@ -13,7 +13,7 @@ from mars_asp.exchange.ros2.programs import RosProgram
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 
-#: The parameter that names a file with what a bridge hands on.
+#: The parameter that names a file with the forwarded topics of a bridge.
 FILE = "config_file"
 _BRIDGES = frozenset({"ros_gz_bridge", "ros_ign_bridge"})
 _OF_IMAGES = frozenset({"ros_gz_image", "ros_ign_image"})

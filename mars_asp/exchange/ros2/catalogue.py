@@ -1,4 +1,4 @@
-"""The catalogue of interfaces: what nodes publish and hear whose source is not at hand."""
+"""The catalogue of interfaces: topics of nodes whose source is not in the workspace."""
 
 import re
 import tomllib
@@ -10,12 +10,12 @@ from typing import NamedTuple
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 from mars_asp.exchange.ros2.interface import Interface, InterfaceTopic
 
-#: What a file that adds to the catalogue is called.
+#: The name of a user's file that adds to the catalogue.
 OWN = "mars-catalogue.toml"
 _BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<default>[^}]*))?\}")
 _PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
 _TOPICS = ("publishes", "measures", "subscribes", "optional")
-#: `read` is where an entry was read, for people.
+#: `read` is the source of an entry and has no effect.
 _TEXTS = ("plugin", "node", "namespace", "camera", "read")
 _FLAGS = ("guard", "clients", "listens", "spread", "sure")
 
@@ -61,10 +61,10 @@ class Catalogue:
 
 
 def load_catalogue(own: tuple[tuple[str, str], ...] = ()) -> Catalogue:
-    """Return our catalogue with those of a user, each a text and its path.
+    """Return the built-in catalogue with those of the user, each a text and its path.
 
     Raises:
-        MarsError: what is wrong with the user's.
+        MarsError: a catalogue of the user has an error.
     """
     ours = resources.files(__package__).joinpath("catalogue.toml").read_text(encoding="utf-8")
     entries = list(_entries(ours, "catalogue.toml"))
@@ -137,7 +137,7 @@ def _entry(
 
 
 def _topics(listed: object) -> Iterator[InterfaceTopic]:
-    """Yield topics of a table; a number sign in a name stands for any number."""
+    """Yield topics of a table; a number sign in the name of a parameter matches any number."""
     for name, kind in (listed if isinstance(listed, dict) else {}).items():
         match = _BY_PARAMETER.fullmatch(name)
         if match:

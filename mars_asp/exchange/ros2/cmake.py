@@ -1,4 +1,4 @@
-"""Commands of a `CMakeLists.txt`, as far as they say which sources a program has."""
+"""Read the sources of programs, and the installed files, from a `CMakeLists.txt`."""
 
 import posixpath
 import re
@@ -77,7 +77,7 @@ class Installed(NamedTuple):
 
 @dataclass(slots=True)
 class Targets:
-    """Sources of targets, what they link, and which of them are programs and components.
+    """Sources of targets, the targets that they link, and which are programs and components.
 
     `programs` are files that are installed as they are, `started` the components that programs
     start; `installed` are the shared files, and `is_whole` is whether these are all of them.
@@ -133,7 +133,7 @@ def read_cmake(
     files: Mapping[str, Callable[[], str]] | None = None,
     elsewhere: Set[str] = frozenset(),
 ) -> Targets:
-    """Return the targets of a `CMakeLists.txt`; conditions are taken whatever they say.
+    """Return the targets of a `CMakeLists.txt`; all branches of conditions are read.
 
     `files` are the files of the package by their paths in it, each with a function that returns
     its text: included files and those of subfolders are read, and patterns name their files.

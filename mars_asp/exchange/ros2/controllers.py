@@ -40,7 +40,7 @@ _VALUES = {
 
 @dataclass(frozen=True, slots=True)
 class _Spawned:
-    """What a spawner is called with: controllers, the full name of their manager, and more.
+    """The arguments of a spawner: controllers, the full name of their manager, and more.
 
     `type` is empty where parameters give it; `files` are paths as they are written.
     """
@@ -59,16 +59,16 @@ def with_controllers(
     *,
     is_part: bool = False,
 ) -> Iterator[Started | Unread]:
-    """Yield what is started, with controllers in place of what spawns them.
+    """Yield the started nodes, with controllers in place of their spawners.
 
-    A spawner whose manager is started elsewhere stays, as nothing says what its process is given.
+    A spawner whose manager is started elsewhere stays, as the parameters of that are unknown.
 
     Args:
-        started: All that a robot starts.
-        values: The values of the parameters of what is started, by the full name of a node.
-        find: The file of the workspace that a path names.
-        is_part: Whether these are a part of a robot, so that a manager elsewhere counts as one
-            that is given nothing.
+        started: All started nodes of a robot.
+        values: A function from a started node and its full name to the values of its parameters.
+        find: A function from a path to its file in the workspace, or to None.
+        is_part: Whether these are only a part of a robot, so that a manager elsewhere counts as
+            one without parameters and remappings.
     """
     managers = {
         joined(each.namespace, each.name or _PACKAGE): each
@@ -98,7 +98,7 @@ def with_controllers(
 
 
 def _spawned_by(started: Started) -> _Spawned | None:
-    """Return what a node spawns, if it is a spawner."""
+    """Return the arguments of a spawner, or None if the node is not one."""
     if started.package != _PACKAGE or started.executable not in _SPAWNERS:
         return None
     given: dict[str, list[str]] = {}

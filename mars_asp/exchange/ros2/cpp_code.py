@@ -39,7 +39,7 @@ _KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeo
 
 
 class CppCall(NamedTuple):
-    """A call: what is called at which token, its template arguments and its arguments."""
+    """A call: the function's name, its token's index, template arguments and arguments."""
 
     name: str
     at: int
@@ -99,7 +99,7 @@ class CppCode:
     """The tokens of a file, the calls in it and its functions."""
 
     def __init__(self, text: str, path: str, called: Set[str], made: Set[str]) -> None:
-        """Take a text, and the names whose calls are wanted; `made` are types of variables, too."""
+        """Find the calls of the names `called`, and of `made`, which may also declare variables."""
         self.source = Source(path, "c", text.encode())
         stretch = self.source.stretch(0, len(self.source.data), len(self.source.data))
         self.text = stretch.text
@@ -117,7 +117,7 @@ class CppCode:
         return Span(self.source.path, line, column, line, end)
 
     def string(self, token: SourceToken) -> str | None:
-        """Return the text of a token, or None if it is no string."""
+        """Return the text of a token, or None if it is not a string."""
         begin = token.offset
         match = _STRING.fullmatch(self.text[begin : begin + len(token.text)])
         if match is None:
@@ -327,7 +327,7 @@ class CppCode:
 
 
 def _behind_initialisers(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index of the body behind the initialisers of a constructor."""
+    """Return the index of the body after the initialisers of a constructor."""
     most = min(len(tokens), at + _MOST_INITIALISERS)
     while at < most:
         while at < most and text_at(tokens, at) not in ("(", "{", ";"):

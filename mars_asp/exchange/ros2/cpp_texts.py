@@ -205,8 +205,8 @@ class CppTexts:
     def _owners_of(self, file: ScopedCode, at: int, name: str) -> Collection[str]:
         """Return the class or namespace of a name that is not local; an object may be of several.
 
-        An inherited member is that of a base class. What is declared in no file belongs to the
-        class of the function.
+        An inherited member is that of a base class. A name without declaration in the files
+        belongs to the class of the function.
         """
         declared = self._declaring(name)
         sign, owner = text_at(file.tokens, at - 1), text_at(file.tokens, at - 2)

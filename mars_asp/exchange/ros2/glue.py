@@ -1,6 +1,6 @@
-"""Glue that launch files start: what topic_tools, joy_teleop and `rostopic pub` are told to do.
+"""Glue that launch files start: topic_tools, joy_teleop and `rostopic pub`, by their arguments.
 
-How they are called and what they default to: https://github.com/ros-tooling/topic_tools,
+Their arguments and defaults: https://github.com/ros-tooling/topic_tools,
 https://github.com/ros/ros_comm (topic_tools), https://github.com/ros-teleop/teleop_tools,
 https://github.com/ros-teleop/twist_mux (joystick_relay).
 """
@@ -14,10 +14,10 @@ from mars_asp.exchange.ros2.programs import RosProgram
 from mars_asp.model.ranges import NumberProblem
 from mars_asp.model.rates import Rate, read_frequency
 
-#: What a joystick steers, and by what it says so.
+#: The input of a joystick's teleoperation, and the parameters for the types of its outputs.
 _JOYSTICK = InterfaceTopic("joy", "sensor_msgs/msg/Joy")
 _TYPES = ("interface_type", "message_type")
-#: What these add to a topic's name where nothing else is given.
+#: Suffixes that the default names of output topics add to those of input topics.
 _ENDINGS = {"relay": "_relay", "throttle": "_throttle", "drop": "_drop", "delay": "_delay"}
 _COMPONENTS = {
     f"topic_tools::{name.capitalize()}Node": name for name in (*_ENDINGS, "mux", "demux")
@@ -28,9 +28,9 @@ _NONE = "__none"
 
 @dataclass(frozen=True, slots=True)
 class Forward:
-    """What a node hands on, both topics as its program names them, and at most how often.
+    """The forwarding of a topic by a node: both topics as its program names them, maximal rate.
 
-    `left_out` is what else it does: its sort, and what it is called.
+    `left_out` are its other effects, each a sort (in the plural) and a name.
     """
 
     source: str
@@ -42,7 +42,7 @@ class Forward:
 def handed_on(
     program: RosProgram, words: Sequence[str], values: Mapping[str, GivenParameter]
 ) -> Forward | None:
-    """Return what a program hands on, if it is a relay; `words` are its arguments."""
+    """Return the topic that a program forwards, or None; `words` are its arguments."""
     if program.package == "twist_mux" and program.executable.startswith("joystick_relay"):
         left_out = (("locks", "joy_priority"), ("topics of markers", "text_marker"))
         return Forward("joy_vel_in", "joy_vel_out", None, left_out)
@@ -63,10 +63,10 @@ def handed_on(
 def _copied(
     kind: str, words: Sequence[str], values: Mapping[str, GivenParameter]
 ) -> Forward | None:
-    """Return what one topic is handed on as."""
+    """Return the forwarding of a relay, throttle, drop or delay, or None without an input topic."""
     sort, *words = words if kind == "throttle" and words else ("", *words)
     named = _one(values, "throttle_type") or sort or "messages"
-    # How many words say how much is handed on.
+    # The number of words between the input topic and the output topic.
     size = {"relay": 0, "throttle": 1 if named == "messages" else 2, "drop": 2, "delay": 1}[kind]
     source, *amounts = words[: 1 + size] or ("",)
     given = words[1 + size] if len(words) > 1 + size else ""
@@ -87,7 +87,7 @@ def _copied(
 
 
 def _mux(words: Sequence[str], values: Mapping[str, GivenParameter]) -> Forward | None:
-    """Return what a mux hands on at first; a service may select another topic."""
+    """Return the initial forwarding of a mux, or None; a service may select another topic."""
     sources = _several(values, "input_topics") or tuple(words[1:])
     target = _one(values, "output_topic") or next(iter(words), "~/selected")
     first = _one(values, "initial_topic") or next(iter(sources), "")
@@ -96,7 +96,7 @@ def _mux(words: Sequence[str], values: Mapping[str, GivenParameter]) -> Forward 
 
 
 def _demux(words: Sequence[str], values: Mapping[str, GivenParameter]) -> Forward | None:
-    """Return to what a demux hands on at first."""
+    """Return the initial forwarding of a demux, or None; a service may select another topic."""
     targets = _several(values, "output_topics") or tuple(words[1:])
     source = _one(values, "input_topic") or next(iter(words), "~/input")
     first = _one(values, "initial_topic") or next(iter(targets), "")
@@ -124,7 +124,7 @@ def steered(
 
 
 def _published(words: Sequence[str]) -> Interface | None:
-    """Return the topic that `rostopic pub` publishes, as often as it says."""
+    """Return the topic of a call of `rostopic pub`, with its rate if stated, or None."""
     given = iter(words)
     named: list[str] = []
     hz = None

@@ -1,4 +1,4 @@
-"""What a program of a node publishes and hears, by the names that it has for it."""
+"""The topics that the program of a node publishes and subscribes to, as the program names them."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -14,11 +14,11 @@ class InterfaceTopic:
 
     `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
     the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
-    is where the program says so, or None if the catalogue does; `optional` is whether the program
-    works as well without it, `measured` whether it reports a motion, whatever its type; `last` is
-    whether it is published only as the program ends. The program has it only if each parameter of
-    `switches` is true, or false if not `wanted`. `image` is the image topic of a camera's
-    information, which lies beside it even if the image is renamed. `parts` are the texts that make
+    is its location in the program, or None if it comes from the catalogue; `optional` is whether
+    the program works as well without it, `measured` whether it reports a motion, whatever its type;
+    `last` is whether it is published only as the program ends. The program has the topic only if
+    each parameter of `switches` has the paired value. `image` is the image topic of a camera's
+    information, which keeps beside the image if that is renamed. `parts` are the texts that make
     up a name with parameters in it: each a text, or the default of the parameter beside it.
     """
 
@@ -49,7 +49,7 @@ OF_ACTION = ("", "/goal", "/cancel", "/status", "/feedback", "/result")
 class Interface:
     """The topics of a program, the name that it gives its node, and whether it is a guard.
 
-    `unread` is what the program does beside it, and what only a run knows. `clients` is whether
+    `unread` are its other effects, and topics known only at run time. `clients` is whether
     others choose further topics while it runs, `listens` whether they choose its subscriptions,
     `spread` whether it is several nodes, with private topics below the namespace that they are
     given, or else below its name. `names` are those of its services, actions and, in ROS 1,

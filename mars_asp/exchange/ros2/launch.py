@@ -1,4 +1,4 @@
-"""What a launch file starts, with all its includes: nodes by name, namespace and remappings."""
+"""The nodes that a launch file and its includes start, with names, namespaces and remappings."""
 
 import re
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
@@ -67,7 +67,7 @@ _DEEPEST_ARGUMENT = 16
 _PARAMETER_FILES = frozenset({".yaml", ".yml"})
 _MARKUP = frozenset({".xml", ".yaml", ".yml", ".launch", ".test"})
 _PYTHON = re.compile(r"^def generate_launch_description\b", re.MULTILINE)
-#: A word of a command line; blanks in quotes and in what stands for a folder belong to it.
+#: A word of a command line; blanks in quotes and in substitutions (`$(...)`) belong to it.
 _WORD = re.compile(r"""(?:\$\([^)]*\)|'[^']*'|"[^"]*"|\S)+""")
 #: In place of a part of a command that is not known; no path has it.
 _UNKNOWN_WORD = "\0"
@@ -94,7 +94,7 @@ class Started:
 
     `name` is empty where its program decides; `namespace` begins with a slash; `files` are those
     of its parameters, in the workspace; `conditions` decide if it starts;
-    `arguments` are the words behind its program, the unknown ones empty. `has_further_files` is
+    `arguments` are the words after its program, the unknown ones empty. `has_further_files` is
     whether it has files of parameters that are not known, `is_rewritten` whether a launch file
     reads its files as YAML, `is_anonymous` whether launching makes its name unique.
     """
@@ -135,7 +135,7 @@ class _Scope:
     files: tuple[Path, ...] = ()
     parameters: dict[str, GivenParameter] = field(default_factory=dict)
     conditions: tuple[StartCondition, ...] = ()
-    #: Arguments that an including file has set, and what those stand for that it has passed on.
+    #: Arguments that an including file has set, and the variables of those that it forwards.
     fixed: frozenset[str] = frozenset()
     passed: Mapping[str, str] = field(default_factory=dict)
     #: Whether nothing comes from outside but what is passed, as in ROS 1.
@@ -167,7 +167,7 @@ class _Scope:
         """Return the variable that gives an argument its value, or None if a file sets it."""
         if name in self.passed:
             return self.passed[name]
-        # What the environment has comes from outside everywhere.
+        # The environment is the same in every file.
         if name.startswith("env "):
             return name
         return None if self.closed or name in self.fixed else name
@@ -204,10 +204,10 @@ class Launch:
         self._entered: dict[Hashable, _Entered] = {}
 
     def launch(self, file: Path) -> None:
-        """Take up what a launch file starts.
+        """Collect the nodes that a launch file and its includes start.
 
         Raises:
-            MarsError: what is wrong with the file itself.
+            MarsError: the file itself has an error.
         """
         self._walk(self._read_actions(file), _Scope(), (file,))
 
@@ -643,7 +643,7 @@ class Launch:
             is_read = package not in _RECORDERS and before not in _OUTPUTS
             if is_read:
                 self._note_missing(word, action.span, files)
-        # What a program is told in its arguments comes before what launching adds to them.
+        # The name in the arguments of a program wins over that of the launch file.
         entries = {
             s: target for s, _, target in (w.partition(":=") for w in words) if s[:2] == "__"
         }

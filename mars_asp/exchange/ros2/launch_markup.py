@@ -1,4 +1,4 @@
-"""Launch files in XML and YAML, those of ROS 1 too, as actions: elements with attributes."""
+"""Read launch files of ROS 2 in XML and YAML, and of ROS 1, as actions."""
 
 import ast
 import re
@@ -55,7 +55,7 @@ _PASSED = frozenset("env set_env unset_env log sys_setting machine master timer_
 
 @dataclass(frozen=True, slots=True)
 class _Entity:
-    """An element: attributes as they are written, and what stands in it."""
+    """An element: attributes as they are written, child elements, and the fragments of its text."""
 
     name: str
     attributes: Mapping[str, str]
@@ -260,7 +260,7 @@ def _started_node(entity: _Entity, tests: Tests) -> Iterator[Action]:
         if len(load) < 2 or load[0] not in ("load", "standalone"):
             yield NotRead("containers of components", called, entity.span)
             return
-        # ROS 1 names the class of a component behind its package.
+        # ROS 1 writes the class of a component after its package: `package/Class`.
         plugin, executable = True, text_of(load[1])
         package = text_of(load[1].partition("/")[0])
     files, parameters = _given(entity.children)
@@ -369,7 +369,7 @@ def _yaml_parameters(entity: _Entity) -> Iterator[NodeParameter]:
     """Yield the parameters that are written out as YAML within an element of ROS 1.
 
     Raises:
-        MarsError: it is no YAML.
+        MarsError: the text is not YAML.
     """
     if entity.name != "rosparam" or not any(text.strip() for _, _, text in entity.pieces):
         return

@@ -209,7 +209,7 @@ class _LaunchReader(Evaluator):
                 return
 
     def action(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
-        """Yield the actions for which an action stands that does not start a node itself."""
+        """Yield the actions of a call that does not start a node itself."""
         if call.name == "DeclareLaunchArgument":
             return
         tests = (*tests, *tests_of(call.named.get("condition"), call.span))
@@ -403,7 +403,7 @@ class _LaunchReader(Evaluator):
 
 
 def _launched_names(tree: ast.Module) -> Iterator[ast.Name]:
-    """Yield the names in what launching runs of a file, and in the functions that these name."""
+    """Yield the names in statements of a file that launching runs, and in functions they name."""
     functions: dict[str, ast.stmt] = {}
     waiting: list[ast.stmt] = []
     for each in tree.body:

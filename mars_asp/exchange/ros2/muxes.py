@@ -1,6 +1,6 @@
 """The muxes that launch files start, by the names of their topics in the robot.
 
-What they default to: https://github.com/ros-teleop/twist_mux,
+Their defaults: https://github.com/ros-teleop/twist_mux,
 https://github.com/yujinrobot/yujin_ocs (yocs_cmd_vel_mux),
 https://github.com/kobuki-base/cmd_vel_mux, https://github.com/mit-racecar/racecar
 (ackermann_cmd_mux).

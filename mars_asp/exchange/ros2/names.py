@@ -1,8 +1,8 @@
-"""Names of ROS: relative ones, private ones, and what stands for them."""
+"""Names of ROS: relative, private and absolute ones, and renamings."""
 
 from collections.abc import Iterable, Sequence
 
-#: One name and what stands for it, both as they are written.
+#: An old and a new name, both as they are written.
 Renaming = tuple[str, str]
 
 
@@ -14,7 +14,7 @@ def absolute(name: str, namespace: str, node: str) -> str:
 
 
 def joined(namespace: str, name: str) -> str:
-    """Return a name in a namespace; one that begins with a slash stands for itself."""
+    """Return the full name of a name in a namespace; one that begins with a slash is full."""
     if name.startswith("/"):
         return "/" + "/".join(filter(None, name.split("/")))
     parts = [part for part in (*namespace.split("/"), *name.split("/")) if part]

@@ -23,7 +23,7 @@ class GivenParameter(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The value where it is no list."""
+        """The value, or an empty text if it is not a scalar."""
         return self.value.text if isinstance(self.value, Scalar) else ""
 
     @property

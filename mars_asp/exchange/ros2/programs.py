@@ -1,4 +1,4 @@
-"""Programs of a workspace: from a package and an executable to the sources behind them."""
+"""Programs of a workspace: the interface of a package's executable, read from its sources."""
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -48,13 +48,13 @@ _LAUNCHES = re.compile(r"[._]launch\.py$|/launch/[^/]*\.py$")
 _TAKES_ANY = frozenset(
     {"automatically_declare_parameters_from_overrides", "allow_undeclared_parameters"}
 )
-#: Where scripts of a package stand whose installation says no more than their name.
+#: Folders of scripts whose installation states only their name.
 _SCRIPTS = ("scripts", "nodes", "src", "bin", ".")
 
 
 @dataclass(frozen=True, slots=True)
 class RosProgram:
-    """A program that somebody can start."""
+    """A program that launch files can start; a `plugin` is a component, named by its class."""
 
     package: str
     executable: str
@@ -89,7 +89,7 @@ class Programs:
         return self._read[program]
 
     def all(self) -> Iterator[RosProgram]:
-        """Yield every program that a package of the workspace says it has."""
+        """Yield every program that the build files of the workspace's packages declare."""
         for package in self.workspace.packages:
             for name in self._scripts.get(package.folder, {}):
                 yield RosProgram(package.name, name, False)
@@ -244,8 +244,8 @@ class Programs:
     ) -> Interface | None:
         """Return the interface of sources in C++, with the headers that they include.
 
-        Of the `linked` files those count whose own headers are among these: a library may hold
-        other nodes, too.
+        A `linked` file counts only if its own header is among these: a library may also hold
+        other nodes.
         """
         files = list(self._existing_sources(package, sources))
         return self._with_headers(package, files, list(self._existing_sources(package, linked)))
@@ -299,7 +299,7 @@ class Programs:
     def _with_library(self, package: Package, file: Path, component: str) -> Interface | None:
         """Return the interface of a component with the sources of its library.
 
-        Where no target has the file, these are all sources of the package that are no program.
+        Without a target for the file, these are all sources of the package that start no program.
         Sources that register other components are left out, as are the classes of these.
         """
         targets = self.workspace.targets(package)

@@ -50,7 +50,7 @@ MOST_STEPS = 200_000
 
 
 class Evaluator(ExpressionEvaluator[Names]):
-    """Evaluates what a launch file builds."""
+    """Partial evaluation of a launch file in Python: the value of each expression, if known."""
 
     most_steps = MOST_STEPS
     deepest = 150
@@ -92,7 +92,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         return Span(self.path, line, column, last, self.column(last, end))
 
     def column(self, line: int, offset: int) -> int:
-        """Return the column, from 1, that stands a number of bytes into a line."""
+        """Return the column, from 1, of a byte offset in a line."""
         text = self.lines[line - 1] if line <= len(self.lines) else ""
         if text.isascii():
             return offset + 1
@@ -445,15 +445,15 @@ def _decorators(function: ast.FunctionDef) -> set[str]:
     return {each.id for each in function.decorator_list if isinstance(each, ast.Name)}
 
 
-class Leaving(Exception):  # noqa: N818 -- no error, but a way out
-    """Stands for what leaves a part of a launch file before its end."""
+class Leaving(Exception):  # noqa: N818 -- control flow, not an error
+    """The base of the exceptions for statements that leave a block of a launch file early."""
 
 
 class Returned(Leaving):
     """A function returns."""
 
     def __init__(self, value: Value) -> None:
-        """Take what it returns."""
+        """Keep the returned value."""
         super().__init__()
         self.value = value
 

@@ -1,4 +1,4 @@
-"""Sources in Python: their trees, what they import and what stands at their outer level."""
+"""Sources in Python: their syntax trees, imports and top-level definitions."""
 
 import ast
 import re
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-#: What opens a file of the workspace by the name of its module.
+#: A function from the name of a module to its text and shown path, None if not in the workspace.
 Find = Callable[[str], "tuple[str, str] | None"]
 T = TypeVar("T")
 _MOST_FILES = 1000
@@ -40,7 +40,7 @@ class PythonFiles:
     """Reads files by the names of their modules, each once."""
 
     def __init__(self, find: Find) -> None:
-        """Take what finds the text and shown path of a module."""
+        """Take the function that finds the text and shown path of a module."""
         self._find = find
         self._read: dict[str, SourceFile | None] = {}
         self._left = _MOST_FILES
@@ -168,7 +168,7 @@ def _all_statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
 
 
 def dotted_name(node: ast.expr) -> str:
-    """Return a name with its attributes as it is written, empty where it is no such thing."""
+    """Return a dotted name as it is written, or an empty text for any other expression."""
     names: list[str] = []
     while isinstance(node, ast.Attribute):
         names.append(node.attr)
@@ -177,7 +177,7 @@ def dotted_name(node: ast.expr) -> str:
 
 
 def called_name(call: ast.Call) -> str:
-    """Return the last name of what is called."""
+    """Return the last name of the called expression, or an empty text if it has none."""
     if isinstance(call.func, ast.Attribute):
         return call.func.attr
     return call.func.id if isinstance(call.func, ast.Name) else ""

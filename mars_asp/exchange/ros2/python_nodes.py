@@ -1,4 +1,4 @@
-"""What a node of a launch file in Python is given: parameters, files of them and remappings."""
+"""Parameters, parameter files and remappings of a node in a launch file in Python."""
 
 from collections.abc import Iterator, Sequence
 
@@ -51,7 +51,7 @@ def read_by(call: PythonCall) -> Iterator[Reads]:
 
 
 def parameters_of(value: Value, span: Span) -> Iterator[NodeParameter]:
-    """Yield what a dictionary, or a list of pairs, gives; `span` is where it stands."""
+    """Yield the parameters of a dictionary or a list of pairs; `span` is its location."""
     if isinstance(value, MappedValue):
         yield from (parameter_of(((key, span),), given, span) for key, given in value.pairs)
     for item in items_of(value):
@@ -60,7 +60,7 @@ def parameters_of(value: Value, span: Span) -> Iterator[NodeParameter]:
 
 
 def parameter_of(keys: Sequence[tuple[Value, Span]], value: Value, span: Span) -> NodeParameter:
-    """Return a parameter by the steps of its name, with places for what has none of its own."""
+    """Return a parameter by the steps of its name; the spans are for values without a location."""
     steps = tuple((text_from(key), _place_of(key, place)) for key, place in keys)
     # Texts without open parts are a list; with substitutions they are one text.
     items = tuple(map(text_from, value.items)) if isinstance(value, Listed) else ()
@@ -76,7 +76,7 @@ def _place_of(value: Value, otherwise: Span) -> Span:
 
 
 def forced(value: Value, span: Span) -> Iterator[Declare]:
-    """Yield the launch arguments that a dictionary sets; `span` is where it stands."""
+    """Yield the launch arguments that a dictionary sets; `span` is its location."""
     for each in parameters_of(value, span):
         name = plain(each.name)
         if name is not None:

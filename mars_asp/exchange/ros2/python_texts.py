@@ -110,7 +110,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))
 
     def go_to(self, call: ast.Call) -> None:
-        """Evaluate what follows at the location of a call."""
+        """Move later evaluations to the location of a call, with a new limit of steps."""
         self.scope, self.steps = SourceScope(self.places[id(call)]), 0
 
     def rounds_of(self, call: ast.Call) -> Iterator[None]:
@@ -279,7 +279,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return done
 
     def literal_value(self, node: ast.Constant) -> Value:
-        """Return the value of a literal; a truth is no part of a name."""
+        """Return the value of a literal, or None for a boolean, which names never contain."""
         return None if isinstance(node.value, bool) else super().literal_value(node)
 
     def switches(self, call: ast.Call) -> frozenset[tuple[str, bool]]:
@@ -342,7 +342,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         )
 
     def default_of(self, parameter: str, depth: int = 0) -> str | None:
-        """Return the default of a parameter, or None if it is no text or whole number."""
+        """Return the default of a parameter, or None if it is neither a text nor a whole number."""
         default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
         value = None if default is None else self.value(default, self.scope, depth + 1)
         if isinstance(value, Plain) and value.number is not None:

@@ -51,7 +51,7 @@ _KEEPS = frozenset({"perform", "as_posix", "resolve", "absolute"})
 
 @dataclass(frozen=True, slots=True)
 class PythonCall:
-    """A call that was not carried out: what is called, with what."""
+    """A call that was not evaluated: the name of its function, and its arguments."""
 
     name: str
     arguments: "tuple[Value, ...]"
@@ -59,7 +59,7 @@ class PythonCall:
     span: Span
 
     def get(self, name: str, position: int | None = None) -> "Value":
-        """Return an argument by its name or its position; the unknown where there is none."""
+        """Return an argument by its name or its position, or None (unknown) if there is none."""
         if name in self.named:
             return self.named[name]
         if position is not None and position < len(self.arguments):
@@ -84,7 +84,7 @@ class MappedValue:
 
 @dataclass(frozen=True, slots=True)
 class Local:
-    """A function of the file, and the names where it stands."""
+    """A function of the file, and the names that are visible at its definition."""
 
     of: ast.FunctionDef | ast.Lambda
     names: "Names" = field(repr=False, compare=False)
@@ -92,7 +92,7 @@ class Local:
 
 @dataclass(frozen=True, slots=True)
 class NoneValue:
-    """The value `None`, which is false; an unknown value is no object at all."""
+    """The value `None` of a launch file, which is false; Python's None is an unknown value."""
 
     def __bool__(self) -> bool:
         """Return false."""
@@ -141,7 +141,7 @@ class Rewritten:
 
 @dataclass(frozen=True, slots=True)
 class PythonFile:
-    """What a file holds that was opened, or a part of it."""
+    """The content of an opened file, or a part of it."""
 
     text: Text
     span: Span

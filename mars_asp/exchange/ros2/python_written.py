@@ -37,7 +37,10 @@ def defaults_of(node: ast.ClassDef) -> dict[str, ast.expr]:
 def given_by(
     node: ast.ClassDef, call: ast.Call, text: Callable[[ast.expr], str | None]
 ) -> dict[str, ast.expr]:
-    """Return what a call that makes an object gives for the parameters, where that is a text."""
+    """Return the texts that a call of a class passes to its parameters, as literals by name.
+
+    An argument that is not a text is a literal `None`.
+    """
     arguments = _parameters(node)
     names = [] if arguments is None else [each.arg for each in arguments.args[1:]]
     given = [*zip(names, call.args, strict=False)]
@@ -79,7 +82,7 @@ def _parameters(node: ast.ClassDef) -> ast.arguments | None:
 
 
 def distinct(made: Iterable[dict[str, ast.expr]]) -> list[dict[str, ast.expr]]:
-    """Return what objects are made with, each way once."""
+    """Return the arguments of objects without duplicates."""
     found = {tuple((name, ast.dump(value)) for name, value in each.items()): each for each in made}
     return list(found.values())
 

@@ -126,8 +126,8 @@ def import_ros2(
     """Return the configuration of launch files and folders, which make up one robot.
 
     Args:
-        files: Texts and their paths, at least one that is no mux. Of a folder the text is empty;
-            files with the parameters of muxes are for those that are launched without.
+        files: Texts and their paths, at least one that is not a mux file. The text of a folder is
+            empty; mux files apply to muxes that are launched without parameters.
         launch: The launch files to read of folders, each the top of a launch tree; all that no
             other includes if there are none.
         is_excluded: Whether a path in a folder is passed over.
@@ -937,7 +937,7 @@ class _WorkspaceRobot:
         return None
 
     def _parameters_of_mux(self, started: Started, full: str) -> Iterator[MuxParameters]:
-        """Yield what a mux may be given: by its launch file, else by files, else by the user."""
+        """Yield the parameters of a mux: of its launch file, else its files, else the user's."""
         found: list[MuxParameters] = []
         if any(key.partition(".")[0] in SORTS for key in started.parameters):
             values = self._node_parameters(started, full).values()
@@ -955,7 +955,7 @@ class _WorkspaceRobot:
         yield from found or (mux for _, document in self.muxes for mux in document.muxes)
 
     def _muxes(self, read: Callable[[], MuxDocument]) -> Sequence[MuxParameters]:
-        """Return the muxes of parameters, and note what is wrong with these and not read."""
+        """Return the muxes of parameters; note errors, warnings and skipped contents."""
         try:
             document = read()
         except MarsError as error:
@@ -966,7 +966,7 @@ class _WorkspaceRobot:
         return document.muxes
 
     def _note(self) -> None:
-        """Note what was decided: conditions, and what the catalogue says."""
+        """Note the nodes that depend on conditions, and those whose topics are of the catalogue."""
         if self.conditional:
             first, *_ = self.conditional.values()
             verb = "depends" if len(self.conditional) == 1 else "depend"

@@ -175,7 +175,7 @@ def read_cpp(
 
 
 class _CppFile(ScopedCode):
-    """What the calls and functions of a file mean to ROS."""
+    """A file in C++ with the topics, callbacks and nodes that its calls and functions make."""
 
     @cached_property
     def topic_paths(self) -> Sequence[str]:
@@ -185,12 +185,12 @@ class _CppFile(ScopedCode):
 
     @cached_property
     def callbacks(self) -> Mapping[str, str]:
-        """Return the type of the message that each function takes, where it takes one."""
+        """The type of the message by the name of each function that has one parameter."""
         found: dict[str, str] = {}
         for at in self.token_places("Subscriber"):
             end = angle(self.tokens, at + 1)
             if end is not None and is_word(text_at(self.tokens, end)):
-                # A filter of messages, which hears its topic later.
+                # A filter of messages, which gets its topic later.
                 inner = split(self.tokens[at + 2 : min(end - 1, at + _MOST_WORDS)])
                 found |= {text_at(self.tokens, end): joined(first) for first in inner[:1]}
         for body in self.bodies:
@@ -264,7 +264,7 @@ class _CppFile(ScopedCode):
                 published = False
                 name_at = 0 if call.arguments[0][0].text.startswith('"') else 1
             case "Publisher" if kind is not None and len(call.arguments) >= 2:
-                # realtime_tools, for one, has a publisher of its own.
+                # Libraries as realtime_tools have publisher classes of their own.
                 published, name_at = True, 1
             case ("TwistPublisher" | "TwistSubscriber") | "make_unique" | "make_shared":
                 wrapped = call.name if call.name in _TWISTS else (kind or "").rpartition("::")[2]

@@ -1,4 +1,4 @@
-"""What programs in Python publish and hear, by their syntax trees: rclpy and rospy.
+"""Topics that programs in Python (rclpy and rospy) publish and subscribe to, by syntax trees.
 
 From the function that starts a program the classes and functions that it names are followed,
 also into other files of the workspace. A rate is that of the timer whose callback publishes.
@@ -55,7 +55,7 @@ _MOST_FOLLOWED = 100
 _MOST_SHOWN = 60
 #: How many calls of a class or function are looked into.
 _MOST_CALLS = 5000
-#: So many objects of a class are told apart.
+#: How many objects of a class are followed separately.
 _MOST_MADE = 16
 #: Calls that make services and actions: the position of the name, and its keyword.
 _CALLS = {
@@ -78,7 +78,7 @@ _REGISTERING = frozenset({"on_shutdown", "signal", "register"})
 
 
 class _Found(NamedTuple):
-    """A topic that a call makes, the name that keeps what it returns, and its direction."""
+    """A topic that a call makes, the variable of the publisher or subscription, the direction."""
 
     topic: InterfaceTopic
     keeper: str | None
@@ -89,13 +89,13 @@ class PythonPrograms:
     """Reads programs, each file once."""
 
     def __init__(self, find: Find) -> None:
-        """Take what finds the text and shown path of a module."""
+        """Take the function that finds the text and shown path of a module."""
         self._files = PythonFiles(find)
 
     def interface(self, module: str, function: str | None) -> Interface | None:
-        """Return what a function of a module, or else the module as a program, does.
+        """Return the interface of a module started at a function, or None without such a module.
 
-        `None` where the module is not found or not Python.
+        Without a function, or if it is not found, the statements of the module are the program.
         """
         file = self._files.file(module)
         if file is None:
@@ -115,7 +115,7 @@ class PythonPrograms:
 
 
 class _Program:
-    """Follows a program from where it starts, and collects what it does."""
+    """A program, with all classes and functions that are reached from its start."""
 
     def __init__(self, files: PythonFiles, file: SourceFile, function: str | None) -> None:
         self.files = files
@@ -135,7 +135,7 @@ class _Program:
         else:
             self.reach(file, entry)
         if not any(isinstance(node, ast.ClassDef) for _, node in self.reached.values()):
-            # What starts a program need not name it: a loader may.
+            # A program need not name its class of nodes: a loader may start that.
             for node in file.outer.values():
                 self.reach(file, node)
         parts = [
@@ -151,7 +151,7 @@ class _Program:
             replace(each.topic, hz=rates.get(each.keeper or "")) for each in found if each.published
         )
         nodes = [each for part in parts if part.is_node() for each in part.node_names()]
-        # A class that is no node may pass a name to its base class.
+        # A class that is not known as a node may pass a name to its base class.
         nodes = nodes or [each for part in parts for each in part.node_names()][:1]
         names = list(dict.fromkeys(each.name for each in nodes if each.name != _ANY_NAME))
         further = (each for each in nodes if names and each.name != names[0])
@@ -168,7 +168,7 @@ class _Program:
         )
 
     def made_with(self, file: SourceFile, node: ast.AST) -> list[dict[str, ast.expr]]:
-        """Return what the parameters of a class stand for, in each object that is made of it."""
+        """Return the arguments of each object of a class, without duplicates."""
         if not isinstance(node, ast.ClassDef):
             return [{}]
         made = [defaults_of(node)]
@@ -188,7 +188,7 @@ class _Program:
         return distinct(made[1 : _MOST_MADE + 1] or made)
 
     def reach(self, file: SourceFile, node: ast.AST) -> None:
-        """Take up a part of a program and what it names."""
+        """Add a function, class or statement, and all definitions that are reached from it."""
         waiting = [(file, node)]
         while waiting:
             of, part = waiting.pop()
@@ -197,11 +197,11 @@ class _Program:
                 continue
             self.reached[key] = of, part
             targets = (self.target(of, name) for name in self.files.mentioned(part))
-            # What is named first is followed first.
+            # The stack returns the last item first; names are followed in their order in the text.
             waiting += reversed([target for target in targets if target is not None])
 
     def target(self, file: SourceFile, name: str) -> tuple[SourceFile, ast.AST] | None:
-        """Return the function or class of the workspace that a name stands for."""
+        """Return the function or class of the workspace with a name in a file, or None."""
         first, *rest = name.split(".")
         if first in file.outer:
             return file, file.outer[first]
@@ -382,7 +382,7 @@ class _Unit(PythonTexts):
         return found
 
     def timers(self) -> Iterator[tuple[Fraction, list[ast.AST]]]:
-        """Yield the rate of each timer, and what it calls."""
+        """Yield the rate of each timer or `Rate`, with its callbacks or the functions around it."""
         for call, _ in self.calls[:_MOST_CALLS]:
             self.go_to(call)
             name = called_name(call)
@@ -405,14 +405,14 @@ class _Unit(PythonTexts):
         return (*self.scopes.functions,) or (self.node,)
 
     def functions(self, callback: ast.expr) -> list[ast.AST]:
-        """Return what a callback is."""
+        """Return the definitions of a callback: a lambda, or functions of its name."""
         if isinstance(callback, ast.Lambda):
             return [callback]
         last = dotted_name(callback).rpartition(".")[2]
         return [each for each in self.bodies if getattr(each, "name", None) == last]
 
     def publishing(self, functions: Iterable[ast.AST]) -> Iterator[str]:
-        """Yield what keeps the publishers on which functions, and those that they call, publish."""
+        """Yield the variables of publishers on which functions, or methods they call, publish."""
         waiting, seen = list(functions), set[int]()
         by_name = {getattr(each, "name", ""): each for each in self.bodies}
         while waiting and len(seen) < _MOST_FOLLOWED:
@@ -424,7 +424,7 @@ class _Unit(PythonTexts):
                 waiting += (by_name[name] for name in called if name in by_name)
 
     def doing(self, function: ast.AST) -> tuple[frozenset[str], frozenset[str]]:
-        """Return what keeps the publishers on which a function publishes, and what it calls."""
+        """Return the variables on which a function publishes, and the own methods it calls."""
         if id(function) not in self._done:
             keepers, called = set[str](), set[str]()
             for each in ast.walk(function):
@@ -438,7 +438,7 @@ class _Unit(PythonTexts):
         return self._done[id(function)]
 
     def is_node(self) -> bool:
-        """Whether this is a class of nodes, by the name of what it is made from."""
+        """Whether this is a class of nodes: the name of a base class ends with `Node`."""
         bases = self.node.bases if isinstance(self.node, ast.ClassDef) else []
         return any((self.type(base) or "").endswith("Node") for base in bases)
 

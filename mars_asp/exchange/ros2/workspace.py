@@ -1,6 +1,6 @@
-"""The files of a workspace: found below its folder, read within limits, never through its walls.
+"""The files of a workspace: found below its folder and read within limits.
 
-Nothing that lies elsewhere is read, whatever a path or a symbolic link says.
+No path and no symbolic link leads to a file outside the folder.
 """
 
 import os
@@ -35,7 +35,7 @@ _SKIPPED = frozenset(
     {"build", "install", "log", "devel", "node_modules", "__pycache__", "templates"}
     | {"test", "tests"}
 )
-#: Files that mark a folder as not to be built; its files say the same once more, or nothing.
+#: The start of a path in the share folder of a package, as launch files write it.
 _SHARE = re.compile(
     r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/\1(?=/|$))?/?"
 )
@@ -143,10 +143,10 @@ class Workspace:
         deep: bool = True,
         is_excluded: IsExcluded = nothing_excluded,
     ) -> None:
-        """Take the folder that holds everything, and a path by which the user named it.
+        """Take the folder of the workspace, and the path by which the user named it.
 
-        `deep` is whether packages are looked for in the folders below, too; `is_excluded` whether
-        a path in it is passed over.
+        `deep` is whether packages are also searched in the folders below; `is_excluded` whether
+        a path in the workspace is skipped.
         """
         self._is_excluded = is_excluded
         self.root = root.resolve()
@@ -156,7 +156,7 @@ class Workspace:
         self._is_absolute = Path(named).is_absolute()
         self._marked: set[Path] = set()
         self._ignoring: list[Path] = []
-        #: The files below the folder that are no links.
+        #: The files below the folder that are not links.
         self._own: set[Path] = set()
         # Many launch files, and many branches of one, name the same files.
         self.find = cache(self._find)
@@ -650,7 +650,7 @@ class Workspace:
         r"""Return the text of a file, with `\n` for every line end.
 
         Raises:
-            MarsError: it is too large, cannot be read, or is no text.
+            MarsError: the file is too large, cannot be read, or is not a text.
         """
         if file not in self._texts:
             shown = self.shown(file)
