@@ -18,9 +18,10 @@ def is_plain(mux: Mux) -> bool:
 
 
 def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
-    """Return a mux with the inputs of another in the place of one, or None if that cannot be.
+    """Return `outer` with the inputs of `inner` in place of `slot`, or None if it is impossible.
 
-    So it is where they decide differently, or another input ties with that one.
+    It is impossible if their engines differ, the inner mux is not plain, a priority gets too high
+    or another input has the priority of `slot`.
     """
     ties = sum(each.priority == slot.priority for each in outer.inputs) > 1
     ranks = sorted({each.priority for each in inner.inputs}) or [slot.priority]
@@ -29,7 +30,7 @@ def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
     higher = [each.priority for each in outer.inputs if each.priority > slot.priority]
     lower = [each.priority for each in outer.inputs if each.priority < slot.priority]
     ceiling = min(higher, default=MOST + 1)
-    # Numbers stay as they are written where that is the order, too.
+    # Priorities stay as written where they already give the order of the cascade.
     fits = max(lower, default=-1) < ranks[0] and ranks[-1] < ceiling
     lift = 0 if fits else max(0, len(ranks) - (ceiling - slot.priority))
     if max(higher, default=0) + lift > MOST or slot.priority + len(ranks) - 1 > MOST:

@@ -1,4 +1,4 @@
-"""The elements of an XML document with the places where they stand."""
+"""The elements of an XML document with their locations."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,15 +7,15 @@ from xml.parsers import expat
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
-#: A robot, its links and joints, and what stands directly in these; visuals lie deeper.
+#: A robot, its links and joints, and the direct children of these; geometry is deeper.
 _DEEPEST = 3
 
 
 @dataclass(frozen=True, slots=True)
 class XmlElement:
-    """An element: its name, attributes, place (of its `<`), the elements and the text in it.
+    """An element: its name, attributes, location (of its `<`), child elements and text.
 
-    Each piece of the text stands with its line and the columns before it.
+    `pieces` are the fragments of its text, each with its line and the number of columns before it.
     """
 
     name: str
@@ -34,11 +34,11 @@ def read_elements(
 ) -> XmlElement:
     """Return the root of a document with the elements of its upper levels.
 
-    Document types are refused: entities live there, and nothing of a robot does. `whole` is whether
-    what is deeper is refused, too; `code` is that of errors.
+    Document types are refused: they declare entities, which no robot needs. With `whole`, text is
+    kept, and elements deeper than `deepest` are errors and not ignored; `code` is that of errors.
 
     Raises:
-        MarsError: the text is no XML, or has a document type.
+        MarsError: the text is not XML, has a document type, or (with `whole`) is nested too deep.
     """
     parser = expat.ParserCreate()
     open_elements: list[XmlElement] = []
@@ -71,7 +71,7 @@ def read_elements(
         depth -= 1
 
     def refuse(*_: object) -> NoReturn:
-        # The parser tells this at the end of the name, in bytes.
+        # The parser calls this at the end of the name, and its index counts bytes.
         before = text.encode()[: parser.CurrentByteIndex]
         lines = before.rpartition(b"<!DOCTYPE")[0].decode().split("\n")
         place = point(path, len(lines), len(lines[-1]) + 1)
@@ -94,5 +94,5 @@ def read_elements(
         place = point(path, error.lineno, error.offset + 1)
         message = f"the file is not XML: {expat.errors.messages[error.code]}"
         raise MarsError((Diagnostic(code, "error", message, place),)) from None
-    assert root is not None  # a document without a root is no XML
+    assert root is not None  # expat refuses a document without a root
     return root

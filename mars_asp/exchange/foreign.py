@@ -20,7 +20,7 @@ READERS: Mapping[str, tuple[str, str]] = {
     "dora": ("mars_asp.exchange.dora", "import_dora"),
     "ros2": ("mars_asp.exchange.ros2", "import_ros2"),
 }
-#: Formats whose files say more of what another format reads: the first of these reads them, too.
+#: Formats whose files add to those of other formats: the first of these that is present reads both.
 _READ_WITH: Mapping[str, tuple[str, ...]] = {"twist_mux": ("ros2", "rosgraph")}
 
 
@@ -37,7 +37,7 @@ def read_foreign(
     launch: Sequence[str] = (),
     is_excluded: IsExcluded = nothing_excluded,
 ) -> Parsed:
-    """Return the configuration of files that together are one robot; of a mux what it is for.
+    """Return the one configuration of a robot that is described by several files.
 
     Args:
         files: The files, at least one.
@@ -45,7 +45,7 @@ def read_foreign(
         is_excluded: Whether a path in a folder is passed over.
 
     Raises:
-        MarsError: all that is wrong with them.
+        MarsError: all errors of the files.
     """
     found: list[Parsed] = []
     problems: list[Diagnostic] = []
@@ -64,7 +64,7 @@ def read_foreign(
             problems += error.diagnostics
     if problems:
         raise MarsError(problems)
-    # Of nodes and links in one robot, what is asked of topics is asked of the nodes.
+    # A robot of nodes and links is checked as one of nodes: URDF has no topics.
     origin = next((each for each in formats if each != "urdf"), files[0].format)
     parsed = united(found)
     return parsed._replace(configuration=replace(parsed.configuration, origin=origin))

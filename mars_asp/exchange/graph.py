@@ -1,4 +1,4 @@
-"""Nodes, muxes and relays that exchange topics: what launch files and graph dumps have alike."""
+"""Nodes, muxes and relays that exchange topics, shared by readers of launch files and dumps."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -7,11 +7,11 @@ from itertools import chain
 from mars_asp.annotations.types import representation
 from mars_asp.model.graph import Endpoint, Graph, GraphNode
 
-#: Messages that tell somebody to move; a joystick's are none, as no base obeys them.
+#: Message types that command a motion; `Joy` is not one of them, as no base obeys it.
 COMMANDS = frozenset(
     {"Twist", "TwistStamped", "AckermannDrive", "AckermannDriveStamped", "JointTrajectory"}
 )
-#: What dumps write where a type is not known.
+#: Texts in dumps for an unknown type.
 _NO_TYPES = frozenset({"", "*", "any", "unknown", "unknown type"})
 
 
@@ -62,20 +62,20 @@ def represented(written: str | None) -> str | None:
 
 
 def is_command(written: str | None) -> bool:
-    """Whether a message of a type tells somebody to move."""
+    """Whether a message type commands a motion."""
     known = represented(written)
     return known is not None and known.rpartition("::")[2] in COMMANDS
 
 
 def typed(nodes: Sequence[GraphNode]) -> tuple[GraphNode, ...]:
-    """Return nodes with the types of what is relayed, as far as another node knows them."""
+    """Return the nodes, with types for the topics of relays where another node states them."""
     relays = [node for node in nodes if node.relays]
     types: dict[str, str] = {}
     for node in nodes if relays else ():
         for end in (*node.published, *node.subscribed):
             if end.type is not None and represented(end.type) is not None:
                 types.setdefault(end.topic, end.type)
-    # A chain of relays hands a type on by one relay each time.
+    # In a chain of relays each round can forward a type by only one relay.
     for _ in relays:
         known = len(types)
         for node in relays:

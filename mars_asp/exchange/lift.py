@@ -1,7 +1,7 @@
 """Glue that a robot has already, as nodes of a specification.
 
-That is muxes, throttles, and what a middleware does by itself: it hands an output to all who
-subscribe to it, and the commands of all publishers to whom they are for, where the latest wins.
+That is muxes, throttles, and the work of the middleware: it delivers an output to all subscribers,
+and the commands of all publishers to each subscriber, where the latest one wins.
 """
 
 from collections import defaultdict
@@ -79,7 +79,10 @@ def _arbiter_lines(
     name_inner: Callable[[Inner], str],
     lines: list[Relationship],
 ) -> Iterator[tuple[int | None, tuple[str, int | None]]]:
-    """Yield for each number of a cascade its arbiter and what is written; add those within."""
+    """Yield each number of a cascade with its arbiter and its written priority.
+
+    Add to `lines` the control of each outer arbiter by the inner one.
+    """
     for number, written in mux.numbers:
         yield number, (arbiter, written)
     for each in mux.inner:
@@ -221,7 +224,7 @@ class _Nodes:
 
 
 def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
-    """Yield lines with a splitter behind each output that several take, or one at a lower rate."""
+    """Yield the edges, with a splitter after each output of several readers or of a lower rate."""
     takers: dict[tuple[str, str | None], list[Data]] = defaultdict(list)
     for line in lines:
         if isinstance(line, Data):
@@ -242,7 +245,7 @@ def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationsh
 
 
 def _arbitrated(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
-    """Yield lines with an arbiter before what several command, one where these are the same."""
+    """Yield the edges, with one arbiter for all modules that have the same several controllers."""
     commanding: dict[str, list[Control]] = defaultdict(list)
     for line in lines:
         if isinstance(line, Control):
@@ -269,7 +272,10 @@ def _arbitrated(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relati
 
 
 def _commanded(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
-    """Yield lines with a splitter behind each controller of several that is no splitter."""
+    """Yield the edges, with a splitter after each module that controls several others.
+
+    Introduced nodes get none.
+    """
     commanded: dict[str, list[Control]] = defaultdict(list)
     for line in lines:
         if isinstance(line, Control):

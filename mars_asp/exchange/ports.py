@@ -1,4 +1,4 @@
-"""Modules by the ports that somebody else's file gives them, each a service of its own."""
+"""Services of modules that are read from foreign files: one for each port."""
 
 import re
 from fractions import Fraction

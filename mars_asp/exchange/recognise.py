@@ -1,4 +1,4 @@
-"""Which format a text is in, told by what it says."""
+"""Detect the format of a text by its content."""
 
 import re
 from collections.abc import Mapping
@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 from mars_asp.model.declarations import FOREIGN
 
-#: The formats of robots that can stand where a `.mars` file does.
+#: The formats of robots that commands accept in place of a `.mars` file.
 FORMATS = ("mars", *FOREIGN)
-#: Others' files show what they are in so many characters, and none takes long to be looked at.
+#: Foreign files show their format in so many characters; the limit keeps the search fast.
 _HEAD = 256 * 1024
 
 
 class _Sign(NamedTuple):
-    """A pattern, and words of which each match has one: to look for words is much faster."""
+    """A pattern, and words of which each match contains one: their search is much faster."""
 
     pattern: str
     words: tuple[str, ...]
@@ -42,25 +42,25 @@ def key_pattern(names: str) -> str:
     return rf"{begin}[\"']?(?:{names})[\"']?[ \t]{{0,8}}:"
 
 
-#: What may stand before the root of a document in XML.
+#: The contents that XML allows before the root of a document.
 _PROLOG = r"\A\ufeff?(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+"
 
 
 def _root(name: str) -> str:
     """Return a pattern for a document up to its root, also after a document type.
 
-    Readers refuse document types, but what is refused is known by its root, too.
+    Readers refuse document types, but the error has to come from the reader of the right format.
     """
     root = rf"<{name}[\s/>]"
     return rf"{_PROLOG}(?:<!DOCTYPE\b(?:[^<]|<(?!{name}[\s/>]))*+)?{root}"
 
 
-#: What a launch file says: in Python a function, in XML its root, in YAML its first key.
+#: The sign of a launch file: in Python a function, in XML its root, in YAML its first key.
 _LAUNCH = _Sign(
     rf"(?m)^def generate_launch_description\b|^launch:|{_root('launch')}",
     ("def generate_launch_description", "launch:", "<launch"),
 )
-#: What begins a document of URDF, expanded or not.
+#: The beginning of a document of URDF, expanded or not.
 _URDF = _root("robot")
 _NODES = _Sign(r"(?m)(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:", ("nodes",))
 _ID = _Sign(key_pattern("id"), ("id",))
@@ -102,7 +102,7 @@ def is_launch(text: str) -> bool:
 
 
 def recognised(text: str) -> str:
-    """Return the format that a text is in, `mars` where it is no other that is known."""
+    """Return the format of a text, `mars` if it has the signs of none of the foreign ones."""
     if _OURS.is_in(text):
         return "mars"
     if is_launch(text):

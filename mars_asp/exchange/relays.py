@@ -1,6 +1,6 @@
-"""Relays between topics, contracted: who hears what they hand on hears where it came from.
+"""Relays between topics, contracted: a reader of a relay is connected to the original publisher.
 
-A relay that hears nothing, or that nothing hears, stays a node, so that its loose end is found.
+A relay without a publisher or without a reader stays a node, so that its unconnected end is found.
 """
 
 from collections import defaultdict
@@ -16,7 +16,7 @@ from mars_asp.model.graph import Endpoint, Graph, GraphNode, Relay
 
 
 class Passage(NamedTuple):
-    """A way from a topic over relays to another: the last one's place, and the lowest rate."""
+    """A path over relays from a topic to another: the location of the last, and the lowest rate."""
 
     source: str
     target: str
@@ -75,7 +75,7 @@ def _relay_node(relay: Relay) -> GraphNode:
 
 
 def _passages(relays: Iterable[Relay], sent: Collection[str]) -> Iterator[Passage]:
-    """Yield the ways from each topic that somebody sends."""
+    """Yield the paths over relays from each topic that is published."""
     after = defaultdict[str, list[Relay]](list)
     for relay in relays:
         after[relay.source].append(relay)

@@ -1,4 +1,4 @@
-"""Nodes that exchange topics, as a configuration: what ROS launch files and graph dumps have alike.
+"""Turn a graph of nodes and topics, of ROS launch files or graph dumps, into a configuration.
 
 A node is a module and each of its topics a port. A topic of a command type, from A to B, is
 `B is_controlled_by A`; every other one is `B uses_data_from A`. Topics that every node has for its
@@ -43,7 +43,7 @@ _DEBUG = re.compile(r"(?:^|[/_])debug(?:[/_]|$)", re.IGNORECASE)
 
 
 class MappedGraph(NamedTuple):
-    """A configuration, and what of the graph is not in it."""
+    """A configuration, and the contents of the graph that are not in it."""
 
     configuration: Configuration
     unread: tuple[Unread, ...]
@@ -58,7 +58,7 @@ class _End(NamedTuple):
 
     @property
     def span(self) -> Span:
-        """What an owner would change for another topic to have this end."""
+        """The location to edit to connect this end to another topic."""
         return self.end.span if self.passage is None else self.passage.span
 
     def lowered(self) -> Fraction | None:
@@ -80,13 +80,13 @@ def end_of(topic: str) -> str:
 def configuration_of(graph: Graph) -> MappedGraph:
     """Return the configuration of a graph: hierarchical, its known nodes described.
 
-    What listens to a command topic is controlled by what publishes on it; where nothing listens, a
-    module that is named like the topic is. A mux is contracted into the priorities of what it
-    controls, unless something goes past it; then it is a module. Relays are contracted into what
-    they connect.
+    The subscribers of a command topic are controlled by its publishers; without subscribers, a
+    module with the name of the topic is. A mux is contracted into priorities of the module that it
+    controls, unless another command bypasses it; then it is a module. Relays are contracted into
+    relationships.
 
     Raises:
-        MarsError: there are more wires than a robot has.
+        MarsError: there are more paths over relays than a robot has.
     """
     unread: list[Unread] = []
     graph, passages, relays = contracted(graph)
@@ -153,7 +153,7 @@ def _cascaded(
 
 
 class _Wiring:
-    """Who publishes and who hears each topic, and which topics are commands."""
+    """The publishers and subscribers of each topic, and which topics are commands."""
 
     def __init__(
         self,
@@ -191,7 +191,7 @@ class _Wiring:
         self.commands = reached(typed | self.heard | self.outputs.keys(), ways)
 
     def _pass_on(self, passages: Sequence[Passage]) -> None:
-        """Let what is sent on a topic be sent where passages lead from it."""
+        """Add the publishers and muxes of each topic to the topics that its passages end at."""
         sent = {
             passage.source: tuple(self.published.get(passage.source, ())) for passage in passages
         }
@@ -239,9 +239,9 @@ class _Wiring:
 
 
 def _without_dropped(node: GraphNode, sent: Collection[str], unread: list[Unread]) -> GraphNode:
-    """Return a node without the topics that no robot is about, each of which is noted once.
+    """Return a node without debug and administrative topics, and note each of these once.
 
-    Nor does it hear optional ones that nobody has `sent`.
+    Optional subscriptions to topics that are not in `sent` are left out without a note.
     """
     noted = {each.name for each in unread}
 
@@ -269,7 +269,7 @@ def _taking_part(nodes: Iterable[GraphNode], unread: list[Unread]) -> Iterator[G
 
 
 def _dropped(topic: str) -> str | None:
-    """Return as what sort of topic one is left out, if it is."""
+    """Return the sort of a topic that is left out (in the plural), or None if it is kept."""
     if "_action" in topic.split("/") or topic.endswith("/action_topics"):
         return "topics of actions"
     if topic.rpartition("/")[2] in _MIDDLEWARE:
@@ -278,7 +278,7 @@ def _dropped(topic: str) -> str | None:
 
 
 def _control_lines(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[Name]]:
-    """Return who commands whom, the muxes on the way, and the modules that no node is."""
+    """Return the controls between modules, their muxes, and the modules that are not nodes."""
     found: dict[tuple[str, str, int], Control] = {}
     muxed: list[Muxed] = []
     ends: list[Name] = []
@@ -316,9 +316,9 @@ def _muxed(module: str, mux: Mux, topic: str) -> Muxed:
 
 
 def _mux_controls(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
-    """Yield a control of each input of a mux: by what is behind it, or else by its own name.
+    """Yield the controls of each input of a mux: by its publishers, or else by its own name.
 
-    One publisher stands where the mux ranks it; of several each stands where it publishes.
+    The location is the input of the mux, or, of several publishers, where each publishes.
     """
     for each in mux.inputs:
         after = [(p.node, p.span) for p in wiring.published.get(each.topic, ())]
@@ -343,9 +343,9 @@ def _wires(wiring: _Wiring, nodes: Sequence[GraphNode]) -> Iterator[Data]:
             port = end.topic
             sources = wiring.published.get(port, ())
             for source in sources:
-                # What ran took its own data, too; it would be missing otherwise.
+                # An observed node did receive its own data: without this they would be missing.
                 if source.node != node.name or wiring.observed:
-                    # Where several publish, each is to be told from the others.
+                    # The locations of several publishers have to differ.
                     hz = source.lowered()
                     yield Data(
                         node.name,
@@ -359,7 +359,7 @@ def _wires(wiring: _Wiring, nodes: Sequence[GraphNode]) -> Iterator[Data]:
 
 
 class _Loose(NamedTuple):
-    """Command topics that only one side knows: what listens in vain, and what is not heard."""
+    """Command topics of one side only: inputs without publisher, outputs without subscriber."""
 
     inputs: frozenset[str]
     outputs: frozenset[str]
@@ -378,9 +378,9 @@ def _loose_commands(wiring: _Wiring) -> _Loose:
 
 
 def _module_of_node(node: GraphNode, wiring: _Wiring, loose: _Loose) -> Module | None:
-    """Return the module that a node is, as far as it exchanges data or sends commands.
+    """Return the module of a node, or None if it neither exchanges data nor sends commands.
 
-    What only obeys stays undescribed, as no graph says how it moves.
+    A node that only obeys commands has no description, as no graph states how it moves.
     """
     services: list[Service] = []
     commanding = [end for end in node.published if end.topic in wiring.commands]

@@ -1,4 +1,4 @@
-"""What several files say of one robot, as one configuration."""
+"""Merge the configurations of several files of one robot."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -9,7 +9,7 @@ from mars_asp.model.declarations import Module, Name
 
 
 def united(parts: Sequence[Parsed]) -> Parsed:
-    """Return parts of one robot as one; modules of the same name are the same module."""
+    """Return the configurations of one robot as one; modules of one name are the same module."""
     if len(parts) == 1:
         return parts[0]
     first, *others = (part.configuration for part in parts)

@@ -1,4 +1,4 @@
-"""What was not read of a file: grouped, counted, and with the places where it stands."""
+"""Contents of a file that were not read: grouped and counted, with their locations."""
 
 from collections.abc import Iterable, Iterator
 from itertools import groupby
@@ -26,7 +26,7 @@ _MOST_PLACES = 100
 
 
 class Unread(NamedTuple):
-    """Something that was not read: what sort of thing, in the plural, its name and place."""
+    """Skipped contents of a file: their sort (in the plural), name and location."""
 
     sort: str
     name: str
@@ -34,7 +34,7 @@ class Unread(NamedTuple):
 
 
 def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
-    """Yield for each sort of thing how many were not read, and where they stand."""
+    """Yield one note for each sort of skipped contents, with their number and locations."""
     for sort, group in groupby(sorted(unread, key=attrgetter("sort", "span")), attrgetter("sort")):
         first, *others = group
         names = list(dict.fromkeys(f"`{each.name}`" for each in (first, *others)))

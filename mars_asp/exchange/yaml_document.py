@@ -1,6 +1,6 @@
-"""YAML as plain nodes with their places; no value is ever made of it.
+"""YAML as plain nodes with their locations; scalars stay texts.
 
-Of YAML what robots' files use is read: one document of maps with plain keys, lists and scalars.
+Only the YAML of robots' files is read: one document of maps with plain keys, lists and scalars.
 It is read event by event, so that neither depth nor aliases cost more than their limits.
 """
 
@@ -19,7 +19,7 @@ _LIBYAML: type[yaml.SafeLoader] | None = getattr(yaml, "CSafeLoader", None)
 #: A file of parameters has some hundred lines.
 MOST_BYTES = 256 * 1024
 MOST_DEPTH = 64
-#: How many nodes there may be with each alias counted as what it stands for.
+#: The limit of nodes, where each alias counts as many as the value that it repeats.
 MOST_NODES = 100_000
 #: The same for the dump of a graph, which a program wrote.
 MOST_BYTES_OF_DUMP = 16 * 1024 * 1024
@@ -48,7 +48,7 @@ class Items:
 
 @dataclass(frozen=True, slots=True)
 class Pairs:
-    """A map, its keys in the order of the file; merged ones (`<<`) stand at their own places."""
+    """A map, its keys in the order of the file; merged keys (`<<`) keep their own locations."""
 
     pairs: tuple[tuple[Scalar, "Node"], ...]
     span: Span
@@ -101,7 +101,7 @@ def read_yaml(
             (https://github.com/ros2/rcl, rcl_yaml_param_parser, `parse_key`).
 
     Raises:
-        MarsError: what is wrong with it: the first error of its syntax, or all repeated keys.
+        MarsError: the first error of the syntax, or all repeated keys.
     """
     allows_copies = repeated is not None
     read = partial(
@@ -206,7 +206,7 @@ class _YamlReader:
         """Take the next event.
 
         Raises:
-            MarsError: what is read no further.
+            MarsError: the event is an error, so that reading stops.
         """
         span = self.span(event)
         self.check_tag(event, span)
@@ -245,7 +245,7 @@ class _YamlReader:
                 self.add(node, closed.size, span)
 
     def span(self, event: yaml.Event) -> Span:
-        """Return where an event stands."""
+        """Return the location of an event."""
         start, end = event.start_mark, event.end_mark
         if start is None or end is None:
             return point(self.path, *self.begins)
@@ -257,7 +257,7 @@ class _YamlReader:
         return first + line, column + (before if line == 0 else 1)
 
     def check_tag(self, event: yaml.Event, span: Span) -> None:
-        """Raise for a tag that asks for more than plain values."""
+        """Raise an error if an event has a tag that is neither of plain values nor of angles."""
         tag = getattr(event, "tag", None)
         if tag is not None and tag != "!" and tag not in _TAGS | _ANGLES:
             raise _yaml_error(
@@ -265,12 +265,12 @@ class _YamlReader:
             )
 
     def keep(self, anchor: str | None, node: Node, size: int) -> None:
-        """Keep what aliases may stand for."""
+        """Store a node under its anchor, so that aliases can repeat it."""
         if anchor is not None:
             self.anchored[anchor] = node, size
 
     def add(self, node: Node, size: int, span: Span) -> None:
-        """Add a complete node to what it stands in."""
+        """Add a complete node to the open list or map around it, or make it the root."""
         if not self.open:
             before = self.root.pairs if isinstance(self.root, Pairs) else ()
             self.root = (
@@ -361,7 +361,7 @@ def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:
 
 
 def part_of(key: Scalar, start: int, end: int) -> Span:
-    """Return where the characters from `start` to before `end` of a plain key stand."""
+    """Return the location of the characters from `start` to before `end` of a plain key."""
     span = key.span
     if key.quoted or span.line != span.end_line:
         return span

@@ -47,7 +47,7 @@ _RUNNING_ALL = frozenset(
 _SETTLED = _WIRING | _RUNNING
 #: An output may carry what a node prints or logs.
 _PRINTED = ("send_stdout_as", "send_logs_as")
-#: What of an input is no source.
+#: Keys of an input beside its source, with their names in notes.
 _SETTINGS = {"queue_size": "queue sizes", "input_timeout": "timeouts of inputs"}
 #: Nodes whose files are elsewhere, or that have none.
 _ELSEWHERE = frozenset("git hub module ros2 deploy _unstable_deploy".split())
@@ -112,7 +112,7 @@ class Worker:
 
 @dataclass(frozen=True, slots=True)
 class Dataflow:
-    """What takes part in a dataflow, and what was not read of it."""
+    """The workers (nodes and operators) of a dataflow file, and its contents that were not read."""
 
     workers: tuple[Worker, ...]
     unread: tuple[Unread, ...]
@@ -122,7 +122,7 @@ def read_dataflow(text: str, path: str) -> Dataflow:
     """Return the dataflow of a file.
 
     Raises:
-        MarsError: it is no YAML, or all that is wrong with its nodes.
+        MarsError: the text is not YAML, or nodes have errors (all of them are listed).
     """
     reader = _DataflowReader()
     reader.read(read_dump(text, path))
@@ -132,7 +132,7 @@ def read_dataflow(text: str, path: str) -> Dataflow:
 
 
 class _DataflowReader:
-    """Collects what takes part in a dataflow."""
+    """A reader that collects the workers, skipped contents and errors of a dataflow file."""
 
     def __init__(self) -> None:
         self.workers: dict[str, Worker] = {}
@@ -294,7 +294,7 @@ class _DataflowReader:
         )
 
     def outputs(self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]) -> Iterator[Scalar]:
-        """Yield the outputs of a node, also that which carries what it prints."""
+        """Yield the outputs of a node, also those that carry its standard output or its logs."""
         listed = list(self.listed_outputs(name, pairs))
         yield from listed
         for key in _PRINTED:
@@ -443,7 +443,7 @@ def _by_key(node: Node) -> dict[str, tuple[Scalar, Node]]:
 
 
 def _is_empty(node: Node) -> bool:
-    """Whether nothing stands behind a key."""
+    """Whether the value of a key is empty or null."""
     return isinstance(node, Scalar) and not node.quoted and node.text in ("", "~", "null")
 
 

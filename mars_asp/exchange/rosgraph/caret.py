@@ -1,4 +1,4 @@
-"""The architecture files of CARET: nodes with their callbacks, and who calls back at which period.
+"""The architecture files of CARET: nodes with their callbacks, and the periods of timers.
 
 https://tier4.github.io/caret_doc/main/design/configuration/architecture_file/; files of older
 versions have `publish` for `publishes`, and subscriptions among the callbacks alone.
@@ -18,7 +18,7 @@ _UNDEFINED = "UNDEFINED"
 _MESSAGE = re.compile(r"(\w+)::msg::(\w+)")
 _NANOSECONDS = 1_000_000_000
 _MOST_DIGITS = 18
-#: Of a rate that is no whole number of milliseconds so many decimals are kept.
+#: The decimals of a rate whose period is not a whole number of milliseconds.
 _DECIMALS = 4
 
 
@@ -26,7 +26,7 @@ def read_caret(text: str, path: str) -> Dump:
     """Return the graph of an architecture file.
 
     Raises:
-        MarsError: it is no YAML.
+        MarsError: the text is not YAML.
     """
     dump = Dump()
     root = read_dump(text, path)
@@ -51,7 +51,7 @@ def read_caret(text: str, path: str) -> Dump:
 
 
 def _read_node(dump: Dump, node: Pairs, name: str) -> None:
-    """Add what a node publishes and subscribes to."""
+    """Add the topics that a node publishes and subscribes to."""
     rates: dict[str, Rate] = {}
     types: dict[str, str | None] = {}
     callbacks = list(maps(dump, value(node, "callbacks"), "callbacks"))
@@ -84,7 +84,7 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
         if topic is not None and topic.text != _UNDEFINED:
             by = _callback_names(value(entry, "callback_names", "callback_name"))
             if not by and len(callbacks) == 1:
-                # Nothing else calls the node, so that is when it publishes.
+                # The only callback of a node has to be the one that publishes.
                 by = tuple(rates)
             dump.end(name, topic.text, True, None, topic.span, _common(by, rates))
 
@@ -106,9 +106,9 @@ def _timer_rate(dump: Dump, callback: Pairs, name: str) -> Rate | None:
 
 
 def rate_of(period_ns: int) -> Rate | None:
-    """Return the rate of a period, to four decimals where it is no whole number of milliseconds.
+    """Return the rate of a period, or None if `.mars` cannot express it.
 
-    `None` is a rate that the language cannot say.
+    It has four decimals if the period is not a whole number of milliseconds.
     """
     milliseconds = Fraction(period_ns, 1_000_000)
     if milliseconds.denominator == 1 and milliseconds <= MOST:

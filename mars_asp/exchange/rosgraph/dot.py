@@ -16,7 +16,7 @@ from mars_asp.exchange.yaml_document import MOST_BYTES_OF_DUMP, MOST_DEPTH
 
 _BOXES = frozenset({"box", "box3d", "rect", "rectangle"})
 _TOPIC_URL = ("topic:", "topic_3A")
-#: What stands for the name of the node itself in its label.
+#: The placeholder for the identifier of a node in its label.
 _ITSELF = r"\N"
 _BREAK = re.compile(r"\\[nlr]|\n")
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
@@ -26,7 +26,7 @@ _DEFAULTS = frozenset({"graph", "node", "edge"})
 
 @dataclass(slots=True)
 class _DotElement:
-    """A node of the drawing: its identifier, where it stands first, and its attributes."""
+    """A node of the drawing: its identifier, its first location, and its attributes."""
 
     id: str
     span: Span
@@ -45,7 +45,7 @@ def read_dot(text: str, path: str) -> Dump:
     """Return the graph of nodes and topics that a drawing shows.
 
     Raises:
-        MarsError: it is no DOT, or more than this reads of it.
+        MarsError: the text is not DOT, has a label in HTML, or exceeds a limit of size.
     """
     if len(text) > MOST_BYTES_OF_DUMP:
         message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
@@ -80,7 +80,7 @@ def read_dot(text: str, path: str) -> Dump:
 
 
 def _topics(elements: dict[str, _DotElement]) -> Iterator[str]:
-    """Yield the identifiers of topics: those that are marked as such, else the boxes of several."""
+    """Yield the identifiers of topics: those marked as topics, else boxes if other shapes occur."""
     marked = [
         each.id
         for each in elements.values()
@@ -110,10 +110,10 @@ def _element_name(element: _DotElement, places: DotPlaces) -> str:
 
 
 def _label(attributes: dict[str, DotToken], places: DotPlaces) -> str:
-    """Return the first line of a label; statistics stand in further ones.
+    """Return the first line of a label; further lines are statistics.
 
     Raises:
-        MarsError: it is in HTML.
+        MarsError: the label is in HTML.
     """
     label = attributes.get("label")
     if label is None or label.text == _ITSELF:
@@ -136,10 +136,10 @@ class _Drawing:
         self.next: DotToken | None = next(self.rest, None)
 
     def read(self) -> None:
-        """Read the one dump.
+        """Read the graph.
 
         Raises:
-            MarsError: it is no DOT.
+            MarsError: the text is not DOT, or exceeds a limit of size.
         """
         head = self.take()
         if head.text.lower() == "strict":
@@ -179,7 +179,7 @@ class _Drawing:
         return token
 
     def at(self, *marks: str) -> bool:
-        """Whether one of these marks stands next."""
+        """Whether the next token is one of these marks."""
         return self.next is not None and self.next.sort == "mark" and self.next.text in marks
 
     def statement(self) -> int:
@@ -251,7 +251,7 @@ class _Drawing:
         return found
 
     def value(self) -> DotToken:
-        """Read what an attribute says, which may be several texts joined by `+`."""
+        """Read the value of an attribute, which may be several texts joined by `+`."""
         token = self.take()
         if token.sort == "mark":
             raise self.unexpected(token, "a value")
@@ -263,7 +263,7 @@ class _Drawing:
         return DotToken(token.sort, joined, token.begin, parts[-1].end)
 
     def unexpected(self, token: DotToken, wanted: str) -> Exception:
-        """Return the error of a token that cannot stand where it does."""
+        """Return the error of a token at which only `wanted` is possible."""
         shown = token.text if len(token.text) <= 40 else f"{token.text[:37]}..."
         span = self.places.span(token.begin, token.end)
         return wrong(span, f"expected {wanted}, found `{shown}`", "is this a graph in DOT?")

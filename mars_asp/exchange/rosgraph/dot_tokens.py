@@ -19,7 +19,7 @@ _CONTINUED = re.compile(r"\\\r?\n")
 
 @dataclass(frozen=True, slots=True)
 class DotToken:
-    """A token: what it says, without quotes, and where it begins and ends in the text."""
+    """A token: its text without quotes, and its begin and end in the source."""
 
     sort: Sort
     text: str

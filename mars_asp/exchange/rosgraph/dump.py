@@ -1,4 +1,4 @@
-"""What a dump says of nodes and topics, part by part."""
+"""The nodes and topics of a dump, collected step by step."""
 
 import re
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ def match_span(path: str, number: int, match: re.Match[str], group: int | str = 
 
 @dataclass(slots=True)
 class _Ends:
-    """A node's place and its ends of topics."""
+    """The location of a node, and its publications and subscriptions."""
 
     span: Span
     published: list[Endpoint] = field(default_factory=list)
@@ -26,7 +26,7 @@ class _Ends:
 
 @dataclass(slots=True)
 class Dump:
-    """Collects nodes with their ends of topics, what was not read, and what is wrong."""
+    """Collects nodes with their publications and subscriptions, skipped contents and errors."""
 
     nodes: dict[str, _Ends] = field(default_factory=dict)
     ends: int = 0
@@ -34,7 +34,7 @@ class Dump:
     problems: list[Diagnostic] = field(default_factory=list)
 
     def node(self, name: str, span: Span) -> None:
-        """Add a node, unless it is there."""
+        """Add a node, unless it has been added before."""
         if name not in self.nodes:
             self.nodes[name] = _Ends(span)
             self._check_name(name, span)

@@ -1,4 +1,4 @@
-"""What ROSDiscover and CARET have in common: YAML lists of maps with words in them."""
+"""Access to YAML lists of maps, which files of ROSDiscover and CARET consist of."""
 
 from collections.abc import Iterator
 
@@ -14,13 +14,13 @@ def value(pairs: Pairs, *keys: str) -> Node | None:
 
 
 def word(pairs: Pairs, *keys: str) -> Scalar | None:
-    """Return the word behind the first of these keys, or None if no word stands there."""
+    """Return the value of the first of these keys, or None if it is not a word."""
     found = value(pairs, *keys)
     return found if isinstance(found, Scalar) and found.text else None
 
 
 def maps(dump: Dump, node: Node | None, what: str) -> Iterator[Pairs]:
-    """Yield the maps of a list, which may be missing or empty; note what is no map."""
+    """Yield the maps of a list, which may be missing or empty; note errors for other entries."""
     if node is None or (isinstance(node, Scalar) and node.text in ("", "~", "null", "UNDEFINED")):
         return
     if not isinstance(node, Items):

@@ -1,4 +1,4 @@
-"""What `ros2 node info` prints, of any number of nodes one below the other."""
+"""Read the output of `ros2 node info`, of any number of nodes one below the other."""
 
 import re
 from itertools import pairwise
@@ -18,13 +18,13 @@ _CALLS = {
     "Action Servers": "actions",
     "Action Clients": "actions",
 }
-#: The command itself, where it was copied, too.
+#: The command itself, if it was copied with its output.
 _PROMPT = re.compile(r"[^\n]*\bros2[ \t]+node[ \t]+(?:info|list)\b")
 _HELP = "give what `ros2 node info /NODE` prints, each node below the one before"
 
 
 def read_node_info(text: str, path: str) -> Dump:
-    """Return the graph that the output of `ros2 node info` tells."""
+    """Return the graph of nodes and topics in the output of `ros2 node info`."""
     dump = Dump()
     node = section = None
     lines = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
@@ -41,7 +41,7 @@ def read_node_info(text: str, path: str) -> Dump:
             dump.node(node, match_span(path, number, named))
         elif entry and section is not None and node is not None:
             types = entry["types"].split(",")
-            # With several types nobody knows which is meant.
+            # With several types, the type of this node is unknown.
             type_ = types[0] if len(types) == 1 else None
             span = match_span(path, number, entry)
             if section in _CALLS:

@@ -32,11 +32,11 @@ _READERS: Mapping[str, Callable[[str, str], Dump]] = {
 def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     """Return the configuration of dumps of one robot, each a text and its path.
 
-    Files with the parameters of muxes say how nodes of the dumps rank what they hear. Notes list
-    what was not read.
+    Files with the parameters of muxes give priorities to the inputs of nodes in the dumps. Notes
+    list skipped contents.
 
     Raises:
-        MarsError: all that is wrong with the files.
+        MarsError: all errors of the files.
     """
     graphs: list[Graph] = []
     problems: list[Diagnostic] = []
@@ -113,7 +113,7 @@ def _bound(muxes: Sequence[Parameters], graph: Graph) -> tuple[Mux, ...]:
 
 
 def _node_of(mux: Parameters, graph: Graph) -> GraphNode | None:
-    """Return the node that a mux is: it hears an input, and is named so where a name is given."""
+    """Return the node of a mux, or None: it subscribes to an input, and has the name, if any."""
     called = mux.node.rpartition("/")[2]
     for node in graph.nodes:
         hears = any(_heard(each.topic, node) for each in mux.inputs)
@@ -123,14 +123,14 @@ def _node_of(mux: Parameters, graph: Graph) -> GraphNode | None:
 
 
 def _heard(topic: str, node: GraphNode) -> str | None:
-    """Return the full name of a topic that a node hears, as parameters name it."""
+    """Return the full name of the subscribed topic that parameters call `topic`, or None."""
     wanted = "/" + topic.lstrip("/")
     names = [end.topic for end in node.subscribed]
     return next((name for name in names if name == wanted or name.endswith(wanted)), None)
 
 
 def _mux(mux: Parameters, node: GraphNode | None) -> Mux:
-    """Return a mux, its output what its node publishes as a command."""
+    """Return a mux; its output is the only command topic of its node, else that of parameters."""
     sent = [] if node is None else [end.topic for end in node.published if is_command(end.type)]
     inputs = tuple(
         MuxInput(

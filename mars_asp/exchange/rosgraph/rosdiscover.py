@@ -1,4 +1,4 @@
-"""The graphs that ROSDiscover recovers: a list of nodes with what they publish and subscribe to.
+"""The graphs that ROSDiscover recovers: a list of nodes with their topics.
 
 https://github.com/rosqual/rosdiscover
 """
@@ -20,7 +20,7 @@ def read_rosdiscover(text: str, path: str) -> Dump:
     """Return the graph of a dump of ROSDiscover.
 
     Raises:
-        MarsError: it is no YAML.
+        MarsError: the text is not YAML.
     """
     dump = Dump()
     root = read_dump(text, path)

@@ -1,7 +1,7 @@
-"""What `ros2 topic info -v` prints: who publishes a topic, and who subscribes to it.
+"""Read the output of `ros2 topic info -v`: the publishers and subscribers of a topic.
 
-The topic itself is not among it, so it is taken from the line above, as from the command where
-that was copied, too, or from the name of the file.
+The output does not contain the name of the topic, which is taken from the line above (for example
+the copied command) or from the name of the file.
 """
 
 import re
@@ -12,7 +12,7 @@ from mars_asp.exchange.rosgraph.dump import Dump, match_span
 
 _FIELD = re.compile(r"[ \t]*(?P<key>[A-Za-z][\w ()]*?)[ \t]*:[ \t]*(?P<value>[^\n]*?)[ \t]*")
 _TOPIC = re.compile(r"(?<![\w./~])(/\w+(?:/\w+)*)(?![\w./])")
-#: The command, where a topic may stand without its slash.
+#: The command, in which the topic may lack its slash.
 _COMMAND = re.compile(r"\bros2\s+topic\s+info\s+(?:-\S+\s+)*/?(\w+(?:/\w+)*)")
 _STEM = re.compile(r"\w+")
 _UNKNOWN = re.compile(r"_(?:NODE_NAME|NODE_NAMESPACE)_UNKNOWN_|_CREATED_BY_BARE_DDS_APP_")
@@ -26,7 +26,7 @@ _NAME_IT = (
 
 
 def read_topic_info(text: str, path: str) -> Dump:
-    """Return the graph that the output of `ros2 topic info -v` tells, of one topic or several."""
+    """Return the graph in the output of `ros2 topic info -v`, of one topic or several."""
     reader = _TopicInfoReader(
         path, sum(line.lstrip().startswith("Type:") for line in text.split("\n"))
     )
@@ -44,11 +44,11 @@ class _TopicInfoReader:
         self.dump = Dump()
         self.path = path
         self.topics = topics
-        #: What stands above the next `Type:`.
+        #: The line above the next `Type:`.
         self.above = ""
         self.topic: str | None = None
         self.type: str | None = None
-        #: Whether publishers are told, and how many; that nothing was told is an error.
+        #: Whether publishers follow, the counts of the output, and the number of named nodes.
         self.out = True
         self.promised: dict[bool, tuple[int, Span]] = {}
         self.told = 0
@@ -102,7 +102,7 @@ class _TopicInfoReader:
         return None
 
     def finish_topic(self) -> None:
-        """Note a topic of which no node is told though there are some."""
+        """Finish the topic; note an error if its nodes are counted, but not named."""
         self.finish_node()
         most = max(self.promised.values(), default=(0, point(self.path, 1, 1)))
         if self.topic is not None and most[0] > 0 and not self.told:
@@ -111,7 +111,7 @@ class _TopicInfoReader:
         self.promised, self.told, self.out = {}, 0, True
 
     def finish_node(self) -> None:
-        """Add the end that was told last."""
+        """Add the last publisher or subscriber to the graph."""
         if self.node is None:
             return
         name, span = self.node
@@ -124,6 +124,6 @@ class _TopicInfoReader:
         self.node, self.space = None, "/"
 
     def full_name(self) -> str:
-        """Return the name of the node that is being told."""
+        """Return the full name of the current node."""
         name = self.node[0] if self.node else ""
         return name if name.startswith("/") else f"{self.space.rstrip('/')}/{name}"

@@ -1,4 +1,4 @@
-"""Parameters of twist_mux and cmd_vel_mux: who commands a base, in which order, for how long."""
+"""Parameters of twist_mux and cmd_vel_mux: controllers of a base, their priorities and holds."""
 
 from mars_asp.exchange.twist_mux.read import import_muxes, import_twist_mux
 from mars_asp.exchange.yaml_document import MOST_BYTES

@@ -27,7 +27,7 @@ from mars_asp.model.names import read_name, written
 from mars_asp.model.ranges import MOST
 
 Sort: TypeAlias = Literal["topics", "locks", "subscribers"]
-#: What the controlled end is called where nothing says otherwise.
+#: The default name of the controlled topic.
 OUTPUT = "cmd_vel_out"
 PARAMETERS = "ros__parameters"
 SORTS: tuple[Sort, ...] = ("topics", "locks", "subscribers")
@@ -42,7 +42,7 @@ _MOST_TWIST_MUX = 255
 
 @dataclass(frozen=True, slots=True)
 class MuxTopic:
-    """What a mux listens to; `span` is where its name stands, `ranked` where its priority does."""
+    """An input of a mux; `span` is the location of its name, `ranked` that of its priority."""
 
     name: str
     topic: str
@@ -54,7 +54,7 @@ class MuxTopic:
 
 @dataclass(frozen=True, slots=True)
 class MuxParameters:
-    """A mux: the engine, the node that is it (empty where none is named) and what it controls."""
+    """A mux: the engine, its node (empty where none is named), the controlled topic, the inputs."""
 
     engine: Engine
     node: str
@@ -65,7 +65,7 @@ class MuxParameters:
 
 @dataclass(frozen=True, slots=True)
 class MuxDocument:
-    """The muxes of a file, what was not read of it, and what is noteworthy about the rest."""
+    """The muxes of a file, its contents that were not read, and warnings."""
 
     muxes: tuple[MuxParameters, ...]
     unread: tuple[Unread, ...]
@@ -92,7 +92,7 @@ def read_document(text: str, path: str) -> MuxDocument:
     """Return the muxes of a YAML file.
 
     Raises:
-        MarsError: it is no YAML, or all that is wrong with its muxes.
+        MarsError: it is not YAML, has no mux, or its muxes have errors (all of them are listed).
     """
     document = read_parts(text, path)
     if not document.muxes:
@@ -104,10 +104,10 @@ def read_document(text: str, path: str) -> MuxDocument:
 
 
 def read_parts(text: str, path: str) -> MuxDocument:
-    """Return the muxes of a YAML file, which may have none, as one with locks alone.
+    """Return the muxes of a YAML file; without any mux, for example with locks alone, none.
 
     Raises:
-        MarsError: it is no YAML, or all that is wrong with its muxes.
+        MarsError: it is not YAML, or its muxes have errors (all of them are listed).
     """
     root = read_yaml(text, path)
     reader = _MuxReader()
@@ -128,7 +128,7 @@ def read_parameters(root: Pairs, node: str) -> MuxDocument:
 
 
 class _MuxReader:
-    """Collects muxes and all that is to say about them."""
+    """A reader that collects muxes, skipped contents, errors and warnings."""
 
     def __init__(self) -> None:
         self.muxes: list[MuxParameters] = []
@@ -136,10 +136,10 @@ class _MuxReader:
         self.problems: list[Diagnostic] = []
 
     def document(self) -> MuxDocument:
-        """Return what was collected.
+        """Return the collected muxes, skipped contents and warnings.
 
         Raises:
-            MarsError: all that is wrong, if something is.
+            MarsError: the muxes have errors.
         """
         if any(problem.severity == "error" for problem in self.problems):
             raise MarsError(self.problems)
@@ -178,7 +178,7 @@ class _MuxReader:
                 self.unread.append(Unread("other nodes", node, key.span))
 
     def mux(self, node: Pairs, names: tuple[str, ...], *, listed: bool) -> None:
-        """Read one mux; its inputs may be `listed` only where they are no ROS 2 parameters."""
+        """Read one mux; its inputs may be `listed` only where they are not ROS 2 parameters."""
         entries: dict[Sort, list[_MuxEntry]] = {}
         leaves: list[_Leaf] = []
         output = OUTPUT
@@ -296,7 +296,7 @@ class _MuxReader:
             yield _MuxEntry(name, span, fields[name])
 
     def inputs(self, entries: Sequence[_MuxEntry]) -> Iterator[MuxTopic]:
-        """Yield the inputs of a mux, and note what is wrong with them."""
+        """Yield the complete inputs of a mux, and note the errors of the others."""
         for entry in entries:
             if read_name(written(entry.name)) is None:
                 message = "the name of an input is empty, or has a line break or control character"

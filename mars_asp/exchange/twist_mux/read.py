@@ -16,10 +16,10 @@ from mars_asp.model.names import read_name
 def import_muxes(files: Sequence[tuple[str, str]]) -> Parsed:
     """Return the configuration of the mux files of one robot, each a text and its path.
 
-    Where two of them use one name, all names stand behind those of their files.
+    Where two of them use one name, all names are prefixed with those of their files.
 
     Raises:
-        MarsError: all that is wrong with them.
+        MarsError: all errors of the files.
     """
     parts: list[Parsed] = []
     problems: list[Diagnostic] = []
@@ -47,13 +47,13 @@ def _distinct_names(paths: Sequence[str]) -> list[str]:
 
 
 def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
-    """Return the configuration of a mux file, with what is noteworthy about it.
+    """Return the configuration of a mux file, with warnings, and notes of skipped contents.
 
-    What a mux feeds becomes a module, each input a controller of it with its name as written behind
-    `within`, its priority and, as hold, its timeout. Notes list what was not read.
+    The output of a mux becomes a module, and each input a controller of that module, with its
+    priority and its timeout as hold. All names get the prefix `within`.
 
     Raises:
-        MarsError: the file is no YAML, or all that is wrong with its muxes.
+        MarsError: the file is not YAML, or its muxes have errors (all of them are listed).
     """
     if len(text) > MOST_BYTES:
         message = f"the file has more than {MOST_BYTES} characters, which no mux needs"

@@ -12,18 +12,18 @@ from mars_asp.kinematics.frames import Matrix, rotation
 #: (axis, degrees) in order about fixed axes.
 Turns: TypeAlias = tuple[tuple[str, Decimal], ...]
 
-#: Stands for an open bound: metres, radians, or either per second. URDF has no open one.
+#: The number that represents an open bound, in metres, radians, or either per second.
 OPEN = 1_000_000
 #: The greatest number of a position or of an axis: metres of which micrometres fit the language.
 FARTHEST = 2147
 QUARTER = math.pi / 2
-#: A microdegree of a microdegree: what products of sines lose, and nothing that anybody states.
+#: A millionth of a microdegree: rounding of products of sines, far below any stated angle.
 _ROUNDING = 1e-12
 _DIGITS, _DECIMALS = 16, 13
 
 
 def degrees_of(radians: float) -> Decimal:
-    """Return an angle in degrees; what is a quarter turn within rounding is one exactly."""
+    """Return an angle in degrees; multiples of a quarter turn within rounding become exact."""
     degrees = math.degrees(radians)
     nearest = round(degrees / 90) * 90
     return writable(Decimal(nearest if abs(degrees - nearest) < _ROUNDING else degrees))
@@ -47,8 +47,8 @@ def rotation_of(turns: Turns) -> Matrix:
 def turns_of(matrix: Matrix) -> Turns:
     """Return the fewest turns in order about fixed axes that make up a 3x3 rotation.
 
-    Two turns, about `a` and then `b`, are enough where the rotation takes `a` to where it has no
-    part along `b`, for the first turn leaves `a` alone and the second moves it around `b`.
+    Two turns, about `a` and then `b`, are enough if the rotated `a` is orthogonal to `b`: the first
+    turn does not change `a`, and the second moves it around `b`.
     """
     found: list[Turns] = [_turning(zip("xyz", roll_pitch_yaw(matrix), strict=True))]
     for first in range(3):
@@ -62,8 +62,8 @@ def turns_of(matrix: Matrix) -> Turns:
 def roll_pitch_yaw(matrix: Matrix) -> tuple[float, float, float]:
     """Return the angles in radians about the fixed x, y and z, in this order.
 
-    Roll is measured once yaw is undone, so that it makes up for what yaw loses where x stands
-    nearly along z.
+    Roll is measured after yaw is undone, so that it compensates the error of yaw where the rotated
+    x is nearly along z.
     """
     yaw = math.atan2(matrix[1, 0], matrix[0, 0])
     pitch = math.atan2(-matrix[2, 0], math.hypot(matrix[0, 0], matrix[1, 0]))

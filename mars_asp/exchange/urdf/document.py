@@ -14,7 +14,7 @@ from mars_asp.model.cycles import knots
 from mars_asp.spelling import nearest
 
 KINDS = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
-#: What is read of a robot, and its colours, which say nothing of it.
+#: Children of a robot that are read, and its colours, which have no meaning for modules.
 _READ = frozenset({"link", "joint", "material"})
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 _MOST = 200
@@ -55,9 +55,9 @@ class UrdfJoint:
 
 @dataclass(frozen=True, slots=True)
 class UrdfDocument:
-    """Links and joints in the order in which they stand; the joints make trees of the links.
+    """Links and joints in the order of the document; the joints make trees of the links.
 
-    `unread` is what stands beside them, such as `ros2_control`.
+    `unread` are the other elements of the robot, such as `ros2_control`.
     """
 
     links: tuple[UrdfLink, ...]
@@ -76,7 +76,7 @@ def read_document(text: str, path: str) -> UrdfDocument:
 
 
 class _UrdfReader:
-    """Collects what is wrong, so that one mistake hides no other."""
+    """A reader of links and joints that collects all errors of a document."""
 
     def __init__(self, lines: list[str]) -> None:
         self.lines = lines
@@ -164,7 +164,7 @@ class _UrdfReader:
         return link
 
     def hint(self, word: str, known: Iterable[str]) -> str:
-        """Return what to write instead of a word; where very much is wrong, nothing is guessed."""
+        """Return the help for an unknown word: the nearest known one, unless errors are many."""
         near = nearest(word, known) if len(self.problems) < _MOST_GUESSES else None
         if near:
             return f"did you mean `{near}`?"
@@ -184,7 +184,7 @@ class _UrdfReader:
         return default
 
     def bounds(self, limit: XmlElement) -> tuple[Decimal | None, Decimal | None]:
-        """Return both bounds; of one that is not stated URDF says that it is 0."""
+        """Return both bounds, None for open ones; if only one is stated, the other is 0 in URDF."""
         declared = [key for key in ("lower", "upper") if key in limit.attributes]
         lower, upper = (self.stated(limit, key) for key in ("lower", "upper"))
         if lower > upper:
@@ -195,7 +195,7 @@ class _UrdfReader:
         )
 
     def rate(self, limit: XmlElement) -> Decimal | None:
-        """Return the greatest velocity; 0, which could not move, says nothing."""
+        """Return the maximal velocity, or None if it is open, or 0 (a placeholder of exporters)."""
         found = self.stated(limit, "velocity")
         if found < 0:
             self.note(limit, f"the velocity {found} is below 0", "write its magnitude")

@@ -50,15 +50,14 @@ class _Placed:
 
 
 def import_urdf(text: str, path: str) -> Parsed:
-    """Return the configuration of a URDF document, with what is noteworthy about it.
+    """Return the configuration of a URDF document, with warnings, and notes of skipped contents.
 
     A link becomes a module, mounted on its parent. A joint that moves along or about x, y or z is
     a motion function of its child, a planar one has three of them and a floating one six; another
-    one becomes a module of its own between the two, whose
-    z is the joint's axis.
+    one becomes a module of its own between the two, whose z is the joint's axis.
 
     Raises:
-        MarsError: the document is no XML, has a document type, or says what no mount can.
+        MarsError: the document is not XML, has a document type, or has errors in links and joints.
     """
     document = read_document(text, path)
     links = _language_names(link.name for link in document.links)
@@ -84,10 +83,10 @@ def import_urdf(text: str, path: str) -> Parsed:
 
 
 def import_urdfs(files: Sequence[tuple[str, str]]) -> Parsed:
-    """Return the configuration of one document, its text and path, as of a file of others.
+    """Return the configuration of the only document, a text and its path, as for a foreign file.
 
     Raises:
-        MarsError: what is wrong with it, or that there are several.
+        MarsError: the document has errors, or there are several.
     """
     (text, path), *others = files
     if others:
@@ -121,7 +120,7 @@ def _placements(
 
 
 def _written_turns(joint: UrdfJoint) -> Turns:
-    # What is turned by more than a full turn stands as if turned by less.
+    # Angles beyond a full turn are reduced to the equivalent ones below it.
     radians = (float(angle) for angle in joint.turns)
     angles = (degrees_of(a if abs(a) <= math.tau else math.remainder(a, math.tau)) for a in radians)
     return tuple(zip("xyz", angles, strict=True))
@@ -166,7 +165,7 @@ def _joint_function(joint: UrdfJoint, letter: str) -> Function:
         if value is None:
             return None
         found = writable(value * _METRE) if slides else degrees_of(float(value))
-        # Nothing stops what may go farther than the language can say.
+        # A bound beyond the range of the language counts as open.
         return found if abs(found) <= BOUND.most else None
 
     name = f"{'Trans' if slides else 'Rotn'}_{letter}"
@@ -175,7 +174,7 @@ def _joint_function(joint: UrdfJoint, letter: str) -> Function:
 
 
 def _remarks(joints: Sequence[UrdfJoint]) -> Iterator[Diagnostic]:
-    """Yield what mounts do not say of joints, each sort once, as exporters repeat it."""
+    """Yield one warning for all joints that follow others, and one for all inexact right angles."""
     following = [joint for joint in joints if joint.mimics is not None and joint.kind != "fixed"]
     if following:
         lines = [f"`{joint.name}` follows `{joint.mimics}`" for joint in following]
@@ -212,7 +211,7 @@ def _remark(
 
 
 def _language_names(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
-    """Return names that the language can say, each its own."""
+    """Return a distinct name that `.mars` allows for each name, none of them in `taken`."""
     found: dict[str, str] = {}
     used, stems = set(taken), dict[str, int]()
     for name in names:

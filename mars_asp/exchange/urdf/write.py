@@ -17,11 +17,11 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
     """Return the mount tree of a configuration as a URDF document.
 
     A module's motion functions become joints in their order, the last of which carries its link;
-    between them, and below those of the root, stand links named after it. `Grasp` moves nothing
-    that is mounted, and is left out.
+    further links, named after the module, are between them, and below those of the root. `Grasp`
+    moves no mounted module, and is left out.
 
     Raises:
-        MarsError: nothing is mounted, or what is mounted makes no tree: URDF has one.
+        MarsError: nothing is mounted, or the mounts are not one tree, which URDF requires.
     """
     mounts = [r for r in configuration.relationships if isinstance(r, Mount)]
     known = configuration.with_declared(modules)
@@ -112,7 +112,7 @@ def _add_origin(joint: ElementTree.Element, pose: Matrix) -> None:
 
 
 def _add_motion(joint: ElementTree.Element, function: Function) -> None:
-    """Add axis and limits; what is open is `OPEN`, for of nothing URDF says 0."""
+    """Add axis and limits; an open limit is `OPEN`, because a missing one means 0 in URDF."""
     ElementTree.SubElement(joint, "axis", xyz=_AXES[function.name[-1]])
     turns = function.name.startswith("Rotn")
     declared = {"lower": function.min, "upper": function.max, "velocity": function.rate}
