@@ -1,10 +1,10 @@
-"""Colours of pictures, after Okabe and Ito: told apart also by those who see few of them."""
+"""Colours of diagrams, after Okabe and Ito, which colour-blind readers can distinguish."""
 
 from mars_asp.diagnostic import Severity
 from mars_asp.draw.picture import Box, LineKind
 
 LINES: dict[LineKind, str] = {"mount": "#6b6b6b", "data": "#0072b2", "control": "#c04f00"}
-#: What a legend says of each kind, in the direction in which lines lead.
+#: The text of a legend for each kind of line, in the direction of the line.
 MEANINGS: dict[LineKind, str] = {
     "mount": "is mounted on",
     "data": "data flows",

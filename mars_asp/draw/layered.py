@@ -26,7 +26,7 @@ PORT = 18.0
 STUB = 9.0
 #: The height for bends between ranks; where links go far to the side it grows.
 BEND, MOST_BEND, BEND_SLOPE = 14.0, 60.0, 0.08
-#: Links from a box to itself stand at its right side, one in each stretch of this height.
+#: The height for each link from a box to itself, at the right side of the box.
 LOOP, _LOOP_WIDTH = 21.0, 34.0
 #: Each takes about a third of a millisecond.
 _MOST_PIECES = 60_000
@@ -68,7 +68,7 @@ class TooLargeError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Layers:
-    """Boxes are vertices 0, 1, ...; behind them come the pieces of links, where they pass a layer.
+    """Vertices in layers: first the boxes, then one vertex for each layer that a link passes.
 
     `chains` holds, for each link, its vertices from top to bottom; `named` the piece that is its
     label, if it has one.
@@ -148,7 +148,7 @@ def _split(sizes: Sequence[Size], links: Sequence[LayeredEdge], between: Sequenc
     """Put boxes into layers, with a layer for labels where there are any, and split links there."""
     arcs = [(links[index].tail, links[index].head) for index in between]
     ranks, downward = rank_boxes(len(sizes), arcs)
-    # A label stands just above the box that its link leads to, or below it on the way up.
+    # A label is directly above the target of its link, or below the target of an upward link.
     gaps = [
         ranks[lower] - 1 if arc == (upper, lower) else ranks[upper]
         for arc, (upper, lower) in zip(arcs, downward, strict=True)
@@ -215,7 +215,7 @@ def _port_offsets(
 
 
 def _bands(split: _Layers, xs: Sequence[float]) -> list[tuple[float, float]]:
-    """Return the top and bottom of the layer that each vertex stands in."""
+    """Return the top and bottom of the layer of each vertex."""
     layers = split.layers
     layer_of = {vertex: index for index, layer in enumerate(layers) for vertex in layer}
     aside = [0.0] * len(layers)

@@ -1,4 +1,4 @@
-"""What the boxes and lines of a picture mean, said below it."""
+"""The legend below a diagram: the meanings of its boxes and lines."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -30,12 +30,12 @@ class Item:
 
     @property
     def width(self) -> float:
-        """How wide it is, with the space behind it, in px."""
+        """The width in px, with the space after it."""
         return _SAMPLE + _SPACE + text_width(self.meaning, NOTE) + _APART
 
 
 def legend_items(picture: Picture) -> list[Item]:
-    """Return what a picture has to explain, and nothing else."""
+    """Return an item for each look of boxes and each kind of lines that occurs in a diagram."""
     items = []
     if any(box.node is None and not box.alone for box in picture.boxes):
         items.append(Item("module", Box("", "", None)))
@@ -45,7 +45,7 @@ def legend_items(picture: Picture) -> list[Item]:
         if box.node is not None and not box.alone
     }
     for box in sorted(nodes.values(), key=lambda box: box.node or "", reverse=True):
-        # What a pack colours is told by its kind.
+        # A node with a colour is of a pack, and its kind explains it best.
         kind = (box.node or "").replace("_", " ")
         items.append(Item(kind if box.colour else f"introduced for {box.carries}", box))
     present = {line.kind for line in picture.lines}
@@ -58,7 +58,7 @@ def legend_width(items: Sequence[Item]) -> float:
 
 
 def legend_rows(items: Sequence[Item], width: float) -> Iterator[list[Item]]:
-    """Yield items in rows that are no wider than `width`, if they can be."""
+    """Yield items in rows of at most `width`; an item that is wider has a row of its own."""
     row: list[Item] = []
     for item in items:
         if row and legend_width([*row, item]) > width:

@@ -23,8 +23,8 @@ def whole_page(
 ) -> str:
     """Return an HTML page of a title, which is text, and a body, which is markup.
 
-    Its `script` finds `data`, texts of JSON, in elements of their names. `allowed` are directives
-    of its policy for what it is allowed beyond its own style and script.
+    `script` finds each text of JSON in `data` in the element with its key as id. `allowed` are
+    directives that the content security policy has beside those for the style and script.
     """
     policy = ["default-src 'none'", "base-uri 'none'", "form-action 'none'", *allowed]
     policy.append(f"style-src {_allowed(style)}")
@@ -46,7 +46,7 @@ def whole_page(
 
 
 def _in_page(json_text: str) -> str:
-    """Return JSON that can stand in an element of HTML: no text in it ends that element."""
+    """Return JSON with `&`, `<` and `>` escaped, so that it cannot end its element of HTML."""
     for mark in "&<>":
         json_text = json_text.replace(mark, f"\\u{ord(mark):04x}")
     return json_text

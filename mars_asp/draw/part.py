@@ -1,4 +1,4 @@
-"""Parts of a picture: lines of some kinds, what is near a box, and what a screen has room for."""
+"""Excerpts of a diagram: lines of some kinds, boxes near a box, boxes that fit on a screen."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -10,7 +10,7 @@ from mars_asp.output import counted
 SCREEN = 1920
 #: A picture of fewer boxes is drawn as it is.
 _LARGE = 30
-#: Nobody finds anything among more boxes, and they would take long to lay out.
+#: More boxes are not readable, and would take long to lay out.
 _MOST_SHOWN = 300
 #: How many boxes are tried first, and by which factor more of them.
 _FIRST, _GROWTH = 4, 1.25
@@ -27,10 +27,10 @@ def of_kinds(picture: Picture, kinds: Collection[LineKind], name: str | None = N
 
 
 def about(picture: Picture, name: str, depth: int, port: str | None = None) -> Picture:
-    """Return the boxes that at most `depth` lines lead to from that of a name, in any direction.
+    """Return the boxes at most `depth` lines away from the named box, in any direction.
 
-    Of a `port` the first lines are those that begin or end there; with a depth of 1 they are all.
-    Boxes of which lines are left out have a note that tells how many.
+    With a `port`, paths begin with lines of that port, and with a depth of 1 no others are drawn.
+    Boxes of which lines are left out have a note with their number.
     """
     near = _neighbours(picture.lines, len(picture.boxes))
     found = {number for number, box in enumerate(picture.boxes) if box.name == name}

@@ -1,4 +1,4 @@
-"""What a picture shows: a box for each module and node, a line for each relationship."""
+"""The content of a diagram: a box for each module and node, a line for each relationship."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -71,11 +71,11 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A relationship in the direction in which things flow, by the index of its boxes.
+    """A relationship in the direction of the flow, by the indices of its boxes.
 
-    Mounts lead from the mounting module to what carries it. A `label` has lines, `text` is the
-    relationship as written. `outlet` and `inlet` are the ports of data, which a line need not name
-    where there is only one. `rank` is the priority of a controller, `span` is the place of the
+    Mounts lead from the mounting module to its carrier. `label` may have several lines, `text` is
+    the relationship as written. `outlet` and `inlet` are the ports of data, which may be None where
+    there is only one. `rank` is the priority of a controller, `span` the location of the
     relationship.
     """
 
@@ -95,7 +95,7 @@ class Line:
 class Picture:
     """The boxes and lines of a configuration or specification; all text is safe to show.
 
-    `remark` is a sentence on what is not there.
+    `remark` is a sentence about boxes and lines that are left out.
     """
 
     title: str
@@ -151,7 +151,7 @@ def depict(
 def _node_look(
     name: str, configuration: Configuration
 ) -> tuple[str | None, str | None, str | None]:
-    """Return the kind of a node, the colour that a pack gives it, and what it carries."""
+    """Return the kind of a node, its colour (of a pack), and the flow that it carries."""
     kind = configuration.node_kind(name)
     brought = next((each for each in configuration.kinds if each.kind == kind), None)
     if brought is not None:

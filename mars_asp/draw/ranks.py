@@ -21,7 +21,7 @@ def rank_boxes(
     ranks = [0] * count
     for box in sequence:
         ranks[box] = max((ranks[other] + 1 for other in above[box]), default=0)
-    # What has more to say downwards stands near those it speaks to.
+    # A box with more arcs downwards than upwards is moved down, close to its targets.
     for box in reversed(sequence):
         if len(below[box]) > len(above[box]):
             ranks[box] = min(ranks[other] for other in below[box]) - 1

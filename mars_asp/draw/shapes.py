@@ -18,7 +18,7 @@ _MOST_CHARACTERS = 48
 _MOST_SPREAD = 40
 #: A box shows no more numbers of findings; its attribute has all.
 _MOST_NUMBERS = 5
-#: What XML does not have, though it is no control character.
+#: Characters beside control characters that XML does not allow.
 _NOT_XML = str.maketrans(dict.fromkeys("\ufffe\uffff", "\ufffd"))
 _NARROW, _WIDE = frozenset("ijlIft.,:;'|!()[] "), frozenset("mwMW@%")
 _STROKES: dict[LineKind, str] = {
@@ -54,7 +54,7 @@ def plain(number: float) -> str:
 
 
 def box_size(box: Box, lines: int, loops: int) -> Size:
-    """Return how large a box is for what it says, for lines at a side and for those to itself."""
+    """Return the size of a box with room for its text, lines at a side, and lines to itself."""
     badge = badge_width(box.findings)
     if box.alone:
         return text_width(_short(box.name), NOTE) + 16 + badge, 22.0
@@ -176,7 +176,7 @@ def _label(line: Line, at: Point) -> str:
 
 
 def draw_text(text: str, at: Point, size: float, colour: str, anchor: str = "start") -> str:
-    """Return text whose middle line is at a height; `anchor` says what stands at the point."""
+    """Return SVG of a text, vertically centred at a point; `anchor` is as in SVG."""
     return draw_sentence(_short(text), at, size, colour, anchor)
 
 

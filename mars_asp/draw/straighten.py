@@ -10,7 +10,7 @@ _NEXT_TO_NOTHING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Pull:
-    """A vertex is to stand at `offset` from vertex `to`, which is in the next layer or before."""
+    """A wish of a vertex: to be at `offset` from vertex `to`, which is in an adjacent layer."""
 
     to: int
     offset: float
@@ -26,9 +26,9 @@ def straighten(
 ) -> list[float]:
     """Return the position of each of `count` vertices.
 
-    `distances` are the least ones between neighbours of a layer. First each layer is put where its
-    pulls draw it to, which spreads the drawing; then what stands straight already is moved as one
-    block to the median of what pulls the block, which makes lines straight.
+    `distances` are the minimal ones between neighbours of a layer. First each layer moves to the
+    mean of its pulls, which spreads the drawing; then vertices that are aligned already move as one
+    block to the median of the pulls of the block, which makes lines straight.
     """
     xs = [0.0] * count
     for layer, least in zip(layers, distances, strict=True):
@@ -51,7 +51,7 @@ def straighten(
 def _mean(
     vertex: int, pulls: Mapping[int, Sequence[Pull]], xs: Sequence[float], one_way: bool, up: bool
 ) -> tuple[float, float]:
-    """Return where a vertex is pulled to, and how much."""
+    """Return the weighted mean of the targets of a vertex's pulls, and their total weight."""
     found = [pull for pull in pulls.get(vertex, ()) if not one_way or pull.below == up]
     if not found:
         return xs[vertex], 0.1
@@ -86,9 +86,9 @@ def _align(
 ) -> None:
     """Move blocks of aligned vertices, in place, to the median of their pulls, where room is.
 
-    No move makes the weighted sum of what lines go aside greater, and a block that reaches a median
-    is from then on a part of a larger block. Rounds of single vertices and of long lines come
-    between, for a part of a block may have a better place.
+    No move increases the weighted sum of the sideways lengths of lines, and a block that reaches a
+    median becomes a part of a larger block. Rounds of single vertices and of long lines come
+    between, because a part of a block may have a better position.
     """
     left = {
         v: (u, least)
@@ -136,7 +136,7 @@ def _blocks(
     pulls: Mapping[int, Sequence[Pull]],
     least: float,
 ) -> Iterator[list[int]]:
-    """Yield the vertices that pulls of at least some weight join, as they stand when asked."""
+    """Yield the blocks of vertices that pulls of weight `least` or more align, by current `xs`."""
     seen = [False] * len(xs)
     for layer in layers:
         for first in layer:

@@ -64,8 +64,8 @@ def svg_text(
 ) -> str:
     """Return a picture as SVG; its text is escaped, and nothing in it is active.
 
-    Boxes lead to `targets` by their names, for a page that the picture is part of, and lines by the
-    numbers of their findings.
+    In a page that contains the diagram, boxes link to the `targets` of their names, and lines to
+    those of the numbers of their findings.
 
     Raises:
         TooLargeError: there would be too many lines beside too many boxes.
@@ -96,7 +96,7 @@ def svg_text(
         f'<g class="picture" transform="translate({plain(corner)} {plain(_MARGIN)})">',
     ]
     routed = list(zip(picture.lines, drawing.routes, strict=True))
-    # Mounts lie lowest, for they are the widest.
+    # Mounts are drawn first, because they are the widest and would hide other lines.
     for kind in LINES:
         for line, route in routed:
             if line.kind == kind:
