@@ -7,8 +7,8 @@
 >>> robot.specification.cost["nodes"]
 3
 
-What `__all__` names is public: it changes with the first number of `__version__` alone, as Semantic
-Versioning 2.0 has it. `mars_asp.asp` is an engine for any logic program, and loads nothing of MARS.
+The names in `__all__` are public: they change with the first number of `__version__` alone, as in
+Semantic Versioning 2.0. `mars_asp.asp` is an engine for any logic program, independent of MARS.
 """
 
 import importlib

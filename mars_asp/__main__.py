@@ -25,22 +25,22 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _end_plainly() -> None:
-    """End without a word when a signal asks for it before the command is ready to hear it."""
+    """End without a traceback at a signal before the command has its own handlers."""
 
     def end(number: int, frame: FrameType | None) -> None:
         os._exit(128 + number)
 
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"):
         number = getattr(signal, name, None)
-        # Who started the command in the background asked that it goes on.
+        # Keep ignoring signals that were ignored at start (nohup, `&`).
         if number is not None and signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, end)
 
 
 def _open_what_is_closed() -> None:
-    """Give closed standard streams a descriptor, which else the next file to be opened would get.
+    """Open closed standard streams, whose descriptors the next opened file would get otherwise.
 
-    What is written to standard output still fails, and what is said on standard error is lost.
+    Writing to standard output still fails, and writing to standard error has no effect.
     """
     for number, mode in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
         try:

@@ -148,11 +148,11 @@ _MOST_SHOWN = 150
 
 
 class Span(NamedTuple):
-    """A stretch of one file; spans are in the order of their files.
+    """A location: a range of characters in one file; spans sort by file, then by line and column.
 
-    Lines and columns count from 1 in code points; a byte order mark counts for nothing; the
-    end column is the first one behind the stretch. `path` is shown to users as it stands. Line and
-    column are 0 where the whole file, a folder or an option of the command is meant.
+    Lines and columns count from 1 in code points, without a byte order mark; the end column is
+    the first one after the range. `path` is shown to users unchanged. Line and column are 0 for a
+    whole file, a folder or an option of the command.
 
     >>> Span("robot.mars", 3, 1, 3, 9).location
     'robot.mars:3:1'
@@ -188,10 +188,10 @@ class Diagnostic:
     """One finding.
 
     `code` is a rule id or a fixed id such as `syntax`; `message` is one lower-case clause with
-    names in backticks and no full stop, stating what is the case; `effect` is a sentence on what
-    will happen; `help` says what to do; `labels` are other places that help, each with words of its
-    own or none; `excerpt` is the line of the file at `span`, empty where that shows nothing. `kind`
-    is the kind of a finding, `launch_files` are the launch trees in which it holds.
+    names in backticks and no full stop, stating a fact; `effect` is a sentence on the consequence
+    in a run; `help` is the instruction to fix it; `labels` are related locations, each with a text,
+    which may be empty; `excerpt` is the line of the file at `span`, empty if it adds nothing.
+    `kind` is the kind of a finding, `launch_files` are the launch trees in which it holds.
 
     >>> try:
     ...     load("nope.mars")
@@ -224,7 +224,7 @@ class Diagnostic:
 
 
 def brief(diagnostic: Diagnostic) -> Diagnostic:
-    """Return a diagnostic whose words end within reason: what others wrote has any length."""
+    """Return a diagnostic with very long words cut, as names in foreign files have any length."""
     message, help_text, effect = (
         text and _LONG.sub(_cut, text)
         for text in (diagnostic.message, diagnostic.help, diagnostic.effect)
@@ -249,9 +249,9 @@ def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 class MarsError(Exception):
-    """Raised once per stage, with everything that stage found wrong, sorted by place.
+    """Raised once per stage, with all errors of that stage, sorted by location.
 
-    `status` is how a command ends that is ended by it: 2 for bad input, 1 for what the input means.
+    `status` is the exit status of the command: 2 for bad input, 1 for errors in its meaning.
 
     >>> try:
     ...     load("nope.mars")

@@ -32,7 +32,7 @@ _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
 def visible(text: str) -> str:
     r"""Return a text in one line, with control, format and surrogate characters escaped.
 
-    Line feeds are, too: what others wrote, be it a name or a path, must not begin a line of ours.
+    Line feeds are escaped as well: a foreign name or path must not begin a line of the output.
     """
     if text.isascii() and text.isprintable():
         return text
@@ -142,13 +142,13 @@ def replace_together(contents: Mapping[str, bytes]) -> None:
 
 
 class GrowingFile:
-    """A file that grows by whole lines; what is on the disk is never more than a line behind.
+    """A file that grows by whole lines, of which at most the last is not yet on the disk.
 
     It is locked while it is open, so that no two commands write to it.
     """
 
     def __init__(self, path: str, kept: int, size: int) -> None:
-        """Open a file, or make it, and cut off what follows the first `kept` of its `size` bytes.
+        """Open or make a file of `size` bytes, and truncate it to the first `kept` ones.
 
         Raises:
             OSError: it cannot be opened or locked, is not a regular file, or has another size.
@@ -204,10 +204,10 @@ def _state_of(status: os.stat_result) -> tuple[int, ...]:
 
 
 class AtomicFile:
-    """A file begun beside another of some path, which it replaces whole or not at all.
+    """A temporary file beside a path, which replaces the file of the path whole or not at all.
 
-    What is no regular file, such as a pipe, is written at the end, too. All that it does may raise
-    an `OSError`, which names `path`.
+    A path that is not a regular file, such as a pipe, is written only at the end. Each method may
+    raise an `OSError`, which names `path`.
     """
 
     def __init__(self, path: str) -> None:
@@ -230,7 +230,7 @@ class AtomicFile:
             self._file.write(content)
 
     def stage(self) -> None:
-        """Have all of it on the disk, with the mode of what it replaces."""
+        """Flush the file to the disk, with the mode of the file that it replaces."""
         with self._errors_name_path():
             self._file.flush()
             if self._temporary is None:
@@ -241,7 +241,7 @@ class AtomicFile:
             self._temporary.chmod(mode)
 
     def replace(self) -> None:
-        """Put it where the other file is."""
+        """Move the file to its path; copy its content into a path that is not a regular file."""
         self.stage()
         with self._errors_name_path():
             if self._temporary is not None:
@@ -252,7 +252,7 @@ class AtomicFile:
                 shutil.copyfileobj(self._file, target)
 
     def drop(self) -> None:
-        """Remove what there is of it, unless it has replaced the other file."""
+        """Close the file, and remove it unless it has replaced the other one."""
         with contextlib.suppress(OSError):
             self._file.close()
         if self._temporary is not None:
@@ -261,7 +261,7 @@ class AtomicFile:
 
     @contextlib.contextmanager
     def _errors_name_path(self) -> Iterator[None]:
-        """Have an error name the file that is asked for: the other name is never shown."""
+        """Have errors name the target: the name of the temporary file is never shown."""
         try:
             yield
         except OSError as error:

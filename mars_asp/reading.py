@@ -147,7 +147,7 @@ def is_hidden(path: str) -> bool:
 def _roots(folder: str) -> tuple[str, ...]:
     """Return a folder and the project around it: a repository, else the nearest with a mark.
 
-    A home folder, or one above it, is no project: it holds all that a user has.
+    A home folder, or one above it, is not a project, as it contains all files of a user.
     """
     around = [Path(folder), *Path(folder).parents]
     home = os.path.realpath(os.path.expanduser("~"))  # noqa: PTH111 -- there may be none

@@ -253,7 +253,7 @@ class CommandAnswer:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RobotAnswer(CommandAnswer):
-    """The answer of a command: `str()` is the text that it prints, `found` the value behind it.
+    """The answer of a command: `str()` is the printed text, `found` the value that it shows.
 
     >>> answer = load("examples/level0/config.mars").alternatives(1)
     >>> answer.to_dict()["proven_minimal"]
@@ -393,7 +393,7 @@ class Robot:
             baseline: A file of known findings, which are not reported.
 
         Raises:
-            MarsError: a name is no kind and no rule, or the baseline cannot be read.
+            MarsError: a name is neither a kind nor a rule, or the baseline cannot be read.
 
         >>> for finding in load("examples/ros2_workspace").check(select=["guard_bypass"]):
         ...     print(f"{finding.path}:{finding.line}")

@@ -1,4 +1,4 @@
-"""What a module does when it runs, as a Python function or a class; `docs/how-to/behaviours.md`.
+"""Behaviours of modules in runs, as Python functions or classes; see `docs/how-to/behaviours.md`.
 
 >>> from mars_asp.behaviour import Command, Context
 >>> def cruise(ranges: list[float], ctx: Context) -> Command:

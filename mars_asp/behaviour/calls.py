@@ -1,4 +1,4 @@
-"""A function or a class of a user as what a run calls: what it takes, and what it may not be."""
+"""Turn a function or a class of a user into the callable of a run, or refuse it with a reason."""
 
 import inspect
 import re
@@ -17,7 +17,7 @@ _TABLE = "`[bindings.NAME.parameters]`"
 
 
 class UnfitError(Exception):
-    """Why something cannot be a behaviour, and what to do."""
+    """An object cannot be a behaviour; the error has a message and a help text."""
 
     def __init__(self, message: str, help_text: str) -> None:
         super().__init__(message)
@@ -45,11 +45,11 @@ class EntryPoint(NamedTuple):
 def made(kind: type, context: Context) -> Made:
     """Return an object of a class for one module.
 
-    Its constructor is given the context, where it takes that, and the parameters of the scenario
-    by their names.
+    Its constructor gets the context, if it has a parameter for that, and the parameters of the
+    scenario by their names.
 
     Raises:
-        UnfitError: the constructor needs what is not given, or does not take what is.
+        UnfitError: the constructor lacks a parameter of the scenario, or needs a further one.
         Exception: whatever the constructor raises.
     """
     signature = _signature(kind)
@@ -82,10 +82,10 @@ def made(kind: type, context: Context) -> Made:
 
 
 def method_of(instance: object, name: str | None) -> Callable[..., Any]:
-    """Return a method of an object, without a name what calling the object itself does.
+    """Return a method of an object, or without a name the object itself, which has to be callable.
 
     Raises:
-        UnfitError: it has no such method.
+        UnfitError: the object has no such method, or is not callable.
     """
     kind = type(instance).__name__
     methods = [each for each in dir(instance) if not each.startswith("_")]
@@ -112,14 +112,14 @@ def prepared(
 ) -> Callable[..., Any]:
     """Return a function that takes the inputs of one computation and returns its result.
 
-    Of an input of which nothing but the source is known, `inputs` has that alone; `None` is for
-    inputs that are not known. The values come in this order, and each goes to the parameter of the
-    input's name, else to that of its place, else to the first that is left. `knows` is whether the
-    object of a method has the context or the parameters already. The context is kept at the time
-    (s) of `clock`.
+    `inputs` has an entry point for each input, or its source if that is all that is known; `None`
+    is for unknown inputs. The values come in this order, and each goes to the parameter of the
+    input's name, else to that at its position, else to the first free one. `knows` is whether the
+    object of a method has the context or the parameters already. Before each call, the time of the
+    context is set from `clock`, in seconds.
 
     Raises:
-        UnfitError: it cannot be called with so many inputs, or gives no single result.
+        UnfitError: `target` cannot be called with so many inputs, or does not return one result.
     """
     shown = getattr(target, "__qualname__", type(target).__name__)
     _refuse_stretched(target, shown)
@@ -212,7 +212,7 @@ def _filled(parameters: Sequence[Parameter], inputs: Sequence[EntryPoint]) -> di
 def _handing(
     target: Callable[..., Any], signature: Signature, given: Parameter, context: Context
 ) -> Callable[..., Any]:
-    """Return what hands the context on beside the inputs."""
+    """Return a function of the inputs that calls `target` with the context as well."""
     named = partial(target, **{given.name: context})
     if given.kind is Parameter.KEYWORD_ONLY:
         return named
@@ -256,7 +256,7 @@ def _positional(signature: Signature) -> list[Parameter]:
 
 
 def _refuse_stretched(target: Callable[..., Any], shown: str) -> None:
-    """Refuse what gives its results bit by bit, or later."""
+    """Raise UnfitError for generators and asynchronous functions."""
     own = target if inspect.isroutine(target) else getattr(target, "__call__", target)  # noqa: B004
     for each in (target, own):
         if inspect.isgeneratorfunction(each) or inspect.isasyncgenfunction(each):

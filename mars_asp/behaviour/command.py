@@ -1,4 +1,4 @@
-"""What a controller asks of an effector: one of its functions, and how fast."""
+"""The command of a controller to an effector: one of its functions, and a rate."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -8,7 +8,7 @@ from mars_asp.behaviour.values import shown
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from mars_asp.spelling import nearest
 
-#: What an effector can do: turn about an axis, move along one, or open its gripper.
+#: The functions of effectors: turn about an axis, move along one, or open the gripper.
 FunctionName: TypeAlias = Literal[
     "Rotn_X", "Rotn_Y", "Rotn_Z", "Trans_X", "Trans_Y", "Trans_Z", "Grasp"
 ]
@@ -42,12 +42,12 @@ class Command:
 
 
 def command_of(result: object) -> Command:
-    """Return what a controller returned as a command.
+    """Return the result of a controller as a command.
 
-    A pair (function, rate), or a mapping with one entry, is one as well.
+    A result may also be a pair (function, rate), or a dict with one entry.
 
     Raises:
-        ValueError, TypeError: it names several functions, or is not a command.
+        ValueError, TypeError: the result names several functions, or is not a command.
     """
     if isinstance(result, Command):
         return result

@@ -1,4 +1,4 @@
-"""What a behaviour can ask for beside its inputs: time, chance, and what the scenario sets."""
+"""The context of a behaviour beside its inputs: time, random numbers, scenario parameters."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,10 +9,10 @@ from mars_asp.spelling import nearest
 
 
 class Parameters(dict[str, Any]):
-    """The parameters of one module; one that the scenario does not give is an error that names it.
+    """The parameters of one module; looking up a missing one is an error with a hint.
 
     Raises:
-        KeyError: on looking up what is not given.
+        KeyError: the scenario does not set the parameter.
     """
 
     def __missing__(self, name: str) -> Any:
@@ -23,7 +23,7 @@ class Parameters(dict[str, Any]):
 
 @dataclass(slots=True)
 class Context:
-    """What one module knows beside its inputs; one object for the whole run, kept current.
+    """The data of one module beside its inputs; one object for the whole run, kept current.
 
     `now` is the time in s since the run began, `dt` how many s ago the module computed before (0 at
     the first time). `random` is drawn from `seed` and the name of the module, so that no other
@@ -43,7 +43,7 @@ class Context:
         self.random = Random(f"{self.seed}/{self.module}")
 
     def advance(self, now: float) -> None:
-        """Set the time (s) of the next computation."""
-        # Instants are whole nanoseconds, so that differences of them are, too.
+        """Set the time of the next computation, in seconds."""
+        # Instants are whole nanoseconds, so their differences are rounded to these.
         self.dt = 0.0 if self._before is None else round(now - self._before, 9)
         self.now = self._before = now

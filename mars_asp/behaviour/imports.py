@@ -25,11 +25,11 @@ _OURS = "mars_asp"
 
 
 class Folder:
-    """What the files of one folder import from beside them, while their code runs.
+    """The modules of one folder, which its files can import while their code runs.
 
-    Within a `with` of it, modules of the folder are found before others of their names, except
-    those of Python itself and ours. After it, nothing of them is left in `sys.modules`, so that
-    neither other folders nor later runs see it.
+    Within a `with` block, modules of the folder are found before others of their names, except
+    those of Python itself and of `mars-asp`. After the block, none of them is in `sys.modules`, so
+    that neither other folders nor later runs see them.
     """
 
     def __init__(self, path: Path) -> None:

@@ -22,7 +22,7 @@ class Stepper:
 
     `behaviour` is a function, a class or an object; of a class it makes one object, with
     `parameters`, and calls `method`, or the object itself without one. `module` and `seed` decide
-    what `ctx.random` draws, as in a run.
+    the random numbers of `ctx.random`, as in a run.
 
     Raises:
         UnfitError: it cannot be a behaviour, or its constructor does not take the parameters.
@@ -47,7 +47,7 @@ class Stepper:
         self._call = prepared(target, self.context, lambda: self.now, knows=knows)
 
     def step(self, *inputs: Any, at: float | None = None) -> Any:
-        """Return what the behaviour returns for its inputs at a time in s; without one, at once.
+        """Return the result for inputs at the time `at` in s, by default that of the last step.
 
         Inputs and result are copies, as messages are in a run.
 

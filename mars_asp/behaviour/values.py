@@ -1,4 +1,4 @@
-"""Messages are values: whoever is handed one may change what it was handed, and no more."""
+"""Messages are values: each receiver has a copy, whose changes no other receiver sees."""
 
 import re
 from collections.abc import Callable, Collection
@@ -26,13 +26,13 @@ _COPYING = ("__new__", "__reduce__", "__reduce_ex__", "__iter__")
 
 
 def copied(value: _Value) -> _Value:
-    """Return a value that no change of the given one changes; itself where neither can change.
+    """Return an independent copy of a value, or the value itself if it is immutable.
 
-    Numbers, texts, and tuples and frozen dataclasses of such are shared; what can change is copied
+    Numbers, texts, and tuples and frozen dataclasses of such are shared; mutable objects are copied
     as `copy.deepcopy` does.
 
     Raises:
-        TypeError: it holds what cannot be copied, such as a generator, a lock or an open file.
+        TypeError: a member cannot be copied, such as a generator, a lock or an open file.
     """
     kind = type(value)
     if kind in _ATOMS:
@@ -77,7 +77,10 @@ def _are_constant(members: Collection[Any]) -> bool:
 
 @lru_cache(maxsize=_CLASSES)
 def _sort(kind: type) -> Literal["nothing", "members", "fields", "itself"]:
-    """Return what of an object has to be constant for the object to be, if not itself."""
+    """Return the parts of objects of a class that have to be constant for the object to be.
+
+    That is nothing if all its objects are constant, and itself if none of them is.
+    """
     if issubclass(kind, tuple | frozenset):
         return "members"
     if issubclass(kind, list | dict | set | bytearray):
@@ -88,7 +91,7 @@ def _sort(kind: type) -> Literal["nothing", "members", "fields", "itself"]:
 
 
 def _copier(value: Any) -> Callable[[Any], Any]:
-    """Return what copies an object whole: its outside alone where its members never change."""
+    """Return a function for deep copies; it is a shallow one if the members never change."""
     kind: Any = type(value)
     plain = _is_plain(kind) and not getattr(value, "__dict__", None)
     return _outside if plain and _are_constant(value) else deepcopy

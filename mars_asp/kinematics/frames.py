@@ -35,9 +35,9 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class KinematicTree:
-    """Mounted modules, each behind the one that carries it.
+    """Mounted modules, each after its carrier in `order`.
 
-    `carrier` maps a module to what it is mounted on; roots are not in it. `placement` is a
+    `carrier` maps a module to the one that it is mounted on, without the roots. `placement` is a
     module's pose in its carrier at rest, `joints` its motion functions in declared order: the
     first acts nearest to the carrier.
     """
@@ -104,8 +104,8 @@ def inverse(pose: Matrix) -> Matrix:
 def mount_matrix(mount: Mount, modules: Mapping[str, Module]) -> Matrix:
     """Return the 4x4 pose of the mounting module in the mounted one.
 
-    The vertex of the mounting module, moved by the tuple, stands at the vertex of the mounted
-    one; a vertex that nothing declares is the module's own frame.
+    The transformation of the mount leads from the vertex of the mounted module to that of the
+    mounting one; an undeclared vertex is the module's own frame.
     """
     at = _vertex(modules.get(mount.mounting), mount.mounting_vertex)
     on = _vertex(modules.get(mount.mounted), mount.mounted_vertex)
@@ -209,7 +209,7 @@ def jacobian(posture: Posture, name: str, providers: Sequence[str]) -> Matrix:
 def scaled(columns: Matrix) -> Matrix:
     """Return columns (nxk) of length one, lengths in twists measured in the longest lever arm.
 
-    What counts is where they point. Columns of zeros stay.
+    Directions stay; columns of zeros stay zero.
     """
     found: Matrix = columns.copy()
     turning = np.abs(found[:3]).max(axis=0) > TOLERANCE

@@ -56,11 +56,11 @@ class Carrying:
         return _shares(joints, columns, index)
 
     def shares(self, function: str, allocation: str | None) -> list[tuple[str, str, float]]:
-        """Return who does what for one unit of a function: carrier, native function, rate.
+        """Return the shares in one unit of a function: each a carrier, native function and rate.
 
-        Carriers stand nearest first. Of those that give it alone the nearest takes it, with the
-        allocation `root` the farthest, with `split` each an equal share; what nobody gives alone,
-        a least support makes up at the present posture.
+        Of the carriers that can perform the function alone, the nearest does, with the allocation
+        `root` the farthest, with `split` each an equal share. If none can, the joints of a minimal
+        support share it at the present posture.
         """
         able = [(name, alone) for name in self.carriers if (alone := self.alone(name, function))]
         taking = able[TAKING[allocation]]
@@ -148,7 +148,10 @@ def _shares(joints: Sequence[Joint], columns: Matrix, index: int) -> Shares:
 
 
 def _in_degrees(function: str, turns: bool) -> float:
-    """Return the factor from a share in radians to one in degrees, for a unit of degrees or mm."""
+    """Return the factor from a joint's share in radians or m to one in degrees or mm.
+
+    `function` is that of the joint; `turns` is whether the unit is of a rotation.
+    """
     turned = function.startswith("Rotn")
     if turned == turns:
         return 1.0

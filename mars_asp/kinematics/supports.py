@@ -1,6 +1,6 @@
 """Supports: sets of motions that make up a unit twist, the smallest of them first.
 
-Columns of a Jacobian span what a chain can do. A set of columns *supports* a unit vector that lies
+Columns of a Jacobian span the twists of a chain. A set of columns *supports* a unit vector that is
 in its span, and a column has a *share* in it if the set without the column does not. No such set
 needs more than six columns, because twists have six coordinates.
 """
@@ -37,7 +37,7 @@ def spanned(columns: Matrix) -> NDArray[np.bool_]:
 def columns_with_share(columns: Matrix, unit: int) -> tuple[int, ...]:
     """Return columns (nxk) that support a unit vector, none of which can be left out.
 
-    Where several sets do, columns that stand first are kept; none if the vector is not spanned.
+    If there are several such sets, earlier columns are kept; none if the vector is not spanned.
     """
     if not spanned(columns)[unit]:
         return ()
@@ -52,9 +52,9 @@ def columns_with_share(columns: Matrix, unit: int) -> tuple[int, ...]:
 def fewest_groups(groups: Sequence[Matrix], units: Sequence[int]) -> dict[int, list[list[int]]]:
     """Return, by unit vector, the sets of fewest groups of columns (each 6xk) that support it.
 
-    Groups stand nearest first. Of each size, as many of the nearest are tried as `MOST_SETS`
-    allows; where that finds nothing, groups are taken in their order until they suffice, and
-    those are dropped, the last first, that can be.
+    Groups are ordered nearest first. Of each size, at most `MOST_SETS` sets are tried, of the
+    nearest groups; if none of them suffices, groups are added in their order until they do, and
+    dispensable ones are dropped, the last first.
     """
     found: dict[int, list[list[int]]] = {}
     left = list(units)
@@ -75,7 +75,7 @@ def fewest_groups(groups: Sequence[Matrix], units: Sequence[int]) -> dict[int, l
 def circuits(columns: Matrix, unit: int) -> Iterator[tuple[int, ...]]:
     """Yield sets of two columns (6xk) or more that support a unit vector, each with a share in it.
 
-    Columns stand nearest first; how far out they are tried is bounded as in `fewest_groups`.
+    Columns are ordered nearest first; the number of tried sets is limited as in `fewest_groups`.
     """
     padded = _padded([columns[:, [index]] for index in range(columns.shape[1])])
     for size in range(2, min(6, columns.shape[1]) + 1):
@@ -91,7 +91,7 @@ def circuits(columns: Matrix, unit: int) -> Iterator[tuple[int, ...]]:
 
 
 def _padded(groups: Sequence[Matrix]) -> Matrix:
-    """Return groups as one array (groups, 6, most columns), scaled together, with zeros behind."""
+    """Return groups as one array (groups, 6, most columns), scaled together, padded with zeros."""
     most = max((group.shape[1] for group in groups), default=0)
     padded = np.zeros((len(groups), 6, most))
     if groups:
@@ -104,10 +104,10 @@ def _padded(groups: Sequence[Matrix]) -> Matrix:
 
 
 def _rest(padded: Matrix, sets: NDArray[np.intp]) -> Matrix:
-    """Return the squares (sets, 6) of what is left of each unit vector outside the spans of sets.
+    """Return the squared distances (sets, 6) of the unit vectors from the spans of the sets.
 
-    The diagonals of the projectors on the complements, made by Gram and Schmidt's method, each
-    direction cleared twice.
+    They are the diagonals of the projectors on the complements, made by Gram and Schmidt's method,
+    each direction cleared twice.
     """
     projectors = np.broadcast_to(np.eye(6), (len(sets), 6, 6)).copy()
     for place in range(sets.shape[1]):
@@ -143,7 +143,7 @@ def _sufficient(groups: Sequence[Matrix], unit: int) -> list[int]:
 
 @lru_cache
 def _reach(size: int) -> int:
-    """Return among how many all sets of a size are no more than `MOST_SETS`."""
+    """Return the greatest number of elements that has at most `MOST_SETS` subsets of a size."""
     count = size
     while comb(count + 1, size) <= MOST_SETS:
         count += 1
