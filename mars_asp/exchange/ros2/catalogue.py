@@ -13,7 +13,7 @@ from mars_asp.exchange.ros2.interface import Interface, InterfaceTopic
 #: The name of a user's file that adds to the catalogue.
 OWN = "mars-catalogue.toml"
 _BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<default>[^}]*))?\}")
-_PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
+_PLACE = re.compile(r"^(?P<message>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
 _TOPICS = ("publishes", "measures", "subscribes", "optional")
 #: `read` is the source of an entry and has no effect.
 _TEXTS = ("plugin", "node", "namespace", "camera", "read")
@@ -79,7 +79,7 @@ def _entries(text: str, path: str) -> Iterator[CatalogueEntry]:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         match = _PLACE.match(str(error))
         place = point(path, int(match["line"]), int(match["column"])) if match else whole_file(path)
-        result = match["said"] if match else str(error)
+        result = match["message"] if match else str(error)
         raise _catalogue_error(path, f"this is not TOML: {result}", place=place) from None
     for package, programs in document.items():
         if not isinstance(programs, dict):

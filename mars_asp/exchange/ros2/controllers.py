@@ -85,11 +85,11 @@ def with_controllers(
             yield each
             continue
         files = tuple(filter(None, map(find, spawned.files)))
-        asked = values(replace(manager, files=(*manager.files, *files)), spawned.manager)
+        manager_values = values(replace(manager, files=(*manager.files, *files)), spawned.manager)
         for name in spawned.controllers:
             controller = _controller(name, each, manager, spawned, files)
             own = values(controller, joined(manager.namespace, name))
-            given = asked.get(f"{name}.type") or own.get("type")
+            given = manager_values.get(f"{name}.type") or own.get("type")
             kind = spawned.type or (given.text if given else "")
             if kind:
                 yield replace(controller, package=kind.partition("/")[0], executable=kind)

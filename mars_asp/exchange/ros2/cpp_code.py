@@ -196,7 +196,7 @@ class CppCode:
                 while is_word(text_at(tokens, after)) or text_at(tokens, after) in ("->", "::"):
                     after += 1
                 if text_at(tokens, after) == ":" and text_at(tokens, after + 1) != ":":
-                    after = _behind_initialisers(tokens, after + 1)
+                    after = _after_initialisers(tokens, after + 1)
                 if text_at(tokens, after) == "{" and name not in _KEYWORDS:
                     parameters = tuple(tokens[at + 1 : min(end - 1, at + _MOST_PARAMETERS)])
                     yield CppBody(name, after, self.closed[after], parameters, at)
@@ -326,7 +326,7 @@ class CppCode:
         return Nested([(head.opening, self.closed[head.opening], head.name) for head in heads])
 
 
-def _behind_initialisers(tokens: Sequence[SourceToken], at: int) -> int:
+def _after_initialisers(tokens: Sequence[SourceToken], at: int) -> int:
     """Return the index of the body after the initialisers of a constructor."""
     most = min(len(tokens), at + _MOST_INITIALISERS)
     while at < most:

@@ -689,8 +689,8 @@ class Launch:
         ours = "--ros-args" in words
         for before, word in zip(["", *words], words, strict=False):
             source, sign, target = word.partition(":=")
-            asked = before in ("-r", "--remap") if ours else not source.startswith("_")
-            if sign and asked and source and target and not source.startswith("__"):
+            is_remapping = before in ("-r", "--remap") if ours else not source.startswith("_")
+            if sign and is_remapping and source and target and not source.startswith("__"):
                 yield (source, target), action.span
 
     def _remaps(
@@ -840,10 +840,10 @@ def _set(words: Sequence[str], span: Span) -> Iterator[tuple[str, GivenParameter
     for before, word in pairwise(["", *words]):
         name, sign, value = word.partition(":=")
         if ours:
-            asked = before in ("-p", "--param")
+            is_parameter = before in ("-p", "--param")
         else:
-            asked, name = re.match("_[^_]", name) is not None, name[1:]
-        if sign and asked and name:
+            is_parameter, name = re.match("_[^_]", name) is not None, name[1:]
+        if sign and is_parameter and name:
             own = name.rpartition(":")[2]
             keys = tuple(Scalar(step, True, span) for step in own.split("."))
             yield own, GivenParameter(keys, Scalar(value, False, span))

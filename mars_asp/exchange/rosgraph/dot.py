@@ -84,13 +84,13 @@ def _topics(elements: dict[str, _DotElement]) -> Iterator[str]:
     marked = [
         each.id
         for each in elements.values()
-        if any(_said(each.attributes, key).startswith(_TOPIC_URL) for key in ("tooltip", "URL"))
+        if any(_value(each.attributes, key).startswith(_TOPIC_URL) for key in ("tooltip", "URL"))
     ]
-    boxes = [each.id for each in elements.values() if _said(each.attributes, "shape") in _BOXES]
+    boxes = [each.id for each in elements.values() if _value(each.attributes, "shape") in _BOXES]
     yield from marked or (boxes if len(boxes) < len(elements) else ())
 
 
-def _said(attributes: dict[str, DotToken], key: str) -> str:
+def _value(attributes: dict[str, DotToken], key: str) -> str:
     return attributes[key].text if key in attributes else ""
 
 
@@ -99,7 +99,7 @@ def _element_name(element: _DotElement, places: DotPlaces) -> str:
     label = _label(element.attributes, places)
     if label:
         return label
-    tooltip = _said(element.attributes, "tooltip").removeprefix("topic:")
+    tooltip = _value(element.attributes, "tooltip").removeprefix("topic:")
     if tooltip:
         return tooltip
     # rqt_graph writes `/` as `__`.

@@ -51,7 +51,7 @@ class _TopicInfoReader:
         #: Whether publishers follow, the counts of the output, and the number of named nodes.
         self.out = True
         self.promised: dict[bool, tuple[int, Span]] = {}
-        self.told = 0
+        self.named_nodes = 0
         self.node: tuple[str, Span] | None = None
         self.space = "/"
 
@@ -105,17 +105,17 @@ class _TopicInfoReader:
         """Finish the topic; note an error if its nodes are counted, but not named."""
         self.finish_node()
         most = max(self.promised.values(), default=(0, point(self.path, 1, 1)))
-        if self.topic is not None and most[0] > 0 and not self.told:
+        if self.topic is not None and most[0] > 0 and not self.named_nodes:
             message = f"the nodes at `{self.topic}` are counted, but not named"
             self.dump.wrong(most[1], message, _VERBOSE)
-        self.promised, self.told, self.out = {}, 0, True
+        self.promised, self.named_nodes, self.out = {}, 0, True
 
     def finish_node(self) -> None:
         """Add the last publisher or subscriber to the graph."""
         if self.node is None:
             return
         name, span = self.node
-        self.told += 1
+        self.named_nodes += 1
         if _UNKNOWN.search(name + self.space) or not name:
             self.dump.skip("endpoints of unknown nodes", name or "?", span)
         elif self.topic is not None:

@@ -186,7 +186,7 @@ class _UrdfReader:
     def bounds(self, limit: XmlElement) -> tuple[Decimal | None, Decimal | None]:
         """Return both bounds, None for open ones; if only one is stated, the other is 0 in URDF."""
         declared = [key for key in ("lower", "upper") if key in limit.attributes]
-        lower, upper = (self.stated(limit, key) for key in ("lower", "upper"))
+        lower, upper = (self.limit_value(limit, key) for key in ("lower", "upper"))
         if lower > upper:
             self.note(limit, f"the lower bound {lower} is above the upper one", "swap them")
         return (
@@ -196,12 +196,12 @@ class _UrdfReader:
 
     def rate(self, limit: XmlElement) -> Decimal | None:
         """Return the maximal velocity, or None if it is open, or 0 (a placeholder of exporters)."""
-        found = self.stated(limit, "velocity")
+        found = self.limit_value(limit, "velocity")
         if found < 0:
             self.note(limit, f"the velocity {found} is below 0", "write its magnitude")
         return found if 0 < found < OPEN else None
 
-    def stated(self, limit: XmlElement, key: str) -> Decimal:
+    def limit_value(self, limit: XmlElement, key: str) -> Decimal:
         written = limit.attributes.get(key, "0")
         found = _decimal(written) if len(written) < _MOST else None
         if found is None:
