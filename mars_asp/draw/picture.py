@@ -144,7 +144,7 @@ def depict(
         _picture_line(relationship, number, described)
         for relationship in configuration.relationships
     ]
-    declared = f"{configuration.architecture} " if configuration.stated else ""
+    declared = f"{configuration.architecture} " if configuration.declares_architecture else ""
     return Picture(f"{declared}{configuration.kind}", tuple(boxes), tuple(lines))
 
 

@@ -112,7 +112,7 @@ def configuration_of(graph: Graph) -> MappedGraph:
         graph.path,
         whole_file(graph.path),
         architecture="hierarchical",
-        stated=True,
+        declares_architecture=True,
         modules=tuple(modules.values()),
         relationships=(*controls, *_wires(wiring, nodes)),
         declared=tuple(module for module in described if module is not None),

@@ -112,7 +112,7 @@ def fill(head: str, parts: Iterable[str]) -> Iterator[str]:
 
 def _configuration_lines(configuration: Configuration) -> Iterator[str]:
     header = f"@{configuration.kind}"
-    if configuration.stated:
+    if configuration.declares_architecture:
         header += f" {configuration.architecture}"
     if configuration.period_ms is not None:
         header += f" period {configuration.period_ms}"

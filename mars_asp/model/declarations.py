@@ -313,7 +313,7 @@ class MissingFile:
 class Configuration:
     """A configuration or a specification, which has the same body.
 
-    `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
+    `declares_architecture` is whether the file states it; `period_ms` is of flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
     once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
     `relays` the places of its relays, contracted already, `opaque` its nodes of which topics could
@@ -328,7 +328,7 @@ class Configuration:
     span: Span
     kind: ConfigurationKind = "configuration"
     architecture: Architecture = "flat"
-    stated: bool = False
+    declares_architecture: bool = False
     period_ms: int | None = None
     sources: tuple[Name, ...] = ()
     modules: tuple[Name, ...] = ()

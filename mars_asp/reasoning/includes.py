@@ -176,7 +176,7 @@ def _taken_in(
     if inner.kind != "configuration":
         message = f"`{include.path}` is a specification, and only configurations are included"
         raise _include_error(include.span, message, "include the configuration that it realises")
-    if inner.stated and inner.architecture != own.architecture:
+    if inner.declares_architecture and inner.architecture != own.architecture:
         message = f"`{include.path}` is {inner.architecture}, but is included as {own.architecture}"
         help_text = "one robot has one architecture: state the same, or none in what is included"
         labels = ((inner.span, f"{inner.architecture} is stated here"),)

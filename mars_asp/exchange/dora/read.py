@@ -104,7 +104,7 @@ def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
         path,
         whole_file(path),
         architecture="hierarchical",
-        stated=True,
+        declares_architecture=True,
         modules=tuple(names),
         relationships=tuple(_wire_relationship(w.name, wire) for w in workers for wire in w.wires),
         declared=(

@@ -87,7 +87,7 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
         path,
         whole_file(path),
         architecture="hierarchical",
-        stated=True,
+        declares_architecture=True,
         modules=tuple(names.values()),
         relationships=tuple(controls),
         muxes=tuple(muxed),

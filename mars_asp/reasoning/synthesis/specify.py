@@ -65,7 +65,7 @@ def specify(project: Project, derived: SpecifiedAtoms) -> Specification:
     printed = replace(
         configuration,
         kind="specification",
-        stated=_states_architecture(configuration, nodes),
+        declares_architecture=_states_architecture(configuration, nodes),
         sources=(),
         modules=(*configuration.modules, *names),
         relationships=configuration.relationships if stays else tuple(draft.lines),
@@ -108,6 +108,6 @@ def _states_architecture(configuration: Configuration, nodes: Iterable[Introduce
     """Whether `flat` or `hierarchical` is printed."""
     if configuration.architecture == "hierarchical" or configuration.period_ms is not None:
         return True
-    if configuration.kind == "specification" and configuration.stated:
+    if configuration.kind == "specification" and configuration.declares_architecture:
         return True
     return any(node.kind == "arbitration_node" for node in nodes)
