@@ -174,7 +174,7 @@ class Span(NamedTuple):
 
 
 def point(path: str, line: int, column: int) -> Span:
-    """Return the empty span at one place."""
+    """Return the empty span at a line and column."""
     return Span(path, line, column, line, column)
 
 
@@ -244,7 +244,7 @@ def is_input_error(name: str) -> bool:
 
 
 def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Return diagnostics in the order of their places."""
+    """Return diagnostics in the order of their locations."""
     return tuple(sorted(diagnostics, key=lambda d: (d.span, d.code, d.message)))
 
 

@@ -185,10 +185,10 @@ class GrowingFile:
         self._state = _state_of(os.fstat(self._file.fileno()))
 
     def check_own(self) -> None:
-        """Check that its path still leads to it, and that no other program has written to it.
+        """Check that the path still is this file, and that no other program has written to it.
 
         Raises:
-            OSError: it does not, or one has.
+            OSError: the file was replaced or changed.
         """
         if _state_of(os.stat(self.path)) != self._state:  # noqa: PTH116 -- as `open`
             message = "it has changed since the last line, so it was left alone"
@@ -225,7 +225,7 @@ class AtomicFile:
         self._file = os.fdopen(handle, "w+b")
 
     def write(self, content: bytes) -> None:
-        """Write more of it."""
+        """Append to the temporary file."""
         with self._errors_name_path():
             self._file.write(content)
 

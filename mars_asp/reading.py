@@ -112,7 +112,7 @@ def check_walls(path: str | Path, named_in: str | None = None) -> None:
 
 
 def is_kernels(path: str | Path) -> bool:
-    """Whether a path leads to a file of the kernel."""
+    """Whether a path, with links resolved, is a file of the kernel."""
     return _is_kernels(os.path.realpath(path))
 
 

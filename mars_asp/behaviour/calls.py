@@ -35,7 +35,7 @@ class Made(NamedTuple):
 
 
 class EntryPoint(NamedTuple):
-    """An input of a module: its sources, its name, and its place among the inputs, if known."""
+    """An input of a module: its sources, and its name and position among the inputs, if known."""
 
     source: str
     name: str | None = None
@@ -191,7 +191,7 @@ def _parameter_order(
 
 
 def _filled(parameters: Sequence[Parameter], inputs: Sequence[EntryPoint]) -> dict[int, int]:
-    """Return the number of the input of each parameter: by name, by place, then in order."""
+    """Return the index of the input by that of its parameter: by name, by position, in order."""
     number_of: dict[str | None, int] = {each.name: n for n, each in enumerate(parameters)}
     filled: dict[int, int] = {}
 

@@ -98,7 +98,7 @@ def _copier(value: Any) -> Callable[[Any], Any]:
 
 
 def _outside(value: Any) -> Any:
-    """Return another list with the same members."""
+    """Return a shallow copy of a list, of the same class."""
     if type(value) is list:
         return value.copy()
     made = value.__new__(type(value))
@@ -130,5 +130,5 @@ _SHORT.maxother = _SHORT.maxstring = _SHORT.maxlong = 60
 
 
 def shown(value: object) -> str:
-    """Return a short text of a value, the same in every run: without its address."""
+    """Return a short text of a value without memory addresses, which differ between runs."""
     return _ADDRESS.sub("", _SHORT.repr(value))

@@ -16,7 +16,7 @@ class NoGraphvizError(Exception):
 
 
 def draw_by_dot(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
-    """Return the places of boxes and links as `dot` of Graphviz lays them out.
+    """Return the positions of boxes and links in the layout by `dot` of Graphviz.
 
     Raises:
         NoGraphvizError: `dot` is not installed, or fails.

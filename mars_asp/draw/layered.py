@@ -47,7 +47,7 @@ class LayeredEdge:
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """The way of a link: the points of joined cubic Bézier curves, and its label's centre."""
+    """The path of a link: the points of joined cubic Bézier curves, and its label's centre."""
 
     points: tuple[Point, ...]
     label: Point | None

@@ -26,10 +26,10 @@ def number_findings(
 
 
 def marked(picture: Picture, findings: Sequence[tuple[NumberedFinding, Consequence]]) -> Picture:
-    """Return a picture with the findings that are about each box and line.
+    """Return a diagram with each finding added to its boxes and lines.
 
-    A box has the name of the subject or of a participant. A line is at a place of the finding, and
-    joins such a box.
+    Its boxes are those of the subject and the participants. Its lines have one of its locations,
+    and end at such a box.
     """
     box_of = {box.name: index for index, box in enumerate(picture.boxes)}
     lines_at: dict[Span | None, list[int]] = defaultdict(list)

@@ -9,7 +9,7 @@ _PLAIN = frozenset(" ()[]{}.,:+-=/_→…")
 
 
 def mermaid_text(picture: Picture) -> str:
-    """Return a picture as Mermaid; of names, all that Mermaid could read is written as codes."""
+    """Return a diagram as Mermaid; special characters in names are written as codes."""
     parts = ["flowchart TD"]
     if picture.remark:
         parts.append(f"  %% {picture.remark}")

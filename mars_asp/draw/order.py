@@ -97,7 +97,7 @@ def _initial_order(layers: list[list[int]], below: Mapping[int, list[int]]) -> N
 def _in_layers(
     layers: Sequence[Sequence[int]], ranks: Sequence[Mapping[int, int]]
 ) -> Iterator[tuple[int, Mapping[int, int]]]:
-    """Yield the layers in which several vertices have ranks in one mapping, with those ranks."""
+    """Yield each layer in which a mapping ranks several vertices, with their ranks."""
     layer_of = {vertex: index for index, layer in enumerate(layers) for vertex in layer}
     for rank in ranks:
         within: dict[int, dict[int, int]] = defaultdict(dict)
@@ -109,7 +109,7 @@ def _in_layers(
 def _keep(
     layers: Sequence[list[int]], kept: Sequence[tuple[int, Mapping[int, int]]]
 ) -> Mapping[int, int]:
-    """Put vertices with ranks, in place, into the order of these; return the places of layers."""
+    """Sort the ranked vertices of layers, in place; return the positions in changed layers."""
     for number, rank in kept:
         layer = layers[number]
         slots = [index for index, vertex in enumerate(layer) if vertex in rank]

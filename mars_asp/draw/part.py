@@ -19,7 +19,7 @@ _MOST_MISSES = 3
 
 
 def of_kinds(picture: Picture, kinds: Collection[LineKind], name: str | None = None) -> Picture:
-    """Return the lines of some kinds, and the boxes that they join and that of a name."""
+    """Return the lines of some kinds, with the boxes at their ends and the named box."""
     lines = [line for line in picture.lines if line.kind in kinds]
     joined = {end for line in lines for end in (line.tail, line.head)}
     joined |= {number for number, box in enumerate(picture.boxes) if box.name == name}
@@ -46,7 +46,7 @@ def about(picture: Picture, name: str, depth: int, port: str | None = None) -> P
 
 
 def _has_port(line: Line, boxes: Collection[int], port: str) -> bool:
-    """Whether a line leaves one of some boxes, or enters it, by a port."""
+    """Whether a line begins or ends at the port of one of the boxes."""
     leaves = line.tail in boxes and line.outlet == port
     return leaves or (line.head in boxes and line.inlet == port)
 
@@ -54,9 +54,9 @@ def _has_port(line: Line, boxes: Collection[int], port: str) -> bool:
 def fitting(
     picture: Picture, width: Callable[[Picture], float], name: str | None = None
 ) -> Picture:
-    """Return the part of a large picture that fits a screen: the boxes near one with a name.
+    """Return the excerpt of a large diagram that fits on a screen: the boxes near the named one.
 
-    Without a name that is the busiest one. `width` is how wide a picture is drawn.
+    Without a name, it has the boxes near the busiest one. `width` is the drawn width in px.
     """
     count = len(picture.boxes)
     if count <= _LARGE or (count <= _MOST_SHOWN and width(picture) <= SCREEN):
@@ -75,7 +75,7 @@ def fitting(
 
 
 def left_out(whole: Picture, shown: Picture) -> str | None:
-    """Return how much of a picture is not shown, or None if all is."""
+    """Return a text with the numbers of boxes and lines left out, or None if none is."""
     parts = [
         f"{len(of) - len(left)} of {len(of)} {what}"
         for of, left, what in (

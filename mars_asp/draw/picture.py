@@ -29,7 +29,7 @@ LineKind: TypeAlias = Literal["mount", "data", "control"]
 
 @dataclass(frozen=True, slots=True)
 class NumberedFinding:
-    """A finding by its number in the picture."""
+    """A finding with its number in the diagram."""
 
     number: int
     severity: Severity
@@ -54,9 +54,9 @@ def gravest(findings: Iterable[NumberedFinding]) -> Severity:
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A module, or a node that was introduced; `note` describes it.
+    """A module or an introduced node; `note` describes it.
 
-    `alone` is the reason why no line leads to it or from it, empty if one does.
+    `alone` is the reason why the box has no lines, empty if it has one.
     """
 
     name: str
@@ -114,9 +114,10 @@ class Picture:
 def depict(
     configuration: Configuration, modules: Mapping[str, Module], *, classes: bool = False
 ) -> Picture:
-    """Return the picture of a configuration, whose modules `modules` and itself describe.
+    """Return the diagram of a configuration; it and `modules` have the descriptions of modules.
 
-    Names in relationships alone have boxes as well. With `classes` boxes have those of the paper.
+    Names that occur only in relationships also have boxes. With `classes`, boxes show the classes
+    of modules from the paper.
     """
     described = configuration.with_declared(modules)
     conversions = {found.transformer: found for found in configuration.conversions}
@@ -160,7 +161,7 @@ def _node_look(
 
 
 def _relationship_ends(relationship: Relationship) -> tuple[str, str]:
-    """Return the tail and the head of the line of a relationship."""
+    """Return the names at the tail and the head of the line of a relationship."""
     left, right = ends_of(relationship)
     return (left, right) if isinstance(relationship, Mount) else (right, left)
 
@@ -218,7 +219,7 @@ def _in_words(transformation: Transformation) -> list[str]:
 
 
 def _reason(module: Module | None, is_unread: bool) -> str:
-    """Return why no line leads to a module or from it."""
+    """Return the reason why a module has no lines."""
     if not is_unread:
         return "nothing is connected to them"
     return "not in the catalogue" if module is None else "not all of their topics were read"
@@ -227,7 +228,7 @@ def _reason(module: Module | None, is_unread: bool) -> str:
 def _only_port(
     module: Module | None, ports: Callable[[Module], Mapping[str, object]]
 ) -> str | None:
-    """Return the one output, or input, of a module that has no other."""
+    """Return the only output or input of a module, or None if it has none or several."""
     names = tuple(ports(module)) if module is not None else ()
     return names[0] if len(names) == 1 else None
 

@@ -14,10 +14,10 @@ _TEXT = f'<text x="2" y="16" font-family="{FONT}">M</text>'
 
 
 def png_bytes(svg: str, span: Span) -> bytes:
-    """Return an SVG of ours as PNG at twice its size, or smaller where that would be too large.
+    """Return the SVG of a diagram as PNG at twice its size, or smaller if that is too large.
 
     Raises:
-        MarsError: resvg is not there, or finds no font; `span` is that of the file with the robot.
+        MarsError: resvg is not installed, or finds no font; `span` is of the file of the robot.
     """
     try:
         from resvg_py import svg_to_bytes  # noqa: PLC0415 -- of the extra `png`

@@ -29,7 +29,7 @@ def rank_boxes(
 
 
 def _search(count: int, arcs: Sequence[tuple[int, int]]) -> list[int]:
-    """Return when a depth-first search left each box; it begins where nothing leads to."""
+    """Return the finishing number of each box in a depth-first search that begins at sources."""
     following = defaultdict(list)
     for u, v in arcs:
         following[u].append(v)

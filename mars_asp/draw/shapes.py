@@ -181,7 +181,7 @@ def draw_text(text: str, at: Point, size: float, colour: str, anchor: str = "sta
 
 
 def draw_sentence(text: str, at: Point, size: float, colour: str, anchor: str = "start") -> str:
-    """Return text of ours, which is shown as long as it is."""
+    """Return SVG of a text at its full length, unlike `draw_text`."""
     return (
         f'<text x="{plain(at[0])}" y="{plain(at[1] + size * 0.36)}" font-size="{plain(size)}" '
         f'text-anchor="{anchor}" fill="{colour}">{escaped(text)}</text>'

@@ -60,10 +60,10 @@ def _mean(
 
 
 def _fit(targets: Sequence[tuple[float, float]], least: Sequence[float]) -> list[float]:
-    """Return positions nearest to their targets, of which neighbours keep their least distance.
+    """Return positions near their targets, where neighbours keep the minimal distances `least`.
 
     Pooling adjacent violators (Barlow et al., "Statistical inference under order restrictions",
-    1972) finds the least sum of weighted squares.
+    1972) finds the minimal sum of weighted squares.
     """
     shifts = list(accumulate(least, initial=0.0))
     pools: list[tuple[float, float, int]] = []

@@ -1,4 +1,4 @@
-"""A picture as SVG, laid out here: no other program is needed, and the same bytes everywhere."""
+"""A diagram as SVG with a built-in layout, so that its bytes are the same on every system."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -44,7 +44,7 @@ Layout: TypeAlias = Callable[[Sequence[Size], Sequence[LayeredEdge]], Drawing]
 
 
 class _Arrangement(NamedTuple):
-    """Boxes and lines with their places, and captions of the boxes without lines."""
+    """Boxes and lines with their positions, and captions of the boxes without lines."""
 
     sizes: Sequence[Size]
     drawing: Drawing
@@ -52,7 +52,7 @@ class _Arrangement(NamedTuple):
 
 
 def drawn_width(picture: Picture) -> float:
-    """Return how wide a picture is drawn, in px; without end where it is too large to be drawn."""
+    """Return the drawn width of a diagram in px, infinite if it is too large to be drawn."""
     try:
         return _laid_out(picture, draw_graph).drawing.size[0] + 2 * _MARGIN
     except TooLargeError:
@@ -126,7 +126,7 @@ def _linked(parts: Iterable[str], name: str, target: str | None) -> Iterator[str
 
 
 def _laid_out(picture: Picture, layout: Layout) -> _Arrangement:
-    """Return the sizes and places of boxes and lines; boxes without lines are below the others.
+    """Return the sizes and positions of boxes and lines; boxes without lines are below the others.
 
     Raises:
         TooLargeError: there would be too many lines beside too many boxes.

@@ -13,7 +13,7 @@ from mars_asp.model.ranges import MOST
 
 
 def is_plain(mux: Mux) -> bool:
-    """Whether each input of a mux can win, and lets go, so that its order is all of it."""
+    """Whether each input of a mux can win and has a finite hold, so only their order matters."""
     return all(each.priority > 0 and each.hold_ms != FOREVER for each in mux.inputs)
 
 
@@ -57,7 +57,7 @@ def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
 
 
 def _numbered(mux: Mux, number: Callable[[int], int]) -> Mux:
-    """Return a mux with other numbers, which knows those that are written."""
+    """Return a mux with priorities changed by `number`, which keeps the written ones."""
     own = mux.numbers or tuple({each.priority: each.priority for each in mux.inputs}.items())
     return replace(
         mux,

@@ -44,10 +44,10 @@ IsExcluded: TypeAlias = Callable[[Path, bool], bool]
 
 
 class FolderRobots(NamedTuple):
-    """The robots in a folder, in the order of their paths, and notes on the rest of it.
+    """The robots in a folder, in the order of their paths, and notes on its other files.
 
     A robot is a file, or a folder with packages and launch files of ROS. `passed_over` is the
-    number of YAML, XML and Python files outside of these that are none.
+    number of YAML, XML and Python files that are neither a robot nor in one.
     """
 
     paths: tuple[Path, ...]

@@ -1,4 +1,4 @@
-"""Files that are not ours, in whichever of the formats that are read, as one robot."""
+"""Import foreign files, of one or several formats, as one robot."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace

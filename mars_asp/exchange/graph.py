@@ -43,7 +43,7 @@ def united(first: GraphNode, second: GraphNode) -> GraphNode:
 
 
 def each_once(ends: Iterable[Endpoint]) -> tuple[Endpoint, ...]:
-    """Return ends with each topic once: its first place, and the first type and rate known."""
+    """Return one end for each topic: with its first location, known type and known rate."""
     found: dict[str, Endpoint] = {}
     for end in ends:
         known = found.setdefault(end.topic, end)

@@ -59,7 +59,7 @@ def contracted(graph: Graph) -> Contracted:
 
 
 def reached(topics: Set[str], ways: Mapping[str, Iterable[str]]) -> set[str]:
-    """Return topics with all to which ways lead from them."""
+    """Return topics and all topics that are reachable from them over `ways`."""
     found, waiting = set(topics), list(topics)
     while waiting:
         further = set(ways.get(waiting.pop(), ())) - found

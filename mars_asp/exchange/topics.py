@@ -50,7 +50,7 @@ class MappedGraph(NamedTuple):
 
 
 class _End(NamedTuple):
-    """A node's name and its end of a topic, which a passage may lead on."""
+    """A node with its end of a topic, and the passage that extends it to another topic, if any."""
 
     node: str
     end: Endpoint
@@ -366,7 +366,7 @@ class _Loose(NamedTuple):
 
 
 def _loose_commands(wiring: _Wiring) -> _Loose:
-    """Return the command topics of an observed graph that lead nowhere or come from nowhere."""
+    """Return the command topics of an observed graph without publisher or without subscriber."""
     if not wiring.observed:
         return _Loose(frozenset(), frozenset())
     sent = wiring.published.keys() | wiring.outputs.keys()

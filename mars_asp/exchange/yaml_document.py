@@ -58,10 +58,10 @@ Node: TypeAlias = Scalar | Items | Pairs
 
 
 class Repeat(NamedTuple):
-    """A key that a map has twice, the second one and the place of the first.
+    """A key that a map has twice: the second one, and the location of the first.
 
-    `is_merged` is whether both have maps, of which one was made; `within` is whether it is a key of
-    such a map.
+    `is_merged` is whether the values are maps, which were merged; `within` is whether the key is in
+    such a merged map.
     """
 
     key: Scalar
@@ -252,7 +252,7 @@ class _YamlReader:
         return Span(self.path, *self.at(start.line, start.column), *self.at(end.line, end.column))
 
     def at(self, line: int, column: int) -> tuple[int, int]:
-        """Return the line and column in the file of those in the text, which count from 0."""
+        """Return the line and column in the file of a line and column (from 0) in the text."""
         first, before = self.begins
         return first + line, column + (before if line == 0 else 1)
 
@@ -311,7 +311,7 @@ class _YamlReader:
     def by_key(
         self, given: Sequence[tuple[Scalar, Node]], *, within: bool
     ) -> dict[str, tuple[Scalar, Node]]:
-        """Return the keys of a map with their values, and note those that it has again."""
+        """Return the keys of a map with their values, and note repeated keys."""
         pairs: dict[str, tuple[Scalar, Node]] = {}
         # Joined once at the end: a key may have thousands of maps.
         maps: dict[str, list[tuple[Scalar, Node]]] = {}

@@ -27,7 +27,7 @@ _EYE = np.eye(4)
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A motion function in the place where it acts: `function` of `module`."""
+    """A joint of a chain: the motion function `function` of `module`."""
 
     module: str
     function: str

@@ -1,4 +1,4 @@
-"""The nodes of a dora dataflow, each with its inputs and outputs at their places.
+"""The nodes of a dora dataflow, each with its inputs and outputs and their locations.
 
 https://github.com/dora-rs/dora/blob/main/docs/yaml-spec.md; a node of older files has its inputs
 and outputs below `custom:`. An operator is a node of its own, `NODE/OPERATOR`, and one that is
@@ -99,7 +99,7 @@ class NodeFile(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """A node, or an operator of one; `complete` is whether the file states all of it."""
+    """A node, or an operator of one; it is not `complete` if a `module` file has its contents."""
 
     name: str
     span: Span

@@ -93,7 +93,7 @@ class Targets:
     is_whole: bool = True
 
     def of(self, target: str) -> list[str]:
-        """Return the sources of a target and of those of the file that it links."""
+        """Return the sources of a target and, transitively, of the targets that it links."""
         found: list[str] = []
         waiting, seen = [target], set[str]()
         while waiting:
@@ -337,7 +337,7 @@ def _in_package(path: str, folder: str) -> str:
 
 
 def _end_of_block(commands: Sequence[_Command], at: int, name: str) -> int:
-    """Return the place of the command that ends a block whose first command is before `at`."""
+    """Return the index of the command that ends the block around `at`, `len(commands)` if none."""
     depth = 1
     while at < len(commands):
         depth += (commands[at][0] == name) - (commands[at][0] == f"end{name}")

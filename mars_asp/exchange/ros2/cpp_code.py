@@ -205,7 +205,7 @@ class CppCode:
 
     @cached_property
     def base_classes(self) -> Set[str]:
-        """The classes from which those of the file are derived."""
+        """The names of the base classes of classes in the file."""
         found: set[str] = set()
         for at in self.token_places("public", "protected", "private"):
             last = at + 1

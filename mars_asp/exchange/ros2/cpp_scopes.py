@@ -113,7 +113,7 @@ class ScopedCode(CppCode):
 
     @cached_property
     def _parameters_read(self) -> Mapping[int, str]:
-        """The parameters that are written to variables, by the places of these."""
+        """The names of parameters that calls read into variables, by the offsets of these."""
         found: dict[int, str] = {}
         for call in self.calls:
             name, others = self.parameter_in(call.name, call.arguments)

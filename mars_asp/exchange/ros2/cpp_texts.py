@@ -247,7 +247,7 @@ class CppTexts:
         return found
 
     def with_base_classes(self, name: str) -> Sequence[str]:
-        """Return a class and those from which it is derived."""
+        """Return a class and all its known base classes, nearest first."""
         found = [name] * bool(name)
         for each in found:
             others = sorted(self._base_words.get(each, ()))

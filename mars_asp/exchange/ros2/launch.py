@@ -117,7 +117,7 @@ class Started:
 
 
 class _Entered(NamedTuple):
-    """The nodes that a file starts, the parts of it not read, the files read, and those absent."""
+    """The results of an included file: started nodes, skipped contents, read and absent files."""
 
     started: list[Started]
     unread: list[Unread]
@@ -185,7 +185,7 @@ class _LaunchTexts:
 
 
 class Launch:
-    """Follows launch files of a workspace from one to those that it includes."""
+    """The nodes of a launch tree: a launch file of a workspace, and all files that it includes."""
 
     def __init__(self, workspace: Workspace, before: "Launch | None" = None) -> None:
         """Begin with nothing started; files that were read `before` are not read again."""
@@ -293,7 +293,7 @@ class Launch:
         scope: _Scope,
         files: tuple[Path, ...],
     ) -> None:
-        """Take up the nodes of each reading; those that only some start depend on branches."""
+        """Collect the nodes of all readings; nodes of only some get the branches as conditions."""
         before, missing = self.started, self.missing
         lacking: list[dict[AbsentFile, None]] = []
         noted = len(self.unread)
@@ -401,7 +401,7 @@ class Launch:
     def _include_known(
         self, file: Path, action: IncludeAction, scope: _Scope, files: tuple[Path, ...]
     ) -> None:
-        """Take up a launch file of the catalogue; all of it is at the line that includes it."""
+        """Collect the nodes of a launch file of the catalogue, with the location of its include."""
         span, started, unread, missing = action.span, self.started, self.unread, self.missing
         self.started, self.unread, self.missing = [], [], {}
         self._enter(self._read_actions(file), action, scope, (*files, file))
@@ -457,7 +457,7 @@ class Launch:
     def _entered_with(
         self, actions: Sequence[Action], within: _Scope, files: tuple[Path, ...], span: Span
     ) -> "_Entered":
-        """Return the nodes that an included file starts, and more of it.
+        """Return the results of an included file.
 
         Many branches of code include one file with the same arguments: it is followed once.
         """
@@ -812,7 +812,7 @@ class Launch:
 
 
 def _at_include(started: Started, span: Span, is_rewritten: bool) -> Started:
-    """Return a node of a catalogued file as if the line that includes it stated all of it."""
+    """Return a node of a catalogued file, with the location of the include for all its spans."""
     shown = started.span.path
     return replace(
         started,

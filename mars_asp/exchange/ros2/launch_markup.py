@@ -134,7 +134,7 @@ def _of_element(element: XmlElement) -> _Entity:
 
 
 def _yaml_entities(value: Node) -> Iterator[_Entity]:
-    """Yield the elements of a list of actions in YAML, each a map with the one name of it."""
+    """Yield the elements of a list of actions in YAML, which are maps from a name to contents."""
     for item in value.nodes if isinstance(value, Items) else (value,):
         if isinstance(item, Pairs):
             for key, inner in item.pairs:
@@ -165,7 +165,7 @@ def _of_pair(key: Scalar, value: Node) -> _Entity:
 
 
 def _at(key: Scalar, item: Node) -> Scalar:
-    """Return the key of a list as that of one of its items, at the place of this."""
+    """Return the key of a list with the location of one of its items."""
     first = item.pairs[0][0] if isinstance(item, Pairs) and item.pairs else item
     return Scalar(key.text, key.quoted, first.span)
 
@@ -342,7 +342,7 @@ def _read_by(entity: _Entity) -> Iterator[Reads]:
 def _parameter_values(
     entity: _Entity, before: tuple[tuple[Text, Span], ...]
 ) -> Iterator[NodeParameter]:
-    """Yield the value of a parameter, or those of the parameters in it."""
+    """Yield a parameter with its values, and the parameters that are nested in it."""
     name = entity.text("name")
     if name is None:
         return

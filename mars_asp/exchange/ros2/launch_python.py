@@ -299,7 +299,7 @@ class _LaunchReader(Evaluator):
                 self.handling.discard(each.of)
 
     def started(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
-        """Yield the node that a call starts, or those that go into a container."""
+        """Yield the node that a call starts, or for a container the components in it."""
         tests = (*tests, *tests_of(call.named.get("condition"), call.span))
         if call.name in _CONTAINERS:
             if call.name == "ComposableNodeContainer":
@@ -361,7 +361,7 @@ class _LaunchReader(Evaluator):
         return self.called.get(_called(node), _called(node))
 
     def left_out(self, names: Names) -> Iterator[NotRead]:
-        """Yield the nodes that the file makes and that nothing of it launches."""
+        """Yield the nodes that the file makes but never launches."""
         for node in self.nodes:
             if not isinstance(node, ast.Call) or self.name_of(node) not in _NODES:
                 continue
@@ -422,7 +422,7 @@ def _launched_names(tree: ast.Module) -> Iterator[ast.Name]:
 
 
 def _arguments_of(call: PythonCall) -> tuple[Text, ...]:
-    """Return the arguments of a program; those for ROS may have a list of their own."""
+    """Return the arguments of a program; arguments for ROS follow `--ros-args`."""
     own, for_ros = (
         tuple(map(text_from, items_of(call.named.get(name))))
         for name in ("arguments", "ros_arguments")

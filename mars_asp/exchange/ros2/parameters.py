@@ -11,7 +11,7 @@ PARAMETERS = "ros__parameters"
 
 
 class GivenParameter(NamedTuple):
-    """The value of a parameter, the keys that lead to it, and whether it is known before a run.
+    """The value of a parameter, its path of keys, and whether it is known before a run.
 
     `is_for_all` is whether it is set for all nodes.
     """
@@ -28,7 +28,7 @@ class GivenParameter(NamedTuple):
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The value, or those in it where it is a list."""
+        """The text of a scalar, or the texts of the scalars in a list."""
         nodes = self.value.nodes if isinstance(self.value, Items) else (self.value,)
         return tuple(node.text for node in nodes if isinstance(node, Scalar))
 

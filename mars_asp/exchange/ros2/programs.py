@@ -161,7 +161,7 @@ class Programs:
         return is_known or any(re.fullmatch(form, last) for form in self._composed(found))
 
     def _composed_names(self, package: Package) -> frozenset[str]:
-        """Return the patterns of names such as `name + "_min"`, without `_` those of numbers."""
+        """Return patterns of composed names, such as `name + "_min"`; if without `_`, of digits."""
         found: set[str] = set()
         for text in map(self._file_text, self._sources_for(package)):
             if text is None:
@@ -177,7 +177,7 @@ class Programs:
         return frozenset(found)
 
     def _sources_for(self, package: Package) -> Iterator[Path]:
-        """Return the sources of a package and of those that it depends on."""
+        """Return the sources of the packages that are named in the manifest of a package."""
         manifest = self._file_text(package.folder / "package.xml") or ""
         named = set(_PACKAGE_NAME.findall(manifest))
         used = (each for each in self.workspace.packages if each.name in named)
@@ -329,14 +329,14 @@ class Programs:
         return self._with_headers(package, [file], linked, component, rivals)
 
     def _headers_of(self, package: Package, file: Path) -> Sequence[Path]:
-        """Return the headers of a package that a file of it includes."""
+        """Return the headers of a package that one of its files includes."""
         found: list[Path] = []
         for name in _INCLUDE.findall(self._file_text(file) or ""):
             last = name.rpartition("/")[2]
             headers = self._headers.get(last, {}).get(package.folder)
             if headers is None:
                 continue
-            # One beside the file comes first, then those whose path ends so.
+            # A header beside the file wins, then headers whose path ends with the name.
             beside = file.parent / name
             parts = Path(name).parts
             ending = [each for each in headers if each.parts[-len(parts) :] == parts]

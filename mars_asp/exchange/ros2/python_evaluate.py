@@ -292,7 +292,7 @@ class Evaluator(ExpressionEvaluator[Names]):
                 yield from self.scopes(others, inner, depth)
 
     def call_value(self, node: ast.Call, names: Names, depth: int) -> Value:
-        """Return the value of a call by those of its arguments."""
+        """Return the value of a call, evaluated with the values of its arguments."""
         arguments, named = self.given(node, names, depth)
         span = self.span(node)
         if isinstance(node.func, ast.Attribute):

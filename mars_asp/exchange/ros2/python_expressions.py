@@ -132,7 +132,7 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
                 return None
 
     def elements(self, items: Sequence[ast.expr], scope: Scope, depth: int) -> Iterator[Value]:
-        """Yield the elements of a list, those of starred ones among them, up to a bound."""
+        """Yield the elements of a list, starred ones unpacked up to `MOST_ITEMS` elements."""
         left = MOST_ITEMS
         for item in items:
             found = self.value(item, scope, depth + 1)
@@ -154,7 +154,7 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
         scope: Scope,
         depth: int,
     ) -> MappedValue:
-        """Return a dictionary with those that are unpacked in it."""
+        """Return the value of a dictionary; a key of None unpacks another dictionary (`**x`)."""
         pairs: list[tuple[Value, Value]] = []
         for key, value in zip(keys, values, strict=True):
             found = self.value(value, scope, depth + 1)
@@ -190,7 +190,7 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
     def given(
         self, node: ast.Call, scope: Scope, depth: int
     ) -> tuple[tuple[Value, ...], dict[str, Value]]:
-        """Return the arguments of a call, and those by name."""
+        """Return the positional arguments of a call, and its named ones."""
         named: dict[str, Value] = {}
         arguments = tuple(self.elements(node.args, scope, depth + 1))
         for keyword in node.keywords:

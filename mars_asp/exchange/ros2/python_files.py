@@ -20,10 +20,10 @@ _NEWER = re.compile(r"\s*(?:type\s+\w+.*=|(?:async\s+)?def\s+\w+\s*\[|class\s+\w
 
 @dataclass(slots=True)
 class SourceFile:
-    """A file: its tree, its imports and the names at its outer level.
+    """A file: its syntax tree, its imports and its top-level names.
 
-    `relative` are the imported names that are of its own package; `stars` are the modules of which
-    it imports all names.
+    `relative` are the names that it imports from its own package; `stars` are the modules of
+    `from MODULE import *`.
     """
 
     path: str
@@ -148,7 +148,7 @@ def parse_source(text: str, path: str, module: str) -> SourceFile | None:
 
 
 def _nested_statements(tree: ast.Module) -> Iterator[ast.AST]:
-    """Yield the statements of a module, those within others after these."""
+    """Yield all statements of a module, breadth first."""
     waiting = deque[ast.AST](tree.body)
     while waiting:
         node = waiting.popleft()
@@ -158,7 +158,7 @@ def _nested_statements(tree: ast.Module) -> Iterator[ast.AST]:
 
 
 def _all_statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
-    """Yield the statements of a module, those in its conditions among them."""
+    """Yield statements with those in `if`, `try`, `with` and loops, but not in definitions."""
     for statement in body:
         yield statement
         if isinstance(statement, ast.If | ast.Try | ast.With | ast.For | ast.While):

@@ -111,7 +111,7 @@ def _texts_in_quotes(text: Text) -> list[Text]:
 
 
 def _nested_parameters(value: MappedValue, span: Span) -> Iterator[NodeParameter]:
-    """Yield the values of a dictionary and of those in it, in their order."""
+    """Yield the values of nested dictionaries as parameters, in their order."""
     waiting: list[tuple[tuple[tuple[Value, Span], ...], Value]] = [((), value)]
     for _ in range(MOST_ITEMS):
         if not waiting:
@@ -124,7 +124,7 @@ def _nested_parameters(value: MappedValue, span: Span) -> Iterator[NodeParameter
 
 
 def remaps_of(call: PythonCall) -> tuple[tuple[Remap, ...], tuple[tuple[str, Span], ...]]:
-    """Return the remappings that are written out, and the places of those that are not."""
+    """Return the remappings of a node, and the locations of others that are not known."""
     found: list[Remap] = []
     unread: list[tuple[str, Span]] = []
     value = call.named.get("remappings")

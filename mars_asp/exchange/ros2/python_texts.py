@@ -114,7 +114,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         self.scope, self.steps = SourceScope(self.places[id(call)]), 0
 
     def rounds_of(self, call: ast.Call) -> Iterator[None]:
-        """Go through the rounds of the loops around a call; names are then those of each."""
+        """Yield once for each round of the loops around a call, with its loop variables set."""
         self.go_to(call)
         rounds = self._rounds(self.scope.place.loops, self.scope)
         for self.scope in islice(rounds, _MOST_ROUNDS):
@@ -371,6 +371,6 @@ def parameter_of(value: Value) -> str | None:
 
 
 def _identity(value: ast.expr) -> str | int:
-    """Return a text for a value that is the same at any place, else a number of its own."""
+    """Return the dump of a value that does not depend on its location, else its unique id."""
     names = {each.id for each in ast.walk(value) if isinstance(each, ast.Name)}
     return ast.dump(value) if names <= {"self"} else id(value)

@@ -49,7 +49,7 @@ def given_by(
 
 
 def alternatives(part: ast.AST, calls: Sequence[ast.Call]) -> Iterator[list[ast.Call]]:
-    """Yield calls of a part of a program, those together of which a condition decides for one."""
+    """Yield the calls in groups: those in the branches of one `if` together, each other alone."""
     left = {id(call): call for call in calls}
     for test in ast.walk(part) if len(calls) > 1 else ():
         if isinstance(test, ast.If) and test.orelse:

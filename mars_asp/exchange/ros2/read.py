@@ -244,7 +244,7 @@ def _unbound(muxes: Sequence[tuple[str, MuxDocument]], graph: Graph) -> Iterator
 
 
 def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
-    """Yield unread things once: files by their names, all else by its place."""
+    """Yield skipped contents without duplicates: files by name, others by name and location."""
     seen: set[tuple[object, ...]] = set()
     for each in unread:
         is_file = "files" in each.sort

@@ -460,7 +460,7 @@ def _prefixed(
 
 
 def _aliases_of(files: Sequence["_CppFile"]) -> dict[str, str | None]:
-    """Return the types of aliases, None where those of two classes differ."""
+    """Return the types of aliases by name, None for a name with several types."""
     found: dict[str, str | None] = {}
     for file in files:
         for name, kind in file.type_aliases.items():

@@ -401,7 +401,7 @@ class _Unit(PythonTexts):
 
     @cached_property
     def bodies(self) -> tuple[ast.AST, ...]:
-        """The functions in this part of the program, or all of it."""
+        """The functions in this part of the program, or the part itself if it has none."""
         return (*self.scopes.functions,) or (self.node,)
 
     def functions(self, callback: ast.expr) -> list[ast.AST]:

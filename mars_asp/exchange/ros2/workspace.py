@@ -243,7 +243,7 @@ class Workspace:
         return path.parents[: len(path.parts) - len(self.root.parts)]
 
     def _note_link(self, path: Path) -> bool:
-        """Whether a path is a link that leads out of the workspace, or nowhere; it is noted."""
+        """Whether a path is a broken link or leads out of the workspace; note such a link."""
         if not path.is_symlink() or self._inside(path) is not None:
             return False
         place = whole_file(self.shown(path))

@@ -119,7 +119,7 @@ def rate_of(period_ns: int) -> Rate | None:
 
 
 def _callback_names(node: Node | None) -> tuple[str, ...]:
-    """Return the names of callbacks, without those that were never filled in."""
+    """Return the names of callbacks, without the placeholder `UNDEFINED`."""
     scalars = node.nodes if isinstance(node, Items) else () if node is None else (node,)
     return tuple(
         each.text for each in scalars if isinstance(each, Scalar) and each.text != _UNDEFINED
@@ -127,7 +127,7 @@ def _callback_names(node: Node | None) -> tuple[str, ...]:
 
 
 def _common(callbacks: tuple[str, ...], rates: Mapping[str, Rate]) -> Rate | None:
-    """Return the rate of callbacks that are all timers with the same."""
+    """Return the rate of callbacks, or None if they are not timers of one rate."""
     found = {rates.get(callback) for callback in callbacks}
     return found.pop() if len(found) == 1 else None
 

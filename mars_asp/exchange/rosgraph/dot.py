@@ -183,7 +183,7 @@ class _Drawing:
         return self.next is not None and self.next.sort == "mark" and self.next.text in marks
 
     def statement(self) -> int:
-        """Read a statement, or a bracket around several; return how much deeper it leads."""
+        """Read a statement or a brace; return the change of depth: 1 at `{`, -1 at `}`, else 0."""
         token = self.take()
         if token.sort == "mark":
             if token.text in "{};,":

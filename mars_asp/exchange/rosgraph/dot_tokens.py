@@ -1,4 +1,4 @@
-"""The tokens of a graph in DOT, with their places (https://graphviz.org/doc/info/lang.html)."""
+"""The tokens of a graph in DOT, with locations (https://graphviz.org/doc/info/lang.html)."""
 
 import re
 from bisect import bisect_right

@@ -74,7 +74,7 @@ class Dump:
         self.problems.append(Diagnostic("rosgraph", "error", message, span, help=help_text))
 
     def graph(self, path: str) -> Graph:
-        """Return all nodes, as those of a robot that ran."""
+        """Return the graph of all nodes, marked as observed in a run."""
         nodes = tuple(
             GraphNode(name, each.span, tuple(each.published), tuple(each.subscribed))
             for name, each in self.nodes.items()

@@ -104,7 +104,7 @@ def _each_once(unread: Iterable[Unread]) -> Iterator[Unread]:
             yield each
 
 
-# ---- Muxes of which the parameters are at hand ---------------------------------------------------
+# ---- Muxes with parameter files ------------------------------------------------------------------
 
 
 def _bound(muxes: Sequence[Parameters], graph: Graph) -> tuple[Mux, ...]:

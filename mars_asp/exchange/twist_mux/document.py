@@ -1,4 +1,4 @@
-"""The inputs and locks of the muxes of a YAML file, each at its place.
+"""The inputs and locks of the muxes of a YAML file, with their locations.
 
 The dialects are those of https://wiki.ros.org/twist_mux (lists of maps), of its ROS 2 port (maps
 under `ros__parameters`, whose keys may be dotted) and of cmd_vel_mux, which has `subscribers`.
@@ -81,7 +81,7 @@ class _MuxEntry(NamedTuple):
 
 
 class _Leaf(NamedTuple):
-    """A value that no map is, with the parts of the keys that lead to it."""
+    """A value that is not a map, with the steps of its path of keys."""
 
     parts: tuple[tuple[str, Span], ...]
     key: Scalar
@@ -406,7 +406,7 @@ class _MuxReader:
 
 
 def _leaves(key: Scalar, value: Node) -> Iterator[_Leaf]:
-    """Yield the values of a map, dots in keys being steps as those of maps in maps are."""
+    """Yield the values of nested maps; `a.b` is the same path as the key `b` in the map of `a`."""
     waiting: list[tuple[tuple[tuple[str, Span], ...], Scalar, Node]] = [((), key, value)]
     while waiting:
         before, at, node = waiting.pop()
@@ -418,7 +418,7 @@ def _leaves(key: Scalar, value: Node) -> Iterator[_Leaf]:
 
 
 def _key_parts(key: Scalar) -> tuple[tuple[str, Span], ...]:
-    """Return the parts of a dotted key with their places."""
+    """Return the parts of a dotted key with their locations."""
     found = []
     start = 0
     for part in key.text.split("."):

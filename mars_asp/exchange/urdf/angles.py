@@ -102,6 +102,6 @@ def _angle_about(axis: int, arm: int, image: Matrix) -> float:
 
 
 def _turning(turns: Iterable[tuple[str, float]]) -> Turns:
-    """Return turns in degrees, without those that do nothing."""
+    """Return turns in degrees, without turns by 0."""
     in_degrees = ((axis, degrees_of(angle)) for axis, angle in turns)
     return tuple((axis, degrees) for axis, degrees in in_degrees if degrees)

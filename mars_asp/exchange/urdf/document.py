@@ -1,4 +1,4 @@
-"""A URDF document: its links and joints, with everything that is wrong with it in one run."""
+"""A URDF document: its links and joints, or all its errors at once."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -25,7 +25,7 @@ _Three: TypeAlias = tuple[Decimal, Decimal, Decimal]
 
 @dataclass(frozen=True, slots=True)
 class UrdfLink:
-    """A link's name and place."""
+    """The name and location of a link."""
 
     name: str
     span: Span
@@ -126,7 +126,7 @@ class _UrdfReader:
         return seen
 
     def joint(self, element: XmlElement) -> UrdfJoint:
-        """Read a joint; where something is wrong with it, that is noted and something returned."""
+        """Return a joint, with defaults in place of wrong values; note the errors."""
         name, kind = (element.attributes.get(key, "") for key in ("name", "type"))
         if kind not in KINDS:
             found = f"joint `{name}` is `{kind}`" if kind else f"joint `{name}` has no type"

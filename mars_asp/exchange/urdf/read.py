@@ -201,7 +201,7 @@ def _remarks(joints: Sequence[UrdfJoint]) -> Iterator[Diagnostic]:
 def _remark(
     code: str, message: str, help_text: str, places: Sequence[tuple[Span, str]]
 ) -> Diagnostic:
-    """Return a warning at several places, of which the last that is shown counts the rest."""
+    """Return a warning at several locations; the last label counts the locations not shown."""
     (first, _), *others = places
     labels = others[:_MOST_PLACES]
     if len(others) > len(labels):
