@@ -284,10 +284,18 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
     if arguments.from_format not in (None, "ros2"):
         message = f"`--from {arguments.from_format}` is the format of files, and this is a folder"
         raise refusal("usage", message, path, "name the files, or leave out --from")
-    if getattr(arguments, "launch", ()) or arguments.from_format == "ros2":
-        detail(arguments, f"robot {path}")
-        return FolderRobots((Path(path),))
     excluded = excluded_in(arguments, Path(path))
+    launch = [Path(each).resolve() for each in getattr(arguments, "launch", ())]
+    if launch or arguments.from_format == "ros2":
+        # Of several workspaces in the folder, the one that holds the launch files.
+        is_path = launch and all(each.is_file() for each in launch)
+        robots = robots_in(Path(path), excluded).paths if is_path else ()
+        folders = [
+            each for each in robots if all(file.is_relative_to(each.resolve()) for file in launch)
+        ]
+        robot = folders[0] if len(folders) == 1 else Path(path)
+        detail(arguments, f"robot {robot}")
+        return FolderRobots((robot,))
     passed_over: list[Path] = []
 
     def is_excluded(each: Path, is_folder: bool) -> bool:

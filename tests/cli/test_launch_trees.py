@@ -220,6 +220,9 @@ def test_folders_are_judged_each_by_itself(
     run_here(["check", str(workspace), "two", "--format", "json"])
     places = [str(each["path"]).partition("/")[0] for each in findings(capsys.readouterr().out)]
     assert places == ["ws", "two"]
+    run_here(["check", ".", "--launch", "two/src/drive/launch/both.launch.xml", "--format", "json"])
+    places = [str(each["path"]).partition("/")[0] for each in findings(capsys.readouterr().out)]
+    assert places == ["two"]
     Path("stray.launch.xml").write_text("<launch>")
     run_here(["check", ".", "--format", "json"])
     document = json.loads(capsys.readouterr().out)
