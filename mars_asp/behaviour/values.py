@@ -77,10 +77,7 @@ def _are_constant(members: Collection[Any]) -> bool:
 
 @lru_cache(maxsize=_CLASSES)
 def _sort(kind: type) -> Literal["nothing", "members", "fields", "itself"]:
-    """Return the parts of objects of a class that have to be constant for the object to be.
-
-    That is nothing if all its objects are constant, and itself if none of them is.
-    """
+    """Return the parts that decide if an object is constant, or `itself` for mutable classes."""
     if issubclass(kind, tuple | frozenset):
         return "members"
     if issubclass(kind, list | dict | set | bytearray):

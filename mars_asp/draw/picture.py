@@ -116,8 +116,7 @@ def depict(
 ) -> Picture:
     """Return the diagram of a configuration; it and `modules` have the descriptions of modules.
 
-    Names that occur only in relationships also have boxes. With `classes`, boxes show the classes
-    of modules from the paper.
+    Names that occur only in relationships have boxes; `classes` adds the paper's module classes.
     """
     described = configuration.with_declared(modules)
     conversions = {found.transformer: found for found in configuration.conversions}

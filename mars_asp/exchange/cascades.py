@@ -20,8 +20,7 @@ def is_plain(mux: Mux) -> bool:
 def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
     """Return `outer` with the inputs of `inner` in place of `slot`, or None if it is impossible.
 
-    It is impossible if their engines differ, the inner mux is not plain, a priority gets too high
-    or another input has the priority of `slot`.
+    That is so if engines differ, `inner` is not plain, `slot` has a tie, or a number is too high.
     """
     ties = sum(each.priority == slot.priority for each in outer.inputs) > 1
     ranks = sorted({each.priority for each in inner.inputs}) or [slot.priority]

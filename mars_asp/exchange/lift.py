@@ -79,10 +79,7 @@ def _arbiter_lines(
     name_inner: Callable[[Inner], str],
     lines: list[Relationship],
 ) -> Iterator[tuple[int | None, tuple[str, int | None]]]:
-    """Yield each number of a cascade with its arbiter and its written priority.
-
-    Add to `lines` the control of each outer arbiter by the inner one.
-    """
+    """Yield (number, (arbiter, written priority)) of a cascade; add its controls to `lines`."""
     for number, written in mux.numbers:
         yield number, (arbiter, written)
     for each in mux.inner:
@@ -272,10 +269,7 @@ def _arbitrated(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relati
 
 
 def _commanded(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
-    """Yield the edges, with a splitter after each module that controls several others.
-
-    Introduced nodes get none.
-    """
+    """Yield the edges, with a splitter after each module (no node) that controls several others."""
     commanded: dict[str, list[Control]] = defaultdict(list)
     for line in lines:
         if isinstance(line, Control):

@@ -148,10 +148,7 @@ def _shares(joints: Sequence[Joint], columns: Matrix, index: int) -> Shares:
 
 
 def _in_degrees(function: str, turns: bool) -> float:
-    """Return the factor from a joint's share in radians or m to one in degrees or mm.
-
-    `function` is that of the joint; `turns` is whether the unit is of a rotation.
-    """
+    """Return the factor to units of degrees or mm of a joint's share; 1 if both or neither turn."""
     turned = function.startswith("Rotn")
     if turned == turns:
         return 1.0

@@ -99,7 +99,7 @@ class CppCode:
     """The tokens of a file, the calls in it and its functions."""
 
     def __init__(self, text: str, path: str, called: Set[str], made: Set[str]) -> None:
-        """Find the calls of the names `called`, and of `made`, which may also declare variables."""
+        """Find calls of the names `called`; those also in `made` are types of variables."""
         self.source = Source(path, "c", text.encode())
         stretch = self.source.stretch(0, len(self.source.data), len(self.source.data))
         self.text = stretch.text

@@ -18,7 +18,7 @@ class InterfaceTopic:
     the program works as well without it, `measured` whether it reports a motion, whatever its type;
     `last` is whether it is published only as the program ends. The program has the topic only if
     each parameter of `switches` has the paired value. `image` is the image topic of a camera's
-    information, which keeps beside the image if that is renamed. `parts` are the texts that make
+    information, which stays beside the image if that is renamed. `parts` are the texts that make
     up a name with parameters in it: each a text, or the default of the parameter beside it.
     """
 

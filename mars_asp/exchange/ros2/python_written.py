@@ -37,10 +37,7 @@ def defaults_of(node: ast.ClassDef) -> dict[str, ast.expr]:
 def given_by(
     node: ast.ClassDef, call: ast.Call, text: Callable[[ast.expr], str | None]
 ) -> dict[str, ast.expr]:
-    """Return the texts that a call of a class passes to its parameters, as literals by name.
-
-    An argument that is not a text is a literal `None`.
-    """
+    """Return the arguments of a call of a class by name: literal texts, or None if unknown."""
     arguments = _parameters(node)
     names = [] if arguments is None else [each.arg for each in arguments.args[1:]]
     given = [*zip(names, call.args, strict=False)]

@@ -195,7 +195,7 @@ class _UrdfReader:
         )
 
     def rate(self, limit: XmlElement) -> Decimal | None:
-        """Return the maximal velocity, or None if it is open, or 0 (a placeholder of exporters)."""
+        """Return the maximal velocity, or None if it is open, or 0, with which nothing can move."""
         found = self.limit_value(limit, "velocity")
         if found < 0:
             self.note(limit, f"the velocity {found} is below 0", "write its magnitude")
