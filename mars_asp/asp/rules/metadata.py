@@ -1,7 +1,7 @@
 """Metadata: the comments above the rules of a file.
 
 Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
-`{Variable}` holes), an `effect` (the consequence, a sentence with holes), a `help`, and `fits` (the
+`{Variable}` holes), an `effect` (its outcome, a sentence with holes), a `help`, and `fits` (the
 reason why its arithmetic fits into 32 bits). `why` describes the subject and its importance,
 `example` is the path of a case. `allow: CODE REASON` switches a lint off for the rule. Keys of a
 host expand to further rules (see `expansions`). A line whose text is indented by four or more

@@ -17,7 +17,7 @@ from mars_asp.asp.rules.statements import renamed, replaced
 from mars_asp.asp.signature import SPACE, Signature, plain
 from mars_asp.output import brief_repr
 
-#: The stage of consequences of the facts alone.
+#: The stage of the rules that derive atoms from facts alone.
 BASE = "base"
 #: A stage, and a text of it.
 _Text: TypeAlias = tuple[str, str]

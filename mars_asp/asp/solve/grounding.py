@@ -45,7 +45,7 @@ _SHOWN = re.compile(r"^#show (\w+)/(\d+)\.", re.MULTILINE)
 
 @dataclass(frozen=True)
 class ChosenAnswer:
-    """An answer of rules that choose: the consequences of the decided literals.
+    """An answer of rules that choose: the atoms that follow from the decided literals.
 
     It is found by propagation alone, without search, so it also shows that the decisions of the
     components together are an answer of the whole program.
