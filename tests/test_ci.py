@@ -1,4 +1,4 @@
-"""What others build on in CI: the action, the hooks, and the page about both."""
+"""The GitHub action and the pre-commit hooks, and the page about both."""
 
 import json
 import os
@@ -76,7 +76,7 @@ def test_the_action_checks_all_that_matches(workspace: Path) -> None:
     files = re.findall(r"(?m)^::warning file=([^,]*),line=5,", done.stdout)
     assert files == ["robots/a b.mars", "robots/deep er/$(touch marker).mars"]
     log = json.loads((workspace / "work/out log.sarif").read_text())
-    # What comments hide is in the log, too.
+    # Findings that comments hide are in the log.
     assert len(log["runs"][0]["results"]) == 2 + 2
     assert not list(workspace.rglob("marker"))
 

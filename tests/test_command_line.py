@@ -1,4 +1,4 @@
-"""What a user can get wrong, as whole processes: status, message, never a traceback."""
+"""Mistakes of users, in whole processes: status and message, never a traceback."""
 
 import argparse
 import json
@@ -334,7 +334,7 @@ def test_rules_of_a_pack_are_no_cases(tmp_path: Path) -> None:
         assert (done.returncode, done.stdout) == (0, "1 passed, 0 failed\n")
     done = mars("test", str(rules), "--rules", str(rules / "odd.lp"), "--format", "json")
     assert [Path(case["path"]).name for case in json.loads(done.stdout)["cases"]] == ["one.lp"]
-    # Nobody said that these are rules.
+    # Without --rules the file is read as a case.
     done = mars("test", str(rules / "odd.lp"))
     assert done.returncode == 1
     assert "rules of your own go with --rules" in done.stdout

@@ -54,7 +54,7 @@ SIGN_TEST = run_path(str(ROOT / "benchmarks" / "sign_test.py"))
 
 
 def test_the_commands_of_the_case_study_work(tmp_path: Path) -> None:
-    """Each with one seed, 1 s and the first of its values; the page keeps what 200 seeds show."""
+    """Each with one seed, 1 s and the first of its values; the page has results of 200 seeds."""
     blocks = [shlex.split(command) for command in BLOCK.findall(STUDY.read_text(encoding="utf-8"))]
     tested = {(words[2], words[3]) for words in blocks if words[0] == "python"}
     assert len(tested) > 10
@@ -242,7 +242,7 @@ def test_every_language_has_an_example() -> None:
 def test_examples_of_annotated_sources(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
 ) -> None:
-    """Each source gives what is shown below it."""
+    """The output of each source is the one shown below it."""
     monkeypatch.chdir(tmp_path)
 
     def extracted(match: re.Match[str]) -> str:

@@ -50,7 +50,7 @@ FIGURES = {
 
 
 def tokens(text: str) -> list[str]:
-    """Return the words of what the paper prints: no comments, no sources and no module blocks."""
+    """Return the words of a configuration without comments, sources and module blocks."""
     body = re.sub(r"(//|#).*|^@sources.*|(?s:^@module_start.*)", "", text, flags=re.MULTILINE)
     return re.findall(r"[\w@.]+|\S", body)
 

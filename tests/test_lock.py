@@ -1,4 +1,4 @@
-"""The lock file has a version of everything that developers need, and each as it is asked for."""
+"""The lock file has a version of each requirement of developers, within its bounds."""
 
 import re
 import tomllib
@@ -17,7 +17,7 @@ PYTHONS = ["3.11", "3.13", "3.14"]
 
 
 def asked() -> Iterator[Requirement]:
-    """Yield what a user's installation, each extra and each group of `dev` ask for."""
+    """Yield the requirements of the package, of each extra and of the group `dev`."""
     project = PROJECT["project"]
     lists = [project["dependencies"], *project["optional-dependencies"].values()]
     yield from (Requirement(line) for lines in lists for line in lines)

@@ -33,7 +33,7 @@ def texts(folder: Path, text: str) -> list[tuple[str, str]]:
 
 
 def test_mutants_of_rules(tmp_path: Path) -> None:
-    """What is unsafe, such as a head whose variable nothing binds, is no mutant."""
+    """Unsafe rules, such as one with an unbound variable in its head, are not mutants."""
     most, rest = "most(N) :- N = #max { M: q(X,M) }", "1 <= { r(X) } <= 2"
     assert texts(tmp_path, RULES) == [
         ("delete", ""),
@@ -109,7 +109,7 @@ def test_mutants_of_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_cases_notice_a_mutant_that_changes_an_answer_and_no_other() -> None:
-    """The last mutant says the same in other words, so that nothing can notice it."""
+    """The last mutant is equivalent to the rule, so that no case can notice it."""
     files = rule_files()
     (file,) = (file for file in files if file.path == "rules/data.lp")
     place = next(n for n, s in enumerate(file.statements) if s.text.startswith("repeats("))
@@ -127,7 +127,7 @@ def test_cases_notice_a_mutant_that_changes_an_answer_and_no_other() -> None:
 
 
 def test_known_survivors_are_still_mutants_and_have_a_reason() -> None:
-    """The list may only shrink: what no longer survives, or is no mutant any more, goes."""
+    """The list may only shrink: entries that no longer survive or are no mutants are removed."""
     known = known_survivors()
     assert len({survivor.key for survivor in known}) == len(known) <= MOST_SURVIVORS
     paths = {survivor.path for survivor in known}

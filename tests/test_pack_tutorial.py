@@ -1,6 +1,6 @@
 """The tutorial on rule packs, step by step in an empty folder: its files, its commands, its output.
 
-A block with a title is a file that the reader writes, a console block is what they type then.
+A block with a title is a file that the reader writes, a console block has the next commands.
 """
 
 import re

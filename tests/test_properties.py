@@ -117,7 +117,7 @@ def test_a_specification_reads_back_with_nothing_to_resolve(configuration: Confi
 def test_order_names_and_modules_without_lines_change_no_answer(
     configuration: Configuration, rng: random.Random
 ) -> None:
-    """What one law compares with is what the others do, and found once."""
+    """All laws compare with the same results, which are computed once."""
     found, answer = consequences(configuration), resolved(configuration).resolution
     order_changes_only_order(configuration, rng, found, answer)
     renaming_renames_the_answer(configuration, found, answer)

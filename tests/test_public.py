@@ -1,4 +1,4 @@
-"""What `import mars_asp` offers."""
+"""The public names of `mars_asp`."""
 
 import keyword
 import subprocess

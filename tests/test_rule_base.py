@@ -22,7 +22,7 @@ from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook, seal
 from tests.support.campaigns import sample
 from tests.support.documents import ROOT
 
-#: An id behind what a rule says, in a trace or in the list of a repair; links are none.
+#: The id after the sentence of a rule, in a trace or in the list of a repair; not a link.
 CITED = re.compile(r"\[((?:[\w-]+/)+[\w-]+|(?:[\w-]+/)*[\w-]+:\d+(?::\d+)?)\](?!\()")
 
 
@@ -46,7 +46,7 @@ def cited() -> Iterator[tuple[str, str]]:
 
 def test_whatever_a_trace_cites_can_be_shown(rulebook: Rulebook) -> None:
     found = dict(cited())
-    # What accounts say is printed without the rule that says it.
+    # Sentences of accounts are printed without the id of their rule.
     speaking = (rule for rule in rulebook.built_in.rules if rule.stage != STAGE)
     # A constraint derives nothing that a trace could end in.
     assert {rule.id for rule in speaking if rule.because and rule.heads} <= found.keys()
@@ -262,7 +262,7 @@ def test_what_lint_tells_an_analysis_does_not(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """What is said of each pack in `tests/lint` is beside it."""
+    """The expected lint output of each pack in `tests/lint` is beside it."""
     monkeypatch.chdir(ROOT)
     pack = str(path.relative_to(ROOT))
     assert run_here(["rules", "lint", pack]) == 0

@@ -1,5 +1,5 @@
-"""A specification stands by itself: with it alone every verb does what it does with its
-configuration, from wherever it is called."""
+"""A specification is self-contained: with it alone every command gives the results that it
+gives with the configuration, from any folder."""
 
 import json
 import os
@@ -134,7 +134,7 @@ def test_blocks_are_repeated_as_they_are_written(tmp_path: Path, capsys: Capture
     stands_alone(path, tmp_path / "there", capsys)
     text = (tmp_path / "there" / "spec.mars").read_text()
     assert f"\n\n{BLOCK}\n\n{OTHERS}" in text
-    # The name of a module that nothing uses is no node's, or it would be read as that module.
+    # A node may not have the name of an unused module, or it would be read as that module.
     assert "DataSplitter2 uses_data_from Eye\n" in text
 
 

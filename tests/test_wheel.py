@@ -56,7 +56,7 @@ def site(wheel: Path) -> Path:
 
 
 def python(site: Path, *words: str) -> str:
-    """Return what Python prints where only the wheel is installed."""
+    """Return the output of Python with only the wheel installed."""
     done = subprocess.run(
         [sys.executable, *words],
         cwd=site.parent,

@@ -5,9 +5,9 @@
 
 Each repair of each random faulty configuration is written into a copy of its files, which
 `analyse` then reads: the finding is gone, nothing new stops or warns that was not announced, and
-whoever ranked strictly above another controller still does. Nothing of the package is used but its
-command line. With `--instances` a file includes the configuration so often, each time as another
-part of the robot: then a repair of one part edits all of them.
+each controller that ranked strictly above another still does. Of the package only the command line
+is used. With `--instances` a file includes the configuration that often, each time as another part
+of the robot: a repair of one part then edits all parts.
 """
 
 import argparse
@@ -63,12 +63,12 @@ def applied(text: bytes, edits: Sequence[Mapping[str, Any]]) -> bytes:
 
 
 def name_of(consequence: Mapping[str, Any]) -> tuple[Any, ...]:
-    """Return by what a finding is found again."""
+    """Return the kind and modules of a finding, which identify it in a later analysis."""
     return consequence["kind"], consequence["subject"], *consequence["participants"]
 
 
 def ranks(text: str) -> dict[str, dict[str, int]]:
-    """Return the priority of each controller of each module, as the text says it."""
+    """Return the declared priority of each controller of each module in a text."""
     text = re.sub(r"(?ms)^@module_start.*?^@module_end[^\n]*", "", text.replace("\r\n", "\n"))
     text = re.sub(r"(?://|#)[^\n]*", "", text)
     text = re.sub(r",\s+", ", ", text)
@@ -87,7 +87,7 @@ def ranks(text: str) -> dict[str, dict[str, int]]:
 
 
 def turned(before: dict[str, dict[str, int]], after: dict[str, dict[str, int]]) -> Iterator[str]:
-    """Yield who ranked strictly above whom and does not any more."""
+    """Yield a line for each pair of controllers whose strict order is lost after a repair."""
     for module, numbers in before.items():
         now = after.get(module, {})
         for high, above in numbers.items():
@@ -107,7 +107,7 @@ def included(files: Mapping[str, bytes], instances: int) -> dict[str, bytes]:
 
 
 def check_repairs(seed: int, folder: Path, instances: int = 0) -> tuple[int, int, list[str]]:
-    """Return how many findings and repairs a random configuration has, and what is wrong."""
+    """Return the numbers of findings and repairs of a random configuration, and the faults."""
     files = faulty_configuration(seed)
     body = "part.mars" if instances else "robot.mars"
     files = included(files, instances) if instances else files
@@ -177,7 +177,7 @@ def _wrong(
 
 
 def main() -> int:
-    """Check the repairs of many configurations; print what is wrong and how many there were."""
+    """Check the repairs of many configurations; print each fault and the totals."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", default="1-300")
     parser.add_argument("--instances", type=int, default=0)

@@ -15,7 +15,8 @@ from mars_asp.cli.lsp_answers import answer
 from mars_asp.lsp.questions import Question, Sort
 from mars_asp.lsp.robot import EditorFinding
 
-#: Where something is, in lines and UTF-16 units from 0, and what is told of it.
+#: A finding: path, start and end (line and UTF-16 unit, from 0), severity, code, message, help
+#: and effect.
 Told: TypeAlias = tuple[
     str, tuple[int, int], tuple[int, int], str, str, str, str | None, str | None
 ]
@@ -28,7 +29,7 @@ def options(*words: str) -> argparse.Namespace:
 
 
 def asked(sort: Sort, path: Path, texts: Mapping[str, str] | None = None, about: str = "") -> Any:
-    """Return what a worker answers."""
+    """Return the answer of the editor's worker to a question about a file."""
     return answer(Question(sort, str(path), texts or {}, about), options())
 
 
@@ -74,12 +75,12 @@ def _units(path: str, line: int | None, column: int | None) -> tuple[int, int]:
     if line > len(lines):
         line, column = len(lines), len(lines[-1]) + 1
     before = lines[line - 1][: column - 1]
-    # A byte order mark is no character to an editor that opens the file.
+    # Editors do not count a byte order mark as a character.
     return line - 1, sum(2 if ord(each) > 0xFFFF else 1 for each in before)
 
 
 def told_of(found: tuple[EditorFinding, ...]) -> list[Told]:
-    """Return what a worker finds, in the same form."""
+    """Return the findings of a worker, sorted, as tuples like those of `printed`."""
     return sorted(
         (
             str(Path(each.place.path).resolve()),

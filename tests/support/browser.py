@@ -1,7 +1,7 @@
 """Pages in headless Chromium, where there is one, driven as its developer tools drive it.
 
-A page's own policy holds in it: what is asked is evaluated beside its scripts, and keys and clicks
-come from outside. Messages go through two pipes, so nothing listens at a port.
+The security policy of a page stays in force: expressions are evaluated beside its scripts, and keys
+and clicks come from outside. Messages go through two pipes, so that no port is opened.
 """
 
 import base64
@@ -37,9 +37,9 @@ _OPTIONS = (
 )
 #: A browser that does not answer within so many seconds has failed.
 PATIENCE = 120
-#: Until what is focused and scrolled is so, and what was opened is told of it.
+#: Resolves after focus, scrolling and events of newly opened elements have taken effect.
 _FRAME = "new Promise((done) => requestAnimationFrame(() => setTimeout(done, 20)))"
-#: Keys that write nothing, and what they are called by the browser.
+#: The key codes of the browser for keys that write no character.
 _KEYS = {"Tab": 9, "Enter": 13, " ": 32, "ArrowLeft": 37, "ArrowRight": 39, "ArrowDown": 40}
 
 
@@ -96,7 +96,7 @@ class Browser:
         os.close(self._from)
 
     def __call__(self, method: str, **words: object) -> dict[str, Any]:
-        """Ask for something by its name in the protocol of the developer tools."""
+        """Call a method of the developer tools' protocol; return its result."""
         self._asked += 1
         message = {"id": self._asked, "method": method, "params": words}
         if self._session:
@@ -135,7 +135,7 @@ class Browser:
         self.run(_FRAME)
 
     def run(self, script: str) -> Any:
-        """Return what an expression is in the page, once it is settled."""
+        """Return the value of an expression in the page, after its promise has resolved."""
         result = self("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in result, result["exceptionDetails"]
         return result["result"].get("value")
@@ -183,12 +183,12 @@ class Browser:
         ]
 
     def picture(self, path: Path) -> None:
-        """Write what is seen as PNG."""
+        """Write the visible area of the page as PNG."""
         path.write_bytes(base64.b64decode(self("Page.captureScreenshot")["data"]))
 
     @property
     def complaints(self) -> list[str]:
-        """Return what was logged or raised since the page was shown: refused by its policy, too."""
+        """Return messages logged and exceptions raised by the page, policy violations included."""
         entries = [each["params"] for each in self.events if "params" in each]
         logged = [each["entry"]["text"] for each in entries if "entry" in each]
         raised = [str(each["exceptionDetails"]) for each in entries if "exceptionDetails" in each]
@@ -196,7 +196,7 @@ class Browser:
 
     @property
     def fetched(self) -> list[str]:
-        """Return the addresses that were asked for since the page was shown, but its own."""
+        """Return the addresses that the page has fetched, without its own."""
         sent = [e for e in self.events if e.get("method") == "Network.requestWillBeSent"]
         return [each["params"]["request"]["url"] for each in sent][1:]
 

@@ -30,9 +30,9 @@ CHOOSING = frozenset(("resolve", "can", "cost"))
 
 
 class Case(NamedTuple):
-    """The text of a case, the sorted answer sets that it expects, and what it compares of each.
+    """The text of a case and its expected answer sets, sorted.
 
-    These are the atoms of predicates `wanted`, and where it has one of them messages and costs.
+    Compared are the atoms of the predicates `wanted`, and messages and costs if the case has any.
     """
 
     text: str
@@ -42,11 +42,11 @@ class Case(NamedTuple):
     has_costs: bool
 
     def hears(self, rule: Rule) -> bool:
-        """Whether what a rule says is compared."""
+        """Whether the case compares the messages of a rule."""
         return bool(self.has_messages and rule.because and rule.heads.intersection(self.wanted))
 
     def compared(self, atoms: Iterable[clingo.Symbol], speakers: Sequence[Rule]) -> Iterator[str]:
-        """Yield what is compared of an answer with what rules say, whose `saying` is in it."""
+        """Yield the compared atoms and messages of an answer that contains atoms of `saying`."""
         for atom in atoms:
             if signature_of(atom) in self.wanted:
                 yield str(atom)
@@ -89,7 +89,7 @@ def _atoms(text: str) -> Iterator[str]:
 
 
 class Outcome(NamedTuple):
-    """What a case expects and what the rules gave, each a tuple of sorted answer sets."""
+    """The expected and the actual answer sets of a case, each sorted."""
 
     path: Path
     expected: tuple[tuple[str, ...], ...]
@@ -97,11 +97,11 @@ class Outcome(NamedTuple):
 
     @property
     def passed(self) -> bool:
-        """Whether the rules gave what is expected."""
+        """Whether the actual answer sets are the expected ones."""
         return self.expected == self.found
 
     def difference(self) -> Iterator[str]:
-        """Yield what is missing and what is too much."""
+        """Yield a line for each missing and each superfluous atom."""
         for name, these, those in (
             ("missing", self.expected, self.found),
             ("too much", self.found, self.expected),
@@ -124,7 +124,7 @@ def together_or_apart(paths: Sequence[Path]) -> tuple[list[list[Path]], list[Pat
 
 
 def outcomes(paths: Sequence[Path], rulebook: Rulebook) -> Iterator[Outcome]:
-    """Yield what becomes of cases of the same stages, of which none chooses."""
+    """Yield the outcome of each case; the cases have the same stages and no choices."""
     stages = ("base", *stages_of(paths[0]))
     cases = [case_of(path, CONSEQUENCE) for path in paths]
     heard = [case for case in cases if case.has_messages]

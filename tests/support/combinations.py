@@ -58,7 +58,7 @@ class Tree:
     parts: Mapping[str, Part]
 
     def above(self, name: str) -> list[str]:
-        """Return what carries a module, nearest first."""
+        """Return the carriers of a module, nearest first."""
         found = []
         while (carrier := self.parts[name].carrier) is not None:
             found.append(name := carrier)
@@ -142,7 +142,7 @@ def generic_values(tree: Tree, seed: int) -> dict[Column, float]:
 
 
 def reaches(columns: Iterable[Matrix], target: Matrix) -> bool:
-    """Say whether least squares leaves nothing of the target."""
+    """Whether the columns combine to the target, by least squares."""
     matrix = np.array(list(columns)).T
     if not matrix.size:
         return False
@@ -151,7 +151,7 @@ def reaches(columns: Iterable[Matrix], target: Matrix) -> bool:
 
 
 class Motions:
-    """What the motions that carry one module do to it."""
+    """The effect on one module of the motions that carry it."""
 
     def __init__(self, tree: Tree, name: str, seed: int) -> None:
         self.tree, self.name = tree, name
@@ -164,13 +164,13 @@ class Motions:
 
     @staticmethod
     def among(columns: Iterable[Column], function: str, posture: Mapping[Column, Matrix]) -> bool:
-        """Say whether one module's columns give a function; of turns on an arc, too."""
+        """Whether columns combine to a function; a rotation may come with a translation."""
         rows = slice(0, 3) if function.startswith("Rotn") else slice(0, 6)
         unit = np.eye(6)[FUNCTIONS.index(function)]
         return reaches([posture[c][rows] for c in columns], unit[rows])
 
     def givers(self, function: str) -> list[str]:
-        """Return who alone gives a function at rest, nearest first."""
+        """Return the carriers that alone provide a function at rest, nearest first."""
         return [b for b in self.tree.movers(self.name) if self.alone(b, function, self.rest)]
 
     def together(self, columns: Iterable[Column], function: str) -> bool:
@@ -207,7 +207,7 @@ class Motions:
         )
 
     def able(self, function: str, free: frozenset[Column]) -> bool:
-        """Say whether the module can do a function by what is free, itself or carried."""
+        """Whether the free columns suffice for a function of the module, its own or inherited."""
         if (self.name, function) in free:
             return True
         columns = self.columns & free
@@ -219,7 +219,7 @@ class Motions:
 
 
 def able_at_once(first: Motions, second: Motions, functions: tuple[str, str]) -> bool:
-    """Say whether two demands can be met at one time: try every way to divide the columns."""
+    """Whether two demands can be met at one time, by any division of the columns."""
 
     def needed(motions: Motions) -> frozenset[Column]:
         own = {(motions.name, f) for f in motions.tree.parts[motions.name].functions}

@@ -46,7 +46,7 @@ _COUNTED = {
 }
 #: A value that is missing from a sentence.
 _HOLE = re.compile(r"\{\w*\}|``")
-#: Words of lines that are no names of modules.
+#: Words of lines, other than names of modules.
 _KEYWORDS = re.compile(
     r"@\w+|\b(?:(?:Notify|Request)\w+|uses_data_from|is_\w+_(?:by|on)"
     r"|hold|forever|period|allocation|root|split|of|flat|hierarchical)\b"
@@ -64,7 +64,7 @@ _MOUNT = re.compile(r"(\w+)(?: (\d+))? +is_mounted_on (\w+)(?: (\d+))?")
 
 
 def topics(text: str, path: str = "config.mars") -> tuple[Topic, ...]:
-    """Return what is told of a configuration."""
+    """Return the topics of the explanation of a configuration."""
     return _explanation(text, path).topics
 
 
@@ -74,7 +74,7 @@ def _explanation(text: str, path: str) -> Explanation:
 
 
 def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
-    """Yield the lines of a text that are cited and no causes, with what they are cited for."""
+    """Yield each cited line whose removal leaves the sentence that cites it unchanged."""
     lines = text.splitlines(keepends=True)
     without: dict[int, list[tuple[str, frozenset[int]]]] = {}
     for answer in _answers(text, path)[0]:
@@ -88,7 +88,7 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
                     (each.sentence, frozenset(numbers[n] for n in each.cited))
                     for each in _answers(_without(lines, at), path)[0]
                 ]
-            # Elsewhere the same may be said. An equal number of other lines is a change.
+            # The same sentence may cite other lines. An equal number of other lines is a change.
             counted = _counted(lines, answer.sentence, answer.cited - {at})
             if any(
                 answer.sentence == one and answer.cited & of and counted == _counted(lines, one, of)
@@ -138,7 +138,7 @@ def _without_ports(answer: "Answer") -> tuple[tuple[str, ...], frozenset[str]]:
 
 
 def uncounted(account: Account) -> Iterator[str]:
-    """Yield what the first sentence of an account counts and its lines do not show."""
+    """Yield each count in the first sentence of an account that exceeds the cited lines."""
     answer = account.answer or ""
     lines = [f"{whole_line(each.span).strip()} {each.label}" for each in account.cites]
     lines = [_KEYWORDS.sub("", line) for line in lines]
@@ -166,7 +166,7 @@ def malformed(topic: Topic) -> Iterator[str]:
 
 
 def _is_stated_again(lines: Sequence[str], at: int) -> bool:
-    """Whether another line relates the same two modules, whatever else it says."""
+    """Whether another line has the same relationship of the same two modules."""
     related = lines[at].split()[:3]
     return any(line.split()[:3] == related for line in (*lines[:at], *lines[at + 1 :]) if related)
 
@@ -351,9 +351,9 @@ def _vertices(text: str, reached: Set[int]) -> frozenset[int]:
 
 
 def main(words: Sequence[str]) -> int:
-    """Ask it of random configurations; return whether something cited or counted is wrong.
+    """Check random configurations; return whether a citation or a count is wrong.
 
-    Interrupted it prints what it has found.
+    Interrupted, it prints its results so far.
     """
     count, first = int(words[0]), int((*words, "0")[1])
     asked: Counter[str] = Counter()

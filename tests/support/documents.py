@@ -1,4 +1,4 @@
-"""Commands in Markdown: what stands behind `$ ` in a `console` block, and what it prints."""
+"""Commands in Markdown: lines after `$ ` in a `console` block, with their output."""
 
 import io
 import json
@@ -28,13 +28,13 @@ def commands(document: Path) -> Iterator[tuple[str, str]]:
 
 
 def questions(path: Path) -> list[tuple[str, str]]:
-    """Return the commands in a file, each behind `$ `, with the output that follows it."""
+    """Return the commands in a file, each after `$ `, with the output that follows."""
     parts = f"\n{path.read_text(encoding='utf-8')}".split("\n$ ")[1:]
     return [(command.strip(), output) for command, _, output in (p.partition("\n") for p in parts)]
 
 
 def answered(path: Path, command: str, expected: str, update_golden: bool) -> str:
-    """Return what a command of `questions` prints; keep it in the file, or check that it is it."""
+    """Return the output of a command; write it to the file, or check it against `expected`."""
     found = run(command)
     if update_golden:
         text = path.read_text(encoding="utf-8")
@@ -46,7 +46,7 @@ def answered(path: Path, command: str, expected: str, update_golden: bool) -> st
 
 
 def run(command: str, folder: Path = ROOT) -> str:
-    """Run a `mars-asp`, `python` or `cat` command in a folder; return what it prints."""
+    """Run a `mars-asp`, `python` or `cat` command in a folder; return its output."""
     from mars_asp.cli import run_here
 
     words = shlex.split(command)

@@ -1,4 +1,4 @@
-"""An editor: pygls' client, with the language server as a process of its own behind stdio."""
+"""An editor: pygls' client, with the language server as a process of its own over stdio."""
 
 import asyncio
 import sys
@@ -18,7 +18,7 @@ _LANGUAGES = {".mars": "mars", ".lp": "clingo"}
 
 
 class Editor(LanguageClient):
-    """Keeps the diagnostics that the server publishes, and counts what it asks."""
+    """A client that keeps published diagnostics and shown messages, and counts refreshes."""
 
     def __init__(self) -> None:
         super().__init__("tests", "1")
@@ -47,7 +47,7 @@ class Editor(LanguageClient):
             self.shown.append(params.message)
 
     def report_server_error(self, error: Exception, source: Any) -> None:
-        """Keep what goes wrong, so that a test can see it."""
+        """Keep errors of the server for the test."""
         self.complaints.append(repr(error))
 
     def open(self, path: Path, text: str | None = None, version: int = 1) -> str:
@@ -71,17 +71,17 @@ class Editor(LanguageClient):
         self.text_document_did_close(types.DidCloseTextDocumentParams(document))
 
     async def diagnostics(self, uri: str, version: int = 1) -> list[types.Diagnostic]:
-        """Return what is published for a version of a text, when it is."""
+        """Wait for the diagnostics of a version of a text; return them."""
         await self.until(lambda: self.versions.get(uri) == version)
         return self.published[uri]
 
     async def until(self, is_so: Callable[[], bool]) -> None:
-        """Wait until what the server has sent makes something so."""
+        """Wait until messages of the server make a condition true."""
         async with asyncio.timeout(SECONDS), self._news:
             await self._news.wait_for(is_so)
 
     async def hover(self, uri: str, line: int, character: int) -> str:
-        """Return what is told of a place; nothing where that is nothing."""
+        """Return the hover text at a location, empty if there is none."""
         found = await self.text_document_hover_async(types.HoverParams(*_at(uri, line, character)))
         if found is None:
             return ""

@@ -1,7 +1,7 @@
 """A campaign on two workers beside single runs: `python -m tests.support.equal_campaigns [SEEDS]`.
 
-Each line of the campaign is what the verb `run` prints for its seed, in a process of its own
-state, and the whole file is that of a campaign on one worker, to the byte.
+Each line of the campaign equals the output of `run` with its seed, in a process with separate
+state, and the whole file equals that of a campaign on one worker, to the byte.
 """
 
 import io
@@ -20,7 +20,7 @@ VARY = ["--vary", "duration=5", "--vary", "world.scatter.moving=12"]
 
 
 def printed(words: list[str]) -> str:
-    """Return what a command prints."""
+    """Return the standard output of a command."""
     with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()):
         run_here(words)
     return out.getvalue()

@@ -1,21 +1,21 @@
-"""What every verb prints of a file, and what of that is forbidden.
+"""The output of every command for a file, searched for forbidden words and forms.
 
     python -m tests.support.every_output EACH FILE_OR_FOLDER...
 
-prints what is forbidden in the output of every verb over files and the files of folders, each
-sentence once, then how many outputs were read and how long single answers of `explain` are. Of the
-questions about what is not there, every EACH-th is asked.
+prints forbidden text in the output of every command for the files and the files of folders, each
+sentence once, then the number of outputs and the lengths of single answers of `explain`. Only every
+EACH-th question about an absent consequence is run.
 
-A `.mars` file is asked about by every verb that takes one, is compared with the next one in its
-folder, and is run in each scenario of its folder. So is the robot of a file of others, which is
-imported, too, and not laid out. `import` reads `.urdf` files, `rules lint` reads `.lp` files, and
-`extract` what is beside none of these.
+Every command that takes a `.mars` file gets it; it is compared with the next one in its folder, and
+run in each scenario of its folder. The same holds for the robot of a foreign file, which is also
+imported but not formatted. `import` reads `.urdf` files, `rules lint` reads `.lp` files, and
+`extract` reads all other files.
 
 Single answers are counted as standard output has them, without the messages beside them.
 
-Of what `facts`, `fmt`, `export`, `import` and `extract` print only messages are read: the rest is
+Of `facts`, `fmt`, `export`, `import` and `extract` only messages are read: their standard output is
 text for programs, or the user's own. For the same reason `rules list` and `rules show` are left
-out, and what messages about rules quote. A mistake in headings such as `@module_start` names them.
+out, and quotations in messages about rules. An error in a heading such as `@module_start` names it.
 """
 
 import io
@@ -59,19 +59,19 @@ Command = tuple[Sequence[str], str]
 
 
 class Printed(NamedTuple):
-    """What a command tells: messages on standard error, and what is on standard output."""
+    """The messages of a command on standard error, and its standard output."""
 
     messages: str
     output: str
 
     @property
     def told(self) -> str:
-        """Return all that is told, messages first."""
+        """Return the messages, then the standard output."""
         return self.messages + self.output
 
 
 def printed(words: Sequence[str], given: str = "") -> Printed:
-    """Return what a command tells in this folder, standard input being what is given."""
+    """Run a command in this folder with a text as standard input; return its output."""
     messages, output, before = io.StringIO(), io.StringIO(), sys.stdin
     sys.stdin = io.TextIOWrapper(io.BytesIO(given.encode()))
     try:
@@ -164,7 +164,7 @@ def _shortened(text: str) -> Iterator[str]:
 
 
 def questions(name: str, each: int = 1) -> Iterator[Command]:
-    """Yield questions about each name in a file, of those about what is not there every n-th."""
+    """Yield questions about each name in a file, and every n-th about absent consequences."""
     found = printed(["explain", name]).output
     for line in found.split("\n"):
         if line[:1].isalpha() and ":" in line:
@@ -205,9 +205,9 @@ _HEAD = re.compile(r"(?m)^\S+:\d+:\d+: .*$")
 
 
 def wrong_in(words: Sequence[str], output: str) -> Iterator[str]:
-    """Yield what is forbidden in the output of a command.
+    """Yield forbidden text in the output of a command.
 
-    Of a picture its labels are read, of messages about rules what is not quoted.
+    Of a diagram only labels are read, of messages about rules only unquoted text.
     """
     read = output
     if words[0] == "draw":
@@ -225,7 +225,7 @@ def wrong_in(words: Sequence[str], output: str) -> Iterator[str]:
 
 
 def main(words: Sequence[str]) -> int:
-    """Read what every verb prints over files; return whether anything in it is forbidden."""
+    """Check the output of every command for files; return whether any of it is forbidden."""
     each = int(words[0])
     paths = [path for name in words[1:] for path in _files(Path(name).resolve())]
     outputs = 0

@@ -66,7 +66,7 @@ def replay(values: Iterable[Any]) -> Callable[[], Any]:
 
 
 class Inbox:
-    """A sink, a converter or an effector that remembers what came, and when (ms)."""
+    """A sink, a converter or an effector that keeps each received value with its time (ms)."""
 
     def __init__(self) -> None:
         self.executor: Executor | None = None

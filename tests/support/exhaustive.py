@@ -2,7 +2,7 @@
 
 Nothing here uses clingo or reads `rules/`: every tree of DataSplitters and DataTransformers and
 every choice of shared ArbitrationNodes is built, and the cheapest are kept. It is exponential, so
-it is for small configurations. What InheritanceNodes hear and feed follows from mounts.
+it is for small configurations. The inputs and outputs of InheritanceNodes follow from mounts.
 
 `python -m tests.reasoning.synthesis.test_exhaustive HOW_MANY` compares it with `synthesise`
 on random configurations.
@@ -29,9 +29,9 @@ from tests.support.readings import inputs_of, readings
 
 #: (nodes, conversion cost, relationships).
 Cost: TypeAlias = tuple[int, int, int]
-#: What an InheritanceNode is called here, before the name of the module that it stands for.
+#: Prefix of the name of an InheritanceNode, before the name of the module that it represents.
 STANDS_FOR = "what stands for "
-#: Each cheapest wiring, up to the names of nodes, with what all of them cost.
+#: The cost of the cheapest wirings, and these wirings up to the names of nodes.
 Answers: TypeAlias = tuple[Cost, frozenset[Hashable]]
 NOTHING: Cost = (0, 0, 0)
 
@@ -55,13 +55,13 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
     """Return the least cost and the number of optima; `None` where nothing realises it.
 
     Raises:
-        UnclearError: floating point does not tell who provides a function.
+        UnclearError: floating point cannot decide which modules provide a function.
     """
     known = {**modules, **{module.name: module for module in configuration.declared}}
     parts: list[Answers | None] = []
     # Each output is a source of its own.
     data: dict[tuple[str, str | None], list[Data]] = {}
-    # Of two lines that are the same relationship, the one that names its input tells where it ends.
+    # Of two lines for the same relationship, the one that names its input determines the end.
     meant = readings(configuration, known)
     lines = (line for line in configuration.relationships if isinstance(line, Data))
     for line in sorted(lines, key=lambda line: line.client_port is None):
@@ -87,7 +87,7 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
 
 
 def speaking(line: Data, known: Mapping[str, Module]) -> Service | None:
-    """Return what delivers the data of a line: what it names, or the only one."""
+    """Return the service that delivers the data of a relationship: the named or the only one."""
     services = known[line.source].services if line.source in known else ()
     voices = [each for each in services if each.kind in ("Sense", "DataOut")]
     if line.source_port is not None:
@@ -122,7 +122,7 @@ PERIODIC, READY, REQUEST = "NotifyAtFrequency", "NotifyWhenReady", "RequestWhenR
 
 
 def serve(need: Data, first: Offer, carried: Offer) -> str | None:
-    """Return `direct`, `split` (by a splitter anywhere), `filter` (behind conversion) or `None`."""
+    """Return `direct`, `split` (by a splitter anywhere), `filter` (after conversion) or `None`."""
     (mode, hz) = first if need.mode is None else (need.mode, need.hz)
     (given, rate) = carried
     conditional = mode.name not in (PERIODIC, READY, REQUEST)
@@ -142,7 +142,7 @@ def serve(need: Data, first: Offer, carried: Offer) -> str | None:
 
 @dataclass(frozen=True)
 class Client:
-    """A client of one source: what it accepts (`None`: anything as it comes), what serves it."""
+    """A client of one source, with the types it accepts (`None`: all) and its service."""
 
     name: str
     number: int
@@ -220,8 +220,8 @@ class _Tree:
     ) -> Answers | None:
         """Return the cheapest ways to go on with a link to these clients.
 
-        `made` is own, converted or abstract; `split` says that a splitter lies before, `filtered`
-        that one lies behind the last conversion; `passed` are the representations on the way.
+        `made` is own, converted or abstract; `split`: a splitter is upstream; `filtered`: one is
+        downstream of the last conversion; `passed` are the representations on the path.
         """
         key = (representation, made, split, filtered, clients, passed, from_splitter)
         if key not in self.known:
@@ -299,10 +299,10 @@ def partitions(clients: tuple[Client, ...]) -> Iterator[list[tuple[Client, ...]]
 
 @dataclass(frozen=True)
 class Inheriting:
-    """What stands for a module that is commanded in functions which it only inherits.
+    """The InheritanceNode of a module that is commanded in functions which it only inherits.
 
-    `lines` are the relationships that it stands for; of them, `direct` command the module in its
-    own functions, too.
+    `lines` are the relationships that it represents; of these, `direct` also command own
+    functions of the module.
     """
 
     lines: tuple[Control, ...]
@@ -317,10 +317,10 @@ class Inheriting:
 def inheritance(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> dict[str, Inheriting]:
-    """Return what stands for each module that is commanded in inherited functions.
+    """Return the InheritanceNode of each module that is commanded in inherited functions.
 
     Raises:
-        UnclearError: floating point does not tell who provides a function.
+        UnclearError: floating point cannot decide which modules provide a function.
     """
     mounts = {m.mounting: m for m in configuration.relationships if isinstance(m, Mount)}
     found: dict[str, Inheriting] = {}
@@ -346,14 +346,14 @@ def inheritance(
 
 
 def commands(controller: Module | None) -> set[str]:
-    """Return the functions that a controller says it commands."""
+    """Return the functions that a controller declares that it commands."""
     return {f for s in (controller.services if controller else ()) for f in s.commands}
 
 
 def hearing(configuration: Configuration, nodes: Mapping[str, Inheriting]) -> list[Control]:
-    """Return who hears whom: modules and InheritanceNodes, each as controlled and as controller.
+    """Return the control relationships after InheritanceNodes are introduced.
 
-    A hold moves with its input: behind the node where the node has a single controller.
+    The hold of the only controller of a node also applies to the outputs of the node.
     """
     heard: list[Control] = []
     for line in configuration.relationships:
@@ -400,8 +400,8 @@ def groups(lines: Sequence[Control]) -> list[list[Control]]:
 def resolve_control(lines: Sequence[Control], hierarchical: bool) -> Answers | None:
     """Search the control lines of one group.
 
-    Two arbiters that hear the same in the same order are never minimal: one of them with a
-    ControlSplitter behind it has no more nodes and fewer lines. So what they hear tells them apart.
+    Two arbiters with the same inputs in the same order are never minimal: one of them followed by a
+    ControlSplitter has no more nodes and fewer lines. So inputs identify an arbiter.
     """
     orders: dict[str, Order] = {}
     for module in {line.controlled for line in lines}:
@@ -432,7 +432,7 @@ def voices(order: Order) -> frozenset[Voice]:
 
 
 def parts(order: Order) -> Iterator[Order]:
-    """Yield what can be arbitrated apart: all others compare alike to each of its members.
+    """Yield the subsets that can be arbitrated separately: their members rank alike to all others.
 
     That is whole neighbouring levels, or some of one level.
     """

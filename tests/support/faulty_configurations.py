@@ -1,6 +1,6 @@
 """Random robots with faults in them, laid out as people lay them out.
 
-Lists over several lines, comments, controllers in lists, module blocks before and behind the body,
+Lists over several lines, comments, controllers in lists, module blocks before and after the body,
 annotated sources in other languages, line ends of Windows.
 """
 
@@ -14,7 +14,7 @@ FUNCTIONS = ("Trans_Z", "Rotn_Y", "Trans_X")
 
 @dataclass
 class Robot:
-    """A configuration and its sources, by file name, and the modules by what they are."""
+    """A configuration and its sources by file name, and the kind of each module."""
 
     rng: random.Random
     kinds: dict[str, str] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""What no output shows people: the encoding, and words that only its author understands."""
+"""Text that no output may show: internal encoding, and words that only its author understands."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -37,7 +37,7 @@ FORBIDDEN: Mapping[str, str] = {
         r"\bstands\b|\bis told\b|(?<![Tt]here )\bis no\b(?! longer)|\bjust\b|\bwhich so\b"
     ),
 }
-#: A quoted line: behind its place, its number or the mark of an edit.
+#: A quoted line: after its location, its number or the mark of an edit.
 _QUOTED = re.compile(r"^( +\S+:\d+  | *\d+ \| | +[-+] (?:(?:after|before|behind) )?\S+:\d+: ).*$")
 #: An edit, which may add headings.
 _EDIT = re.compile(r" +[-+] ")
@@ -52,7 +52,7 @@ _WORD = re.compile(r"(?:`[^`]*`|\S)+")
 
 
 def forbidden_in(text: str) -> Iterator[str]:
-    """Yield what is forbidden in a text, each with the line where it stands."""
+    """Yield each forbidden pattern of a text, with its line."""
     for line in text.split("\n"):
         own = _MOUNTED.sub("", _SUBJECT.sub("", _QUOTED.sub(r"\1", line)))
         shown = own if _EDIT.match(line) else line
@@ -64,7 +64,7 @@ def forbidden_in(text: str) -> Iterator[str]:
 def wider_than(width: int, text: str) -> Iterator[str]:
     """Yield lines of a text that are wider, but for quoted lines, commands and single words.
 
-    A rule behind a word belongs to it.
+    The id of a rule belongs to the word before it.
     """
     for line in text.split("\n"):
         quoted = _QUOTED.match(line) or re.match(r" *\| |.*: mars-asp ", line)

@@ -1,4 +1,4 @@
-"""What a file of others says, in lines that stand beside it, and what a configuration means."""
+"""The content of a foreign file as lines of an expected output, and that of a configuration."""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ def place(diagnostic: Diagnostic) -> str:
 
 
 def said(found: Parsed) -> Iterator[str]:
-    """Yield the modules with their ports, the lines, and what is noteworthy, with their places."""
+    """Yield the modules with their ports, the relationships and the warnings, with locations."""
     configuration = found.configuration
     described = {module.name: module for module in configuration.declared}
     for name in configuration.modules:
@@ -42,7 +42,7 @@ def _port(service: Service) -> str:
 
 
 def meaning(of: Configuration) -> tuple[object, ...]:
-    """Return what a configuration means, wherever it was read."""
+    """Return the content of a configuration without locations."""
     lines = [print_relationship(line) for line in of.relationships]
     return (
         of.architecture,

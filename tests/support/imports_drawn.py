@@ -16,7 +16,7 @@ HOUSE = ROOT / "mars_asp"
 
 
 def imported(path: Path) -> Iterator[str]:
-    """Yield the modules of ours that a file imports from, with what it takes from them."""
+    """Yield the names that a file imports from `mars_asp`, each with its module."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mars_asp"):
             yield from (f"{node.module}.{each.name}" for each in node.names)
@@ -43,7 +43,7 @@ def imports_between(folder: Path) -> dict[str, set[str]]:
 
 
 def drawing(folder: Path) -> str:
-    """Return the rooms of a package and what they import, in the language of Mermaid."""
+    """Return a Mermaid diagram of the rooms of a package and their imports."""
     imports = imports_between(folder)
     below: dict[str, list[str]] = {}
     for room, other in sorted(_direct(imports)):
@@ -55,7 +55,7 @@ def drawing(folder: Path) -> str:
 
 
 def _direct(imports: Mapping[str, Set[str]]) -> Iterator[tuple[str, str]]:
-    """Yield the imports that no longer way stands for."""
+    """Yield the imports that no longer path implies."""
     below = {room: _reached(room, imports) for room in imports}
     for room, others in imports.items():
         for other in others:

@@ -1,4 +1,4 @@
-"""Who wins at each module at each instant, read from section 7 of the reference alone.
+"""The winning controller of each module at each instant, from section 7 of the reference alone.
 
 It looks at declared priorities and holds, never at a specification's nodes. Times are whole
 milliseconds; no two controllers send in one instant under hierarchical control.
@@ -12,9 +12,9 @@ from typing import TypeAlias
 from mars_asp.model.declarations import FOREVER, Configuration, Control, Module
 from tests.support.exhaustive import STANDS_FOR, hearing, inheritance
 
-#: When a controller sends what; one value for its one function.
+#: The values that a controller sends for its one function, by time.
 Script: TypeAlias = Mapping[int, float]
-#: What an effector is told, and when; `None` is a stop.
+#: The commands of an effector, with their times; `None` is a stop.
 Told: TypeAlias = list[tuple[float, float | None]]
 FOR_EVER = 10**9
 WINDOW = 100
@@ -22,7 +22,7 @@ WINDOW = 100
 
 @dataclass(frozen=True)
 class Command:
-    """A message: who sent it, when, and until when it is in force."""
+    """A message: its sender, its time, and the time until which it is in force."""
 
     controller: str
     sent: int
@@ -30,7 +30,7 @@ class Command:
 
 
 class Reading:
-    """A configuration, what its controllers send, and every how many ms each of them runs."""
+    """A configuration, the messages of its controllers, and their periods in ms."""
 
     def __init__(
         self,
@@ -47,7 +47,7 @@ class Reading:
             self.heard.setdefault(line.controlled, []).append(line)
 
     def commands_until(self, name: str, end: int) -> Told:
-        """Return what a module is told up to an instant."""
+        """Return the commands of a module up to an instant."""
         if not self.hierarchical:
             return [(time, value) for time, value in self.said_to(name, end) if time <= end]
         entries: Told = []
@@ -80,7 +80,7 @@ class Reading:
         return len(self.heard[name]) > 1
 
     def latest(self, controller: str, hold: int | None, now: int) -> Command | None:
-        """Return the last message of a controller, or what an InheritanceNode hands on."""
+        """Return the last message of a controller, or the one that an InheritanceNode forwards."""
         if controller.startswith(STANDS_FOR):
             if self.arbitrated(controller):
                 return self.winner(controller, now)

@@ -1,8 +1,8 @@
 """A campaign on Dask while all parts are killed: `python -m tests.support.killed_campaigns [RUNS]`.
 
 A scheduler and two workers are started by hand. The process of a worker, its nanny, the command and
-the scheduler are killed in turn; no line may be lost, nothing may go on without its command, and
-what has ended may not be run again.
+the scheduler are killed in turn; no line may be lost, no process may go on without its command, and
+no finished run may be run again.
 """
 
 import json

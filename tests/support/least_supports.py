@@ -1,4 +1,4 @@
-"""Which functions a mounted module inherits, and who provides each, from sections 3 and 5 alone.
+"""The inherited functions of a mounted module and their providers, from sections 3 and 5 alone.
 
 Nothing here uses `mars_asp.kinematics` or reads `rules/`. Frames are 4x4 matrices, lengths in mm; a
 twist is angular (radians), then linear, each in the frame of the module that inherits.
@@ -23,7 +23,7 @@ AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 
 
 class UnclearError(Exception):
-    """Floating point does not tell whether a motion is given."""
+    """Floating point cannot decide whether carriers provide a motion."""
 
 
 def turned(axis: str, degrees: float) -> Matrix:
@@ -58,7 +58,7 @@ def vertex(module: Module | None, number: int | None) -> Matrix:
 
 
 def acted(function: str, value: float) -> Matrix:
-    """Return what a motion function does by a value in degrees or mm."""
+    """Return the 4x4 transformation of a motion function by a value in degrees or mm."""
     kind, axis = function.split("_")
     if kind == "Rotn":
         return turned(axis.lower(), value)
@@ -68,7 +68,7 @@ def acted(function: str, value: float) -> Matrix:
 def columns(
     name: str, mounts: Mapping[str, Mount], modules: Mapping[str, Module], values: Values
 ) -> Iterator[Column]:
-    """Yield the twist of each motion of what carries a module, nearest first."""
+    """Yield the twist of each motion of the carriers of a module, nearest first."""
     way = np.eye(4)  # from the module's frame to the one that is looked at
     while name in mounts:
         mount = mounts[name]
@@ -76,7 +76,7 @@ def columns(
         on = vertex(modules.get(mount.mounted), mount.mounted_vertex)
         way = on @ placed(mount.transformation) @ np.linalg.inv(at) @ way
         name = mount.mounted
-        # What is declared first acts nearest to the carrier, so from here it comes last.
+        # The first declared function acts nearest to the carrier, so from here it comes last.
         for function in reversed(motions(modules.get(name))):
             kind, axis = function.split("_")
             direction = np.array(AXES[axis.lower()], dtype=float)
@@ -94,7 +94,7 @@ def motions(module: Module | None) -> tuple[str, ...]:
 
 
 def carriers(name: str, mounts: Mapping[str, Mount]) -> list[str]:
-    """Return what carries a module, nearest first."""
+    """Return the carriers of a module, nearest first."""
     found = []
     while name in mounts:
         name = mounts[name].mounted
@@ -103,10 +103,10 @@ def carriers(name: str, mounts: Mapping[str, Mount]) -> list[str]:
 
 
 def combines(given: Sequence[Matrix], function: str, rows: int) -> bool:
-    """Say whether columns combine to the unit twist of a function, by its first rows.
+    """Whether columns combine to the unit twist of a function, in its first rows.
 
     Raises:
-        UnclearError: it is nearly so.
+        UnclearError: they nearly do.
     """
     wanted = np.zeros(6)
     wanted[FUNCTIONS.index(function)] = 1.0
@@ -128,7 +128,7 @@ def combines(given: Sequence[Matrix], function: str, rows: int) -> bool:
 
 
 def gives(given: Sequence[Column], carrier: str, function: str) -> bool:
-    """Say whether one carrier alone gives a function; a turn may come with an arc."""
+    """Whether one carrier alone provides a function; a rotation may come with a translation."""
     rows = 3 if function.startswith("Rotn") else 6
     return combines([column for name, column in given if name == carrier], function, rows)
 
@@ -139,7 +139,7 @@ def least_supports(
     """Return for each function that a module inherits the modules that provide it.
 
     Raises:
-        UnclearError: floating point does not tell.
+        UnclearError: floating point cannot decide.
     """
     above = carriers(name, mounts)
     rest = list(columns(name, mounts, modules, {}))

@@ -426,7 +426,7 @@ def _is_named(service: Service) -> bool:
 
 
 def change_an_annotation(specification: Configuration, rng: random.Random) -> Configuration | None:
-    """Change the class of a module, the functions that it commands or what a converter costs."""
+    """Change the class of a module, the functions that it commands or the cost of a converter."""
 
     def changed(service: Service) -> Service:
         if service.kind == "Converts":

@@ -2,8 +2,8 @@
 
 python -m tests.support.mutated_texts HOW_MANY FIRST_SEED
 
-Texts are read in child processes, so that the end of one is seen. What grounds without end is ended
-by a clock, or by a limit on memory, as the command does it.
+Texts are read in child processes, so that a crash is noticed. Endless grounding is stopped by a
+timer, or by a limit on memory, as the command does it.
 """
 
 import functools
@@ -61,7 +61,7 @@ _TOKENS = (
 
 @functools.cache
 def texts() -> tuple[str, ...]:
-    """Return what is changed: parts of our rule files, packs and cases."""
+    """Return the texts to change: fragments of built-in rules, packs and cases."""
     rules = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "rules").rglob("*.lp"))]
     found = [part for text in rules for part in text.split("\n\n") if ":-" in part]
     found += [random_pack(seed).text for seed in range(200)]
@@ -127,7 +127,7 @@ def _facts() -> tuple[Fact, ...]:
 
 
 def read(path: Path, own: Rulebook) -> str:
-    """Read a text as a pack and as a case; return what became of both."""
+    """Read a text as a pack and as a case; return `taken` or `refused` for each."""
     became = []
     for use in (_as_pack, _as_case):
         try:
@@ -151,7 +151,7 @@ def _as_case(path: Path, own: Rulebook) -> None:
 
 
 def faults(first: int, count: int, seen: Counter[str]) -> Iterator[str]:
-    """Yield what is wrong with some texts, by their seeds; count what became of the others."""
+    """Yield the faults of texts, by their seeds; count the outcomes of the others in `seen`."""
     whole = load_rulebook(stages=())
     own_texts = [n for n, path in enumerate(whole.paths) if path == _KEPT]
     rules = tuple(rule for rule in whole.rules if rule.span.path == _KEPT)
@@ -194,7 +194,7 @@ def _batch(
 
 
 def _read_all(seeds: Sequence[int], own: Rulebook, folder: str, writer: int) -> None:
-    """Read texts in this process, which ends with it, and tell what became of each."""
+    """Write the outcome of each text to `writer`; then end this process."""
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
     signal.signal(signal.SIGPROF, signal.SIG_DFL)
     path = Path(folder, "mine.lp")

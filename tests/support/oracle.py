@@ -1,4 +1,4 @@
-"""What tree-sitter reads in a function declaration, in the terms of our own scanners."""
+"""Function declarations as tree-sitter reads them, in the terms of the built-in scanners."""
 
 import ast
 import re
@@ -39,14 +39,14 @@ class Reading:
 
 
 def normalised(text: str | None) -> str | None:
-    """Return a type without blanks and without the words that say nothing about data."""
+    """Return a type without blanks and without words that do not affect its data."""
     if text is None:
         return None
     return re.sub(r"\s+", "", _FALLS_AWAY.sub(" ", text.replace("'", '"')))
 
 
 def ask(language: str, text: str) -> Reading | None:
-    """Return what tree-sitter reads in a text; `None` where it reports an error."""
+    """Return the declaration in a text as tree-sitter reads it, or None if it reports an error."""
     parser = Parser(Language(_GRAMMARS[language].language()))
     root = parser.parse(text.encode()).root_node
     if root.has_error:

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
 
-#: Elements that nothing stands in.
+#: Elements without content.
 VOID = ("br", "input", "link", "meta")
 
 
 @dataclass
 class Element:
-    """An element of a page, with what stands in it."""
+    """An element of a page, with its content."""
 
     name: str
     attributes: dict[str, str]
@@ -26,7 +26,7 @@ class Element:
 
 
 class Page(HTMLParser):
-    """Reads a page, and does not forgive it what a browser would."""
+    """A strict parser of pages: it refuses faults that a browser would repair."""
 
     def __init__(self, text: str) -> None:
         super().__init__()

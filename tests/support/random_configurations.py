@@ -31,7 +31,7 @@ OFFERS = (
 )
 
 
-#: What stands for priorities and costs from 0 to 3, and for rates: the same, or extremes in order.
+#: Replacements of priorities and costs from 0 to 3, and of rates: equal, or extremes in order.
 _PRIORITIES = ("0 1 2 3", "0 1 2 3", "0 50000 100000 2147483647", "0 1 46341 2147483647")
 _COSTS = ("0 1 2 3", "0 1 2 3", "0 1 999999 1000000")
 _WRITTEN = "0.3 5 10 20 25"
@@ -120,7 +120,7 @@ def _control(rng: random.Random, names: list[str], lines: list[str], modules: in
 def random_twins(seed: int) -> str:
     """Return a random configuration twice over, where all conversions cost the same.
 
-    What a converter costs then counts for each transformer that applies it, for many converters
+    The cost of a converter then counts for each transformer that applies it, for many converters
     and for both twins. Some modules hold several converters.
     """
     cost = (1, 2, 1_000_000)[seed % 3]
@@ -199,7 +199,7 @@ def random_mounts(seed: int) -> str:
     """Return a random configuration in which modules are commanded in inherited functions."""
     rng = random.Random(seed)
     bodies = [f"B{index}" for index in range(rng.randint(2, 5))]
-    # Names in another order than mounts, so that ties by name are no ties by place.
+    # Names in another order than mounts, so that the order by name differs from that by position.
     rng.shuffle(bodies)
     declared = {name: _body(rng, last=index > 1) for index, name in enumerate(bodies)}
     mounts = _mounts(rng, bodies)
@@ -228,7 +228,7 @@ def random_mounts(seed: int) -> str:
 
 
 def _body(rng: random.Random, *, last: bool) -> list[str]:
-    """Return what a mounted module declares: motions, a grasp or a sense, vertices."""
+    """Return the declarations of a mounted module: motions, a grasp or a sense, vertices."""
     some = rng.choice([("Rotn_Y", "Rotn_Z"), ("Trans_X", "Trans_Z"), FUNCTIONS, FUNCTIONS])
     motions = rng.sample(some, rng.choice([0, 1, 1] if last else [1, 1, 2]))
     lines = [f"@{name}" for name in motions]
@@ -275,7 +275,7 @@ def _offered(text: str, bodies: Sequence[str]) -> Mapping[str, set[str]]:
     found = {}
     for name in bodies:
         found[name] = {f.name for f in modules[name].functions}
-        # Where floating point does not tell, the oracle says so later.
+        # If floating point cannot decide, the oracle reports this later.
         with suppress(UnclearError):
             found[name] |= least_supports(name, mounts, modules).keys()
     return found
@@ -284,8 +284,8 @@ def _offered(text: str, bodies: Sequence[str]) -> Mapping[str, set[str]]:
 def random_control(seed: int) -> str:
     """Return a random configuration of controllers that all command `Trans_Z`, for a run.
 
-    Riders have no motion and are carried by what has one, through mounts that turn nothing. Some
-    carry an onlooker, which is turned and which nobody commands.
+    Riders have no motion and are carried by modules with one, on mounts without rotation. Some
+    carry an onlooker, which is rotated and has no controller.
     """
     rng = random.Random(seed)
     wheels = [f"W{index}" for index in range(rng.randint(1, 3))]

@@ -1,8 +1,8 @@
 """Random rule packs whose text is hard to read: comments of both kinds anywhere, strings that look
-like rules, pools, classical negation, constants that stand for others.
+like rules, pools, classical negation, constants defined by others.
 
-Each predicate reads what is given and what stands before it. Comments and line ends stand between
-any two tokens, so the same rules can be had without them.
+Each predicate reads facts and the predicates before it. Comments and line ends occur between any
+two tokens, so that the same rules also exist without them.
 """
 
 import random
@@ -53,8 +53,8 @@ GIVEN = (
 class Pack(NamedTuple):
     """A rule pack, and for each of its rules the line where it begins and its plain text.
 
-    `predicates` are those that it derives, with `-` before what is classically negated; `constants`
-    its `#const` statements.
+    `predicates` are the derived predicates, classically negated ones with `-`; `constants` are the
+    `#const` statements.
     """
 
     text: str
@@ -132,7 +132,7 @@ class _Writer:
         return f"{name}({', '.join(terms)})"
 
     def read(self, bound: tuple[str, ...] = ("A", "B")) -> str:
-        """Return an atom that stands before, or one that is given."""
+        """Return an atom of an earlier predicate, or one of the facts."""
         if not self.lower or self.rng.random() < 0.2:
             return f"uses_data_from(_, {self.rng.choice(bound)}, _)"
         return self.atom(*self.rng.choice(self.lower), bound)
@@ -141,7 +141,7 @@ class _Writer:
         rng = self.rng
         literals = [rng.choice(GIVEN)]
         literals += [self.literal() for _ in range(rng.choice((0, 1, 1, 2, 3)))]
-        # A comma behind a condition goes on with it.
+        # A comma after a condition continues the condition.
         conditional = any(" : " in literal for literal in literals)
         return rng.choice(("; ",) if conditional else (", ", "; ")).join(literals)
 

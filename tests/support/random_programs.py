@@ -1,9 +1,9 @@
 """Random programs over twelve atoms, to hold traces against a checker of their own.
 
 `a` and `b` are propositions, `p`, `q` and `r` are about 1 and 2, `s` about pairs of them. Recursion
-is free through positive literals and through aggregates that more elements can only make true; what
-is negated, conditional or counted exactly stands in an earlier stratum, but for some loops through
-negation, of which clingo then picks an answer set or finds none.
+is free through positive literals and monotone aggregates. Negated, conditional and exactly counted
+atoms are of an earlier stratum, except in some loops through negation, for which clingo picks an
+answer set or finds none.
 """
 
 import random
@@ -32,7 +32,7 @@ def random_program(seed: int) -> tuple[str, tuple[str, ...]]:
 
 
 class _Rule:
-    """Writes one rule; what a literal names and does not bind is bound in the end."""
+    """Writes one rule; at the end it binds the variables that no literal binds."""
 
     def __init__(self, rng: random.Random, strata: dict[str, int]) -> None:
         self.rng, self.strata = rng, strata

@@ -1,7 +1,7 @@
 """Whether a specification realises a configuration: clauses 0 to 5 of section 6, from the text.
 
-Nothing here uses clingo or reads `rules/`. It is for small specifications: what no comment says
-about transformers is tried in every way.
+Nothing here uses clingo or reads `rules/`. It is for small specifications: for transformers without
+a comment it tries every conversion.
 """
 
 import itertools
@@ -44,7 +44,7 @@ def violation(specification: Configuration, configuration: Configuration) -> str
 
     Raises:
         UnsaidError: the text does not decide.
-        UnclearError: floating point does not tell who provides a function.
+        UnclearError: floating point cannot decide which modules provide a function.
     """
     if len(set(specification.relationships)) < len(specification.relationships):
         raise UnsaidError("a line that stands twice")
@@ -158,7 +158,7 @@ def _meaning(service: Service) -> tuple[object, ...]:
 
 @dataclass(frozen=True)
 class Applied:
-    """What a transformer does: turns one representation into another, by a converter or none."""
+    """The conversion of a transformer from `given` to `made`; `declared`: by a converter."""
 
     given: str
     made: str
@@ -213,7 +213,7 @@ class _DataJudge:
                 yield from self.paths((*begun, line))
 
     def clause_3(self, source: str, paths: Sequence[DataPath]) -> None:
-        """Try every mode of the source and every conversion that no comment says."""
+        """Try every mode of the source and every conversion that no comment states."""
         # The block of a source that only the specification describes counts.
         speaker = self.known.get(source) or self.whole.own.get(source)
         voices = [s for s in speaker.services if s.kind in ("Sense", "DataOut")] if speaker else []
@@ -251,7 +251,7 @@ class _DataJudge:
     def applied(
         self, name: str, delivered: str | None, paths: Sequence[DataPath]
     ) -> Iterator[Applied]:
-        """Yield what a transformer may do."""
+        """Yield the possible conversions of a transformer."""
         result: Conversion | None = self.said.get(name)
         turns = {(given, made) for given, made, _, _ in self.converters}
         if result is not None and result.converter is not None:
@@ -286,7 +286,7 @@ class _DataJudge:
         delivered: str | None,
         does: Mapping[str, Applied],
     ) -> None:
-        """Refuse ways that do not bring what their clients need."""
+        """Refuse paths that do not deliver the data that their clients need."""
         by_client: dict[str, list[DataPath]] = {}
         for path in paths:
             by_client.setdefault(path[-1].client, []).append(path)
@@ -391,7 +391,7 @@ class _DataJudge:
             refuse(3, f"{client} gets {carried}, not {need}")
 
     def starves(self, need: Offer, carried: Offer, offer: Offer) -> None:
-        """Refuse a rate on the way that is lower than what is needed behind."""
+        """Refuse a rate on a path that is lower than the rate needed downstream."""
         (mode, hz), (on, rate), (own, most) = need, carried, offer
         if on.name != PERIODIC or rate is None:
             return
@@ -448,7 +448,7 @@ class _ControlJudge:
     def judge(self) -> set[str]:
         """Judge clauses 2, 4 and 5; return the nodes that something passes."""
         nodes = {n for ends in self.segments for n in ends if self.whole.kind(n) is not None}
-        # What nobody speaks through, or what speaks to nobody, is on no way.
+        # A node without inputs or without outputs is on no path.
         while idle := {
             node
             for node in nodes
@@ -482,7 +482,7 @@ class _ControlJudge:
         raise ViolationError(reasons[0])
 
     def assigned(self, nodes: Mapping[str, str]) -> None:
-        """Judge clauses 2, 4 and 5, where each node stands for the module given."""
+        """Judge clauses 2, 4 and 5 for one assignment of nodes to modules."""
         wanted: dict[tuple[str, str], tuple[int, Hold | None]] = {}
         for (controlled, controller), line in self.declared.items():
             standing = self.standing.get(controlled)

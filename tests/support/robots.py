@@ -1,4 +1,4 @@
-"""Builders of mounted modules and of random chains, for the tests of frames and motions."""
+"""Builders of mounted modules and random chains for the tests of frames and motions."""
 
 import random
 from collections.abc import Sequence
@@ -62,7 +62,7 @@ def random_placement(random_: random.Random, oblique: bool) -> Transformation:
 def random_chain(random_: random.Random, prefix: str = "M", oblique: float = 0.3) -> Configuration:
     """Return a sensor `M0` on up to eight modules with random functions, mounts and vertices.
 
-    `oblique` is the share of mounts that do not stand at right angles.
+    `oblique` is the share of mounts at other than right angles.
     """
     depth = random_.randint(1, 8)
     modules = [module(f"{prefix}0", sensor=True)]

@@ -107,7 +107,7 @@ def _firings(rulebook: Rulebook) -> Mapping[tuple[str, int], Sequence[Path]]:
 def labelled(
     listed: Sequence[tuple[Rule, Label]], rulebook: Rulebook, cases: Iterable[Path]
 ) -> set[int]:
-    """Return the numbers of the labels that say something of a place in a case of the base."""
+    """Return the numbers of the labels that apply to some location in a case of the base."""
     rules = [together(rulebook.text("base")), together(joined(labelling("base", listed)))]
     found = set[int]()
     for stages, part in _parts(cases):
@@ -136,9 +136,9 @@ def _facts(part: Sequence[Path]) -> Iterator[str]:
 
 
 def unnoticed(lists: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) -> list[Rule]:
-    """Return what metadata lists and may be left out without another answer of any case.
+    """Return the listed rules whose omission changes no answer of any case.
 
-    A case notices it by what it shows, so that an answer is as it is expected only with it.
+    A case notices a missing rule only if the shown atoms of its answers change.
     """
     number = {rule: at for at, rule in enumerate(lists)}
     left = replace(

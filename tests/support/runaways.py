@@ -2,7 +2,7 @@
 
 `python -m tests.support.runaways` runs each under every limit. Each ends with the right reason and
 in time, which is processor time, or is refused before clingo sees it. Without an option memory is
-limited to half of what there is; what goes on within that is interrupted, and ends.
+limited to half of the available memory; a runaway within that limit is interrupted, and ends.
 """
 
 import signal
@@ -43,7 +43,7 @@ PACKS: Mapping[str, str] = {
     ),
     "facts": "".join(f"p({i}).\n" for i in range(700_000)),
 }
-#: The options, what is said when they end a runaway, and how many seconds it may take.
+#: By options: the message when they end a runaway, and the seconds that it may take.
 MODES: Mapping[tuple[str, ...], tuple[str, float]] = {
     ("--time-limit", "5"): ("the time limit of 5 s ended this", 6.0),
     ("--memory-limit", "512", "--time-limit", "60"): (" ended this", 61.0),
@@ -55,9 +55,9 @@ _REFUSED, _ENDED, _INTERRUPTED = 2, 3, 128 + signal.SIGINT
 
 
 def contained(name: str, options: tuple[str, ...], said: str, seconds: float) -> tuple[str, str]:
-    """Run a runaway; return how it ended and what is wrong with that, or nothing.
+    """Run a runaway; return its end, and the fault of that end or an empty text.
 
-    Where no option gives it a time, it is interrupted after so many seconds.
+    Without a time limit in the options, it is interrupted after `seconds`.
     """
     with tempfile.TemporaryDirectory() as folder:
         pack = Path(folder) / "pack.lp"

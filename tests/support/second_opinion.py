@@ -1,12 +1,12 @@
-"""A second opinion on what is minimal: any specification that passes the rules of `rules/verify`.
+"""A second opinion on minimal specifications, from the rules of `rules/verify` alone.
 
 clingo chooses the wiring of a bounded number of nodes freely (`tests/support/second_opinion.lp`),
-and looks for one that costs less than what `synthesise` called least, or for any where `synthesise`
-finds none. The rules that resolve take no part. What is found is a fault of one of the two.
+and looks for one that is cheaper than the result of `synthesise`, or for any one if `synthesise`
+finds none. The rules that resolve are not used. A result is a fault of one of the two.
 
     python -m tests.support.second_opinion HOW_MANY [FIRST_SEED [PART ...]]
 
-asks this of as many random configurations of each part: `wiring`, `inputs`, `carried`, `cascades`.
+checks as many random configurations of each part: `wiring`, `inputs`, `carried`, `cascades`.
 """
 
 import random
@@ -61,7 +61,7 @@ class Opinion:
 
 
 def second_opinion(text: str, seconds: float = _SECONDS) -> Opinion:
-    """Look for a specification that is better than what `synthesise` finds for a configuration."""
+    """Look for a specification that is cheaper than the result of `synthesise`."""
     project = Project(parse_text(text, "c.mars").configuration, {}, ())
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
     found = synthesise(project, analysis, RULEBOOK)
@@ -86,7 +86,7 @@ def cheaper_than(
 ) -> Configuration | None:
     """Return any specification that the rules of `rules/verify` accept and that costs less.
 
-    `least` are nodes, conversion cost and lines; `None` asks for any of a few nodes.
+    `least` are nodes, conversion cost and lines; None: any specification of a few nodes.
 
     Raises:
         TimeoutError: the seconds were over before the search was.
@@ -203,7 +203,7 @@ def random_inputs(seed: int) -> str:
 
 
 def random_carried(seed: int) -> str:
-    """Return carried modules that are commanded in what they inherit, through right angles."""
+    """Return carried modules that are commanded in inherited functions, through right angles."""
     rng = random.Random(seed)
     functions = ("Rotn_X", "Rotn_Y", "Trans_Z")
     movers = ["Base", "Neck"][: rng.randint(1, 2)]
@@ -267,7 +267,7 @@ PARTS: dict[str, Callable[[int], str]] = {
 
 
 def main(words: Sequence[str]) -> int:
-    """Ask about random configurations; 1 where some differ."""
+    """Check random configurations; return 1 if some differ."""
     many, first = int(words[0]), int(words[1]) if len(words) > 1 else 0
     total: Counter[str] = Counter()
     begin = time.monotonic()

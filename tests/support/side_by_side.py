@@ -1,8 +1,8 @@
 """Many cases of rules in one program: the first argument of each atom is the case that it is of.
 
-Most of what a small case costs is the reading of all the rules, so that many of them are quick
-together. No case has an atom in common with another: an answer set of the program has one of each
-case, and costs least where each of these does. A case without any is left out.
+A small case spends most of its time on reading the rules, so that many cases are quick together.
+No two cases have an atom in common: an answer set of the program contains one of each case, and is
+minimal if each of these is. A case without answer sets is left out.
 """
 
 import re
@@ -26,7 +26,7 @@ _LEVEL = 1_000
 _FACT = re.compile(r"([a-z]\w*)\(([^;:{}|&<>=!#]+)\)\.")
 #: Any of the cases has an answer, or all that can where costs count.
 ANY = f"case_(C) :- of_(C, _). {{ in_(C) }} :- case_(C). #minimize {{ -1@{_LEVEL}, C : in_(C) }}."
-#: What stays outside: what is said of predicates, not by them.
+#: Statements that stay unchanged: they are about predicates and contain no atoms of a case.
 _LEFT_OUT = {
     _TYPE.Program,
     _TYPE.Defined,
@@ -60,7 +60,7 @@ def each_together(
 
 @cache
 def apart(number: int, facts: str) -> str:
-    """Return what a case says, as that of each case `C` where `of_(C, number)`."""
+    """Return the statements of a case, for each case `C` with `of_(C, number)`."""
     of = _call("of_", _CASE, ast.SymbolicTerm(_LOCATION, clingo.Number(number)))
     return "\n".join(_written(facts, of))
 

@@ -1,7 +1,7 @@
 """Commands that are ended at random moments: `python -m tests.support.signals [NUMBER] [SEED]`.
 
 Each is ended by a signal, by this program within a second, leaves no process, no torn file and no
-late one. A loop of a shell stands for what starts command after command.
+late one. A loop of a shell represents programs that start command after command.
 """
 
 import os
@@ -48,9 +48,9 @@ COMMANDS = {
 
 
 def end_at_random(seed: int, soon: float = HANGING) -> list[str]:
-    """Start a command, end it at a moment by chance, and return what is wrong then.
+    """Start a command, end it at a random moment, and return the faults.
 
-    Everything has to end within some seconds, on a busy machine before it hangs.
+    All its processes have to end within `soon` seconds; a busy machine needs the default.
     """
     rng = random.Random(seed)
     name, command = rng.choice(sorted(COMMANDS.items()))
@@ -140,7 +140,7 @@ def _left(marker: str) -> dict[int, float]:
 
 
 def main() -> int:
-    """Run what the command line says."""
+    """End as many commands as the command line states, from its seed."""
     number, first = [*map(int, sys.argv[1:]), *(200, 0)[len(sys.argv) - 1 :]][:2]
     wrong = [each for seed in range(first, first + number) for each in end_at_random(seed, _SOON)]
     print("\n".join([*wrong, f"{number} commands ended, {len(wrong)} faults"]))

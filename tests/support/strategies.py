@@ -1,4 +1,4 @@
-"""Any configuration, for hypothesis."""
+"""Strategies of Hypothesis for configurations."""
 
 from decimal import Decimal
 
@@ -36,7 +36,7 @@ modes = st.sampled_from(
         (Mode("NotifyOnMax", (Decimal(80),), text="NotifyOnMax(80)"), None),
     ]
 )
-#: Slashes, a blank, a quote, what is quoted as it holds a `.` or is a number, and a number behind.
+#: Slashes, a blank, a quote, names quoted for a `.` or as a number, and a number after `#`.
 ports = st.none() | st.sampled_from(
     ["image", "/imu/data", "bumper response", 'say "go"', "a.b", "3", "Raw#2", "hold", "every"]
 )

@@ -1,4 +1,4 @@
-"""What differential tests put under test: a text read, and its specification."""
+"""The subjects of differential tests: a parsed text and its specification."""
 
 from mars_asp.language import parse_text
 from mars_asp.reasoning.analysis import analyse

@@ -1,9 +1,9 @@
-"""Whether traces and absences are true, judged apart from what finds them.
+"""A checker of traces and absences that is independent of the tracer.
 
 Rules are rewritten so that clingo itself judges: a positive literal `p(X)` becomes `in(P,p(X))`,
-true for what a step P may rest on; what is negated or a mere condition becomes `true(p(X))`, true
-for the answer set. An aggregate that more elements can only make true must be true of both; one
-that they can only make false, of the answer set; of any other, P must have all elements.
+true for the premises of a step P; a negated literal or a condition becomes `true(p(X))`, true for
+the answer set. An aggregate that more elements can only make true must be true of both; one that
+they can only make false, of the answer set; of any other, P must have all elements.
 """
 
 import re
@@ -52,7 +52,7 @@ def literal_of(text: str) -> ast.AST:
 
 
 def _body(literals: Iterable[ast.AST], place: str | None, values: Values) -> Iterator[str]:
-    """Yield literals that hold when what is in `place`, and the answer set, make them hold."""
+    """Yield the literals of a body, rewritten to read the premises of `place` and the answer set."""
     resting, true = _Reading(place, values), _Reading(None, values)
     for literal in literals:
         if literal.ast_type == _TYPE.ConditionalLiteral:
@@ -73,7 +73,7 @@ def _body(literals: Iterable[ast.AST], place: str | None, values: Values) -> Ite
 
 
 def _need(atom: ast.AST) -> str:
-    """Say how many elements support an aggregate; weights are taken to be positive."""
+    """Return how many elements support an aggregate, for positive weights: none, enough or all."""
     least = getattr(atom, "function", None) == ast.AggregateFunction.Min
     up, down = (_DOWN, _UP) if least else (_UP, _DOWN)
     left = [] if atom.left_guard is None else [atom.left_guard.comparison]
@@ -84,9 +84,9 @@ def _need(atom: ast.AST) -> str:
 
 
 def _heads(rule: "Rule | _Unpooled") -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
-    """Yield what a head can give, with its conditions.
+    """Yield each literal that a head can derive, with its conditions.
 
-    A variable of an element in the head is another one than that of an element in the body.
+    Variables of elements in the head and in the body are different, even with equal names.
     """
     head = rule.ast.head
     if head.ast_type == _TYPE.Literal:
@@ -118,7 +118,7 @@ def _guards(node: ast.AST) -> list[str]:
 
 
 def _outside(literal: ast.AST) -> str:
-    """Return the text of what stands outside of the elements of a body literal."""
+    """Return the text of a body literal outside of its elements."""
     if literal.ast_type == _TYPE.ConditionalLiteral:
         return ""
     return " ".join(_guards(literal.atom)) if literal.atom.ast_type in _AGGREGATES else str(literal)
@@ -127,7 +127,7 @@ def _outside(literal: ast.AST) -> str:
 def _instances(
     rule: "Rule | _Unpooled", place: str | None, values: Values, given: str
 ) -> Iterator[str]:
-    """Yield bodies, one for each head, that bind `_H` to what the rule gives."""
+    """Yield bodies, one for each head, that bind `_H` to the derived atom."""
     for head, condition in _heads(rule):
         if head.atom.ast_type == _TYPE.SymbolicAtom:
             symbol = _Reading(None, values)(head.atom.symbol)
@@ -227,7 +227,7 @@ def all_steps(traces: Iterable[Trace]) -> list[Derived]:
 
 
 class _Claims:
-    """What traces say, as rules that say it to clingo, and what is wrong at first sight."""
+    """The claims of traces, as rules for clingo, and the faults that need no solving."""
 
     def __init__(self, given: Set[clingo.Symbol]) -> None:
         self.given = given
@@ -283,7 +283,7 @@ class _Claims:
         self.claim(f"{step.atom} by {step.rule.text} from {rests}", *bodies)
 
     def attempt(self, attempt: NearMiss) -> None:
-        """Claim that what is said to fail does fail."""
+        """Claim that the failed literal of a near miss is false."""
         text = f"{attempt.fails} fails for {attempt.bindings} in {attempt.rule.text}"
         if attempt.fails is None:
             bodies = _instances(attempt.rule, None, attempt.bindings, f"_H = {attempt.atom}")
@@ -308,10 +308,10 @@ def faults(
     true: Set[clingo.Symbol],
     constants: Iterable[str] = (),
 ) -> list[str]:
-    """Return what is wrong with traces: a step, a leaf, or an atom among its own reasons.
+    """Return the faults of traces: a step, a leaf, or an atom among its own reasons.
 
-    `constants` are the `#const` statements of the program. Of the other derivations of a step no
-    more is asked here than that its rule gives it.
+    `constants` are the `#const` statements of the program. Of the other derivations of a step
+    this checks only that the rule derives the atom.
     """
     claims = _Claims(given)
     asked = tuple(traces)
@@ -328,14 +328,14 @@ def faults(
 
 
 def height(trace: Trace) -> int:
-    """Return a trace's height; what is given or absent has none."""
+    """Return the height of a trace, 0 for facts and absent atoms."""
     if not isinstance(trace, Derived):
         return 0
     return 1 + max(map(height, trace.premises), default=0)
 
 
 def could_give(rule: Rule, atom: clingo.Symbol) -> bool:
-    """Say whether a head of a rule is an atom for values from 0 to 3 of its variables."""
+    """Whether a head of a rule is an atom for values from 0 to 3 of its variables."""
     lines = []
     for head, _ in _heads(rule):
         if re.match(rf"{atom.name}\b", str(head)):
