@@ -42,7 +42,7 @@ PUT = (
 
 
 def blocks_together(path: str, text: str) -> Blocks:
-    """Return what is read of blocks where none is taken for like another."""
+    """Return the blocks of a text, each parsed without reuse of a similar one."""
     lines = block_lines(text)
     return Blocks(*read_modules(block_source(path, text, lines)), lines)
 
@@ -59,7 +59,7 @@ def mutated(seed: int) -> str:
             [rng.randrange(len(text) + 1), *(n for n, c in enumerate(text) if c == "\n")]
         )
         text = text[:at] + rng.choice(PUT) + text[at + rng.choice((0, 0, 0, 1, 20)) :]
-    # One is there in any case, for without one no block is looked for.
+    # One block is always there, for without one the text is not searched.
     return f"{text}\n{BLOCK.format(name='E')}"
 
 

@@ -1,7 +1,7 @@
 """Our declaration scanners against tree-sitter: written declarations, then generated ones.
 
-tree-sitter reads whole files and knows no macros; where it reports an error, or reads what the
-language does not mean, our reading is stated here.
+tree-sitter reads whole files and knows no macros; where it reports an error, or deviates from the
+language, the right reading is stated here.
 """
 
 import random
@@ -24,8 +24,8 @@ BEGINNING = {
     "c": r"(?<=[;}])\n",
     "cpp": r"(?<=[;}])\n",
 }
-#: Where tree-sitter is wrong, what is right: types behind the brackets (K&R) are not read at all,
-#: a returned pointer is taken for the function, `= 0` for the type.
+#: The right readings where tree-sitter is wrong: it ignores types after the brackets (K&R), takes a
+#: returned pointer for the function, and `= 0` for the type.
 RIGHT = {
     "int build(s, n) struct Scan *s; int n; { return 0; }": Reading(
         "build", (("s", "Scan*"), ("n", "int")), "int"

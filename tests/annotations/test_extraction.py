@@ -1,4 +1,4 @@
-"""Annotated sources: what must be found in each, hostile ones included."""
+"""Annotated sources: the expected modules of each, hostile ones included."""
 
 import json
 import random
@@ -87,7 +87,7 @@ def test_ports_have_keys_of_their_own(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
 def test_a_case_prints_what_stands_beside_it(path: Path, update_golden: bool) -> None:
-    """Modules first, then everything that is told, as the command line does."""
+    """The modules, then all messages, as on the command line."""
     golden = path.with_name(f"{path.name}.txt")
     printed = run(f"mars-asp extract {path.relative_to(ROOT)}")
     if update_golden:
@@ -292,7 +292,7 @@ def stored(rng: random.Random, text: str) -> bytes:
 
 @pytest.mark.parametrize("language", sorted(set(LANGUAGES.values())))
 def test_any_file_is_read_or_refused(language: str, tmp_path: Path, fuzz: int) -> None:
-    """Mutations of the cases, 3,000 over all languages, give only what is documented."""
+    """Mutations of the cases, 3,000 over all languages, give modules or documented errors only."""
     suffix = next(suffix for suffix, known in LANGUAGES.items() if known == language)
     rng = random.Random(f"stored {language}")
     path = tmp_path / f"a{suffix}"
@@ -306,7 +306,7 @@ def test_any_file_is_read_or_refused(language: str, tmp_path: Path, fuzz: int) -
 
 @pytest.mark.parametrize("language", sorted(set(LANGUAGES.values())))
 def test_skimming_finds_the_comments_that_reading_every_token_finds(language: str) -> None:
-    """What passes over all but annotations agrees with what takes the text apart."""
+    """The prefilter for annotated comments agrees with the tokeniser."""
     word = re.compile(r"@module_(?:start|name|end)\b(?![:(.])")
     for text in mutated(language, 300):
         skimmed = [

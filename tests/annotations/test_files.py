@@ -1,4 +1,4 @@
-"""Which files are read, what is told of the others, and how a configuration finds its sources."""
+"""The selection of files, messages about skipped ones, and the sources of a configuration."""
 
 import os
 from pathlib import Path
@@ -62,7 +62,7 @@ def test_one_name_in_many_places_is_one_error(tmp_path: Path) -> None:
 
 
 def test_what_is_told_stands_in_the_order_of_places(tmp_path: Path) -> None:
-    """A module's missing name is known at its end, and one that is repeated behind all files."""
+    """A missing name is found at the end of its module, a repeated one after all files."""
     unnamed = "// @module_start\n// @Sence X\nX f();\n// @module_end\n"
     for name in ("b.cpp", "a.cpp"):
         (tmp_path / name).write_text(MODULE.format(name="A") + MODULE.format(name="A") + unnamed)

@@ -1,4 +1,4 @@
-"""White space, comment style, line ends and wrapped lines never change what is extracted."""
+"""White space, comment style, line ends and wrapped lines never change the extracted modules."""
 
 import random
 from collections.abc import Iterator

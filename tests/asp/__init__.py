@@ -1,1 +1,1 @@
-"""Tests of the engine, on programs about anything but what MARS is about."""
+"""Tests of the engine, on programs about topics other than robots."""

@@ -1,4 +1,4 @@
-"""What a table holds is what would be made anew, or nothing."""
+"""A stored table has the content of a new one, or is not used."""
 
 import sys
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ def squares(tables: Path) -> Counted:
 
 
 def build(tables: Path) -> bytes:
-    """Write the table of squares, and forget what this process knows."""
+    """Write the table of squares, and clear the cache of this process."""
     content = dict(cache.tables())["squares"]
     (tables / "squares").write_bytes(content)
     cache.forget(tables)

@@ -67,7 +67,7 @@ def test_a_reason_goes_down_to_the_facts_of_the_file() -> None:
 def test_every_derivation_is_told() -> None:
     reason = of("reachability").solve().why("reach(b)", every=True)
     assert isinstance(reason.trace, Derived)
-    # There is the edge from `d`, too, but `d` is reached through `b` alone.
+    # The edge from `d` is no other derivation: `d` is reached through `b` alone.
     assert len(reason.trace.others) == 0
     text = "p(1). p(2). q :- p(X)."
     trace = asp.Program.from_text(text).solve().why("q", every=True).trace
@@ -106,7 +106,7 @@ def test_an_absence_names_the_nearest_that_each_rule_comes() -> None:
         "reachability/start",
         "reachability/step",
     }
-    # No choice could give it, so nothing is said of costs.
+    # No choice could derive the atom, so that no costs are stated.
     assert reason.extra is None
     assert reason.against is None
 
@@ -142,7 +142,7 @@ def test_what_an_atom_would_cost() -> None:
     assert (answer.cost, answer.proven) == ({0: 8}, True)
     assert answer.why_not("has(9,3)").extra == {0: 2}
     assert "an answer would cost 2 more at level 0\n" in f"{answer.why_not('has(9,3)').text()}\n"
-    # A variable stands for any value: the cheapest counts.
+    # A variable matches any value: the cheapest counts.
     assert answer.holds("has(9,1)")
     assert not answer.holds("has(9,2)")
 
@@ -378,7 +378,7 @@ def test_each_unsafe_variable_is_reported_at_its_own_place(
 
 
 def solved(text: str) -> tuple[list[frozenset[clingo.Symbol]], list[int]]:
-    """Return all least answers by clingo alone, and what they cost."""
+    """Return all minimal answers by clingo alone, and their cost."""
     control = clingo.Control(["--opt-mode=optN", "--models=0", "--warn=none"])
     control.add("base", [], text)
     control.ground([("base", [])])
@@ -394,7 +394,7 @@ def solved(text: str) -> tuple[list[frozenset[clingo.Symbol]], list[int]]:
 
 @pytest.mark.parametrize("seed", range(36))
 def test_answers_are_clingos_own(seed: int) -> None:
-    """Random programs, of which clingo says on its own what is least, and all of it."""
+    """Answers and costs of random programs equal those that clingo computes alone."""
     rng = random.Random(seed)
     rules, given = random_program(seed)
     weights = [f"{rng.choice((-2, -1, 1, 2, 3))}@{rng.randint(1, 2)},{n} : {atom}" for n, atom in

@@ -1,1 +1,1 @@
-"""Tests of behaviours: what users write, without a run."""
+"""Tests of the behaviours of users, without a run."""

@@ -1,4 +1,4 @@
-"""What a function or a class is called with, and why one cannot be a behaviour."""
+"""The arguments of behaviours in functions and classes, and refusals of others."""
 
 from collections.abc import Callable
 from functools import partial
@@ -15,7 +15,7 @@ def context(**parameters: Any) -> Context:
 
 
 def defined(text: str) -> Any:
-    """Return what a text defines as `f`."""
+    """Return the object `f` that a text defines."""
     names: dict[str, Any] = {"Context": Context}
     exec(text, names)
     return names["f"]

@@ -1,4 +1,4 @@
-"""Commands: which there are, and what is wrong with others."""
+"""Commands: the valid ones, and the errors of others."""
 
 from typing import Any
 

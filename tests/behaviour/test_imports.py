@@ -1,4 +1,4 @@
-"""Files of behaviours: what they import, and that nothing else sees it."""
+"""Files of behaviours: their imports, which no other file sees."""
 
 import sys
 from pathlib import Path

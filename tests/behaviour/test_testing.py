@@ -1,4 +1,4 @@
-"""Stepping behaviours by hand gives what a run gives."""
+"""Stepping behaviours by hand gives the results of a run."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Messages are values: what can change is copied, what cannot is shared."""
+"""Messages are values: mutable ones are copied, immutable ones are shared."""
 
 import threading
 from collections import deque

@@ -1,1 +1,1 @@
-"""Tests of what the verbs share: the worker, and what a terminal shows."""
+"""Tests of the code shared by all commands: the worker and the output on a terminal."""

@@ -1,4 +1,4 @@
-"""Words of the command line: help, examples, what was probably meant, and completion by bash."""
+"""Words of the command line: help, examples, suggestions, and completion by bash."""
 
 import re
 import shlex

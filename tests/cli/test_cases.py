@@ -1,4 +1,4 @@
-"""Cases of rules as the command runs them: `tests/cases` holds packs, cases and what is printed."""
+"""Cases of rules as the command runs them: `tests/cases` has packs, cases and outputs."""
 
 import argparse
 import os

@@ -1,4 +1,4 @@
-"""`check` of many files, and what `--fix` does to them."""
+"""`check` of many files, and their changes by `--fix`."""
 
 import json
 import os

@@ -105,7 +105,7 @@ def plain(text: str) -> str:
 
 
 def lines_of(folder: Path, places: list[dict[str, Any]]) -> list[str]:
-    """Return the lines at places as they stand in the files, controls made visible."""
+    """Return the lines of files at locations, with control characters made visible."""
     found = []
     for place in places:
         whole = (folder / place["path"]).read_text(encoding="utf-8").split("\n")
@@ -393,7 +393,7 @@ def test_why_not_is_asked_by_keyboard(browser: Browser, tmp_path: Path) -> None:
     page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html")
     assert browser.spoken("heading")[1] == "Why not?"
     assert "for the module" in browser.spoken("combobox")
-    # A box of which nothing is said leads there, with its name.
+    # A box without an answer leads to the form, with its name filled in.
     browser.run("document.querySelector('svg a[aria-label=\"Turn\"]').focus()")
     browser.press("Enter")
     browser.wait("document.activeElement.id === 'kind'")

@@ -267,7 +267,7 @@ def test_nothing_that_a_message_holds_ends_a_command(
     assert (status, len(result)) == (1, 5)
     assert result[0][-1].startswith("100% of `A` :: crowded, [no](x) %0A ::error::x\n")
     status, run = sarif(capsys, "analyse", *words)
-    # What a message holds is no link in the log either.
+    # Brackets in a message make no link in the log either.
     assert r"100% of `A` :: crowded, \[no\](x)" in run["results"][0]["message"]["text"]
 
 

@@ -14,7 +14,7 @@ COMMAND = [sys.executable, "-m", "mars_asp", *WORDS, "--duration", "5"]
 
 
 def on_a_terminal(columns: int, *words: str) -> str:
-    """Run in the root of the project; return what appears on a terminal for standard error."""
+    """Run in the root of the project; return the output on a terminal for standard error."""
     import fcntl
     import pty
     import struct

@@ -138,7 +138,7 @@ def test_what_a_pack_needs_is_found_beside_it(
     shared = "%*! far(M: module)\nM is far.\npacks: read\n*%\nfar(M) :- class(M, sensr).\n"
     pack_in(tmp_path, "base", "", shared)
     top = pack_in(tmp_path, "top", '"base"', "near(M) :- module(M), not far(M).\n#show near/1.\n")
-    # Of the pack that is needed itself nothing is told.
+    # Findings in a required pack are not reported.
     assert run_here(["rules", "lint", str(top)]) == 0
     assert capsys.readouterr().out == "no problems found\n"
     assert run_here(["rules", "doc", str(top)]) == 0

@@ -1,4 +1,4 @@
-"""The verb `run`: what it prints and writes, and its status."""
+"""The command `run`: its output, files and status."""
 
 import json
 import re

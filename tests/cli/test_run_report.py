@@ -1,4 +1,4 @@
-"""The page of `run --report`: it says what the JSON of the same run says."""
+"""The HTML report of `run --report` has the content of the JSON of the same run."""
 
 import json
 import re

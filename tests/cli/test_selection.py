@@ -209,7 +209,7 @@ def test_the_nearest_settings_count(
         (folder / "robots" / name).write_bytes(text.encode())
     _, everything, _ = analysed(capsys, "robots/a.mars")
     assert everything == kinds or (kinds is None and ERROR in everything)
-    # Options replace what settings say under their name.
+    # Options replace settings of the same name.
     assert analysed(capsys, "robots/a.mars", "--select", ERROR)[1] == {ERROR}
     monkeypatch.chdir(folder / "robots")
     assert analysed(capsys, "a.mars")[1] == everything
@@ -401,7 +401,7 @@ def test_a_baseline_hides_what_it_lists_wherever_it_moves(
     (folder / "a.mars").write_text(f"{moved}Camera is_mounted_on Camera\n")
     assert run_here(["check", "a.mars"]) == 1
     assert "`Camera -> Camera`" in capsys.readouterr().out
-    # One that is written anew lists what the old one does, too.
+    # A baseline written anew also lists the entries of the old one.
     assert run_here(["check", "a.mars", "--write-baseline", "known.json"]) == 0
     assert len((folder / "known.json").read_text().splitlines()) == 5
 
@@ -418,7 +418,7 @@ def test_what_a_baseline_lists_in_vain_is_noted(
     # Notes that are listed were found, though `check` reports none, and so were ignored kinds.
     assert run_here(["check", "a.mars", "--baseline", "known.json", "--ignore", ERROR]) == 0
     assert "nothing any more" not in capsys.readouterr().err
-    # Nobody has looked at `b.mars`.
+    # `b.mars` was not checked.
     (folder / "a.mars").write_text(ROBOT.replace("Arm is_mounted_on Arm\n", ""))
     assert run_here(["check", "a.mars", "--baseline", "sub/known.json"]) == 0
     assert (
@@ -534,7 +534,7 @@ def test_verbs_that_find_something_on_their_way_hide_it_too(
     assert run_here([verb, "a.mars", *more]) == 1
     shown = capsys.readouterr()
     text = "mounts form a cycle" in shown.out + shown.err
-    # To these the cycle is no topic.
+    # `--alternatives` does not report the cycle.
     assert text == (more != ["--alternatives"])
     options = []
     if hidden_by == "option":
@@ -560,7 +560,7 @@ def test_who_asks_about_a_hidden_finding_is_told(capsys: pytest.CaptureFixture[s
 def test_verbs_agree_on_the_first_place_of_a_finding(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What a baseline lists by the file of its first place is known to all of them."""
+    """All commands match a finding of a baseline by the file of its first location."""
     robot = str(ROOT / "tests/repair/left-over/config.mars")
     run_here(["check", robot, "--write-baseline", "k"])
     for words in (["--only", "consequences"], ["--repair"]):

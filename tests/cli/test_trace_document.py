@@ -82,7 +82,7 @@ def test_why_there_is_none_fits_the_schema_of_explanations(
 
 
 def steps(document: Any) -> Iterator[Any]:
-    """Yield the steps of a document as they stand in it."""
+    """Yield the steps of a document in its order."""
     stack = document["traces"][::-1]
     while stack:
         step = stack.pop()
@@ -91,7 +91,7 @@ def steps(document: Any) -> Iterator[Any]:
 
 
 def faults_in_references(document: Any) -> list[str]:
-    """Return what is wrong with numbers: each is new, or names what stood before."""
+    """Return the faults of numbers: each has to be new, or to refer to an earlier step."""
     known: dict[int, str] = {}
     wrong = []
     for step in steps(document):
@@ -106,7 +106,7 @@ def faults_in_references(document: Any) -> list[str]:
 
 
 def faults_in_lines(lines: list[Any]) -> list[str]:
-    """Return what is wrong with lines: each number stands before its use, no step stands twice."""
+    """Return the faults of lines: numbers are defined before their use, and no step occurs twice."""
     known: dict[str, set[int]] = {"rule": set(), "file": set(), "step": set(), "topic": set()}
     derivations: set[str] = set()
     wrong = []

@@ -1,4 +1,4 @@
-"""The command and its worker: what ends them, and what is written when something ends them."""
+"""The command and its worker: their ends, and the files written at each."""
 
 import json
 import os
@@ -316,7 +316,7 @@ def said_at(terminal: int) -> str:
     try:
         while more := os.read(terminal, 4096):
             text += more
-    except OSError:  # nobody has the terminal open any more
+    except OSError:  # no process has the terminal open any more
         pass
     os.close(terminal)
     return text.decode()

@@ -1,4 +1,4 @@
-"""Parts of pictures: what is near a box, lines of some kinds, and what a screen has room for."""
+"""Excerpts of diagrams: the neighbours of a box, relationships of some kinds, and size limits."""
 
 import re
 from collections import deque
@@ -173,7 +173,7 @@ def test_a_part_is_drawn_or_refused(
             status = int(ended.code or 0)
         printed = capsys.readouterr().err
         assert (status == 0, picture.exists()) == (bool(shown), bool(shown))
-        # What is left out is drawn, too.
+        # The diagram also states the omissions.
         text = picture.read_text() if shown else told
         assert told in printed and told in text and bool(printed) == bool(told)
         drawn = {name.replace(" ", "-") for name in re.findall(pattern, text)}

@@ -1,4 +1,4 @@
-"""Dataflows of dora: files with what they say beside them, and files that are refused."""
+"""Dataflows of dora: files with expected imports beside them, and files that are refused."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Branches, loops and functions of launch files in Python: what each way through them starts."""
+"""Branches, loops and functions of launch files in Python: the nodes started on each path."""
 
 from pathlib import Path
 

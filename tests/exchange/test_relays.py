@@ -1,4 +1,4 @@
-"""Relays, throttles and muxes of topic_tools: what they hand on, and what becomes of them."""
+"""Relays, throttles and muxes of topic_tools: forwarded topics, and their relationships."""
 
 from fractions import Fraction
 
@@ -62,7 +62,7 @@ CONTRACTED = [
         (node("a", "c"), node("b", "", "cc"), node("d", "", "c"), relay("c", "cc", "3")),
         ["/d is_controlled_by /a 0", "/b is_controlled_by /a 0"],
     ),
-    # Before a mux a relay is a link, behind it a renaming.
+    # Before a mux a relay is a link, after a mux it is a renaming.
     (
         (node("a", "c"), mux("m", "cm", ("cc", 7)), relay("c", "cc")),
         ["cm is_controlled_by /a 7 hold 500"],

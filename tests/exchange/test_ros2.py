@@ -1,4 +1,4 @@
-"""Launch files, packages and workspaces: trees with what they say beside them, and hostile ones."""
+"""Launch files, packages and workspaces: trees with expected imports, and hostile ones."""
 
 import json
 import os
@@ -37,7 +37,7 @@ def place(path: str, line: int, column: int, root: Path) -> str:
 
 
 def said(found: Parsed, root: Path) -> Iterator[str]:
-    """What a tree says: its modules, how they are wired and what is noteworthy, with places."""
+    """Yield the modules of a tree, their relationships and the warnings, with locations."""
     configuration = found.configuration
     yield f"modules: {', '.join(name.text for name in configuration.modules)}"
     for mux in configuration.muxes:
@@ -98,7 +98,7 @@ def generate_launch_description():
     return LaunchDescription([{nodes}])
 """
 JOY = 'Node(package="joy", executable="joy_node")'
-#: What stands before the return, the nodes, and the modules that there are.
+#: The code before the return, the returned nodes, and the expected modules.
 DESCRIPTIONS = [
     ("pass", JOY, ["/joy_node"]),
     ("n = " + JOY, "n, n", ["/joy_node"]),

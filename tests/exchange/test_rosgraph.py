@@ -1,4 +1,4 @@
-"""Dumps of graphs: files with what they say beside them, and files that are refused."""
+"""Dumps of graphs: files with expected imports beside them, and files that are refused."""
 
 import json
 import random
@@ -178,7 +178,7 @@ def drawn(rng: random.Random) -> Drawn:
 
 
 def expected(graph: Drawn, typed: bool) -> set[tuple[str, ...]]:
-    """What real-robots.md says of it: who commands whom, and who takes which topic from whom."""
+    """Return the commands and the data relationships of a graph by the rules of real-robots.md."""
     found: set[tuple[str, ...]] = set()
     for name, (type_, publishers, subscribers) in graph.items():
         if name in ("/tf", "/rosout") or "debug" in name:
@@ -193,7 +193,7 @@ def expected(graph: Drawn, typed: bool) -> set[tuple[str, ...]]:
 
 
 def written(graph: Drawn) -> Iterator[tuple[str, str, bool]]:
-    """Each format's text, with the name of a file, and whether it says types."""
+    """Yield the text of each format, with a file name, and whether the format states types."""
     nodes = sorted({n for _, out, into in graph.values() for n in (*out, *into)})
     ends = {n: [[t for t, each in graph.items() if n in each[i]] for i in (1, 2)] for n in nodes}
     yield (
@@ -357,7 +357,7 @@ def test_each_file_that_is_refused_says_all_that_is_wrong(
 
 
 FLOW = "nodes:\n- id: a\n  outputs: [x]\n- id: b\n  inputs: {i: a/x}\n"
-#: What a file holds, and what `check` says of it.
+#: The content of a file, and the message of `check`.
 BYTES = [
     (bytes(range(256)) * 9, "2:1: error: the file is not UTF-8"),
     (FLOW.replace("a", "\xe9").encode("latin-1"), "2:1: error: the file is not UTF-8"),

@@ -48,7 +48,7 @@ def rules() -> Rulebook:
 
 
 def findings(configuration: Configuration, format: str | None = None) -> list[tuple[object, ...]]:
-    """All that analysis says of a configuration, without places.
+    """Return the findings of a configuration, without locations.
 
     Paths of programs are not part of a `.mars` file.
     """
@@ -59,7 +59,7 @@ def findings(configuration: Configuration, format: str | None = None) -> list[tu
 
 
 def saved(configuration: Configuration) -> Configuration:
-    """What is printed and read again, whether or not it was laid out in between."""
+    """Return the configuration printed and read again; formatting in between changes no finding."""
     text = with_origins(configuration)
     again = parse_text(format_text(text, "a.mars"), "a.mars")
     assert not again.warnings
@@ -82,7 +82,7 @@ def at(line: int) -> Span:
     return Span("x", line, 1, line, 2)
 
 
-#: Names that are written bare, quoted or behind a slash, and that look like what we print.
+#: Names that are written bare, quoted or after a slash, and names like printed comments.
 NAMES = ("/a", "/b/a", "c", "d d", 'e"', "/f-g", "1", "imported from ros2", "h // -- not read")
 TYPES = (None, "any", "geometry_msgs/msg/Twist", "sensor_msgs/msg/Image", "std_msgs/String")
 topics = st.builds(

@@ -1,4 +1,4 @@
-"""Nodes and topics: what becomes of them, by hand."""
+"""Nodes and topics, and the relationships made of them."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Parameters of muxes: files with what they say beside them, and files that are refused."""
+"""Parameters of muxes: files with expected imports beside them, and files that are refused."""
 
 import json
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ def place(d: Diagnostic) -> str:
 
 
 def said(found: Parsed) -> Iterator[str]:
-    """What a file says: the muxes, a line for each of their inputs, and what is noteworthy."""
+    """Yield the muxes of a file, a line for each of their inputs, and the warnings."""
     for mux in found.configuration.muxes:
         yield f"{mux.span.line}:{mux.span.column}: {mux.engine} before {mux.module}"
     for line in found.configuration.relationships:

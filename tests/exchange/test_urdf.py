@@ -1,4 +1,4 @@
-"""URDF: what a document says as mounts and functions, and the same frames after a round trip."""
+"""URDF: documents as mounts and functions, and the same frames after a round trip."""
 
 import json
 import math
@@ -32,7 +32,7 @@ thorough = settings(max_examples=examples(20, 60), deadline=None, derandomize=Tr
 
 
 def imported(text: str) -> Configuration:
-    """Import, print and read back: what a user has in the end."""
+    """Return the configuration of a document, printed and read again, as a user gets it."""
     return parse_text(
         print_configuration(import_urdf(text, "a.urdf").configuration), "a.mars"
     ).configuration
@@ -111,7 +111,7 @@ def test_frames_are_those_that_pytransform3d_finds(
         moved = {f"L{int(j[1:]) + 1}" for j, (_, axis, _) in moving.items() if axis in AXES}
         for name in (n.text for n in found.modules if n.text.startswith("L")):
             should = pose(oracle, name, "L0")
-            if not (turned and name in moved):  # its own function moves what stands on it
+            if not (turned and name in moved):  # its own function moves the modules on it
                 assert np.abs(posture.poses[name][:3] - should).max() < 1e-9
 
 
@@ -400,7 +400,7 @@ def test_what_is_refused(change: tuple[str, str], place: tuple[int, int], messag
     assert all(len(line) < 500 for line in entries.values())
 
 
-#: What may stand before the root, or keep a document from being read: it is URDF all the same.
+#: Texts that may precede the root or make a document unreadable: it is detected as URDF still.
 BEGINNINGS = [
     "\ufeff",
     "<?xml version='1.0'?>\n",
@@ -429,7 +429,7 @@ def test_everything_wrong_is_told_at_once() -> None:
 @thorough
 @given(st.data())
 def test_a_damaged_document_is_refused_or_read(data: st.DataObject) -> None:
-    """Nothing but the errors that are told, whatever became of the text."""
+    """A damaged text gives documented errors only."""
     text = GOOD
     for _ in range(data.draw(st.integers(1, 4))):
         begin = data.draw(st.integers(0, len(text)))

@@ -125,7 +125,7 @@ def random_case(random: Random) -> Case:
 
 @dataclass
 class Sampled:
-    """What fine sampling found, as far as a step lets it see."""
+    """The results of fine sampling, as precise as its step."""
 
     contact: float | None = None
     least: float = inf
@@ -215,7 +215,7 @@ def run(case: Case) -> Trial:
 
 
 def difference(case: Case) -> str:
-    """Return what the judge and the samples do not agree on, beyond what a step may hide."""
+    """Return a difference between judge and samples that is larger than a step, or an empty text."""
     made, seen, off = run(case), sample(case), 2 * FASTEST * STEP
     first = next(iter(made.bodies[0].contacts), None)
     if (first is None) != (seen.contact is None):

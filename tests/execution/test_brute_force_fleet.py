@@ -116,7 +116,7 @@ def random_case(random: Random) -> Case:
 
 @dataclass
 class Sampled:
-    """The first contact (s) and with whom, and the least gap of each robot and to whom."""
+    """The first contact (s) and its pairs, and the smallest gap of each robot."""
 
     contact: float | None = None
     pairs: set[frozenset[str]] = field(default_factory=set)
@@ -148,7 +148,7 @@ def sample(case: Case) -> Sampled:
 
 
 def drive(robot: Robot, state: list[float], rate: dict[str, float], at: float) -> None:
-    """Move a robot on by a step; what has an acceleration goes at the mean of the step's ends."""
+    """Move a robot by a step; an accelerated function has the mean rate of the step's ends."""
     # Read at each tenth of a second.
     past = [entry for entry in robot.script if entry[0] <= int(at * 10 + 1e-6) / 10]
     wanted = {past[-1][1]: past[-1][2]} if past else {}
@@ -201,7 +201,7 @@ def run(case: Case) -> Trial:
 
 
 def difference(case: Case) -> str:
-    """Return what the judge and the samples do not agree on, beyond what a step may hide."""
+    """Return a difference between judge and samples that is larger than a step, or an empty text."""
     made, seen, off = run(case), sample(case), 2 * FASTEST * STEP + 0.3
     contacts = [
         (at, frozenset({body.name, other}))

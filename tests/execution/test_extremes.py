@@ -1,4 +1,4 @@
-"""Scenarios at their limits: what is judged where something is zero, at once, or never ends."""
+"""Scenarios at their limits: judgements of zero, simultaneous and endless events."""
 
 from pathlib import Path
 

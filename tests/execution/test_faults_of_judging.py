@@ -1,4 +1,4 @@
-"""What samples, outlines and tolerances once got wrong about a run."""
+"""Past faults of judging, by samples, outlines and tolerances."""
 
 from pathlib import Path
 

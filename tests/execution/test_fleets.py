@@ -1,4 +1,4 @@
-"""Scenarios of several robots: whose a device is, what is asked of whom, and what is refused."""
+"""Scenarios of several robots: owners of devices, requirements of each robot, and refusals."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a run is required to do, and why it did not."""
+"""Requirements of runs, and the reasons of failures."""
 
 from pathlib import Path
 

@@ -25,7 +25,7 @@ reach = {{ at = [5000, 0] }}
 
 
 class Counted(clingo.Observer):
-    """Counts what is ground."""
+    """Counts ground rules."""
 
     rules = 0
 

@@ -1,4 +1,4 @@
-"""A specification staged in a scenario: what is bound, what moves, and what faults do."""
+"""A specification in a scenario: bindings, motion, and the effects of faults."""
 
 from math import dist
 from pathlib import Path

@@ -52,7 +52,7 @@ def literal_of(text: str) -> ast.AST:
 
 
 def _body(literals: Iterable[ast.AST], place: str | None, values: Values) -> Iterator[str]:
-    """Yield the literals of a body, rewritten to read the premises of `place` and the answer set."""
+    """Yield the literals of a body, rewritten for the premises of `place` and the answer set."""
     resting, true = _Reading(place, values), _Reading(None, values)
     for literal in literals:
         if literal.ast_type == _TYPE.ConditionalLiteral:

@@ -1,7 +1,7 @@
 """The language server's messages as they cross the pipe, without a library between.
 
-`python -m tests.support.wire 10000` edits texts at random so many times, asks after each edit, and
-reports every error that is answered: there should be none, and the server should go on.
+`python -m tests.support.wire 10000` edits texts at random that many times, sends a request after
+each edit, and reports errors in answers: there should be none, and the server should go on.
 """
 
 import json
@@ -26,7 +26,7 @@ class Wire:
     """A server, and the messages to and from it."""
 
     def __init__(self, *options: str) -> None:
-        """Start it and say who asks."""
+        """Start the server and send `initialize`."""
         self._server = subprocess.Popen(
             [sys.executable, "-m", "mars_asp", "lsp", *options],
             cwd=ROOT,
@@ -34,7 +34,7 @@ class Wire:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
         )
-        #: What the server complains of, and what it says of its own failures.
+        #: Shown messages and diagnostics that report failures of the server.
         self.complaints: list[str] = []
         self._heard: Queue[Mapping[str, Any] | None] = Queue()
         self._number = 0
@@ -45,7 +45,7 @@ class Wire:
         self.tell("initialized", {})
 
     def tell(self, method: str, params: object) -> None:
-        """Send what is not answered."""
+        """Send a notification, which has no answer."""
         self._send({"jsonrpc": "2.0", "method": method, "params": params})
 
     def begin(self, method: str, params: object) -> int:
@@ -62,11 +62,11 @@ class Wire:
         raise AssertionError("the server ended")
 
     def ask(self, method: str, params: object) -> Mapping[str, Any]:
-        """Return the answer to what is asked."""
+        """Send a request; return its answer."""
         return self.answer(self.begin(method, params))
 
     def messages(self) -> Iterator[Mapping[str, Any]]:
-        """Yield what the server sends; diagnostics are kept besides."""
+        """Yield the messages of the server; diagnostics are also kept in `published`."""
         while (message := self._heard.get(timeout=SECONDS)) is not None:
             if message.get("method") == "textDocument/publishDiagnostics":
                 self.published[message["params"]["uri"]] = message["params"]

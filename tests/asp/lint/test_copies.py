@@ -28,7 +28,7 @@ def found(read: Sequence[Clause], judged: frozenset[int]) -> list[Diagnostic]:
 
 
 def one_by_one(read: Sequence[Clause], judged: frozenset[int]) -> Iterator[Diagnostic]:
-    """Yield what comparing each rule with each finds: those of its constant first."""
+    """Yield the findings of comparing all pairs of rules, those of an equal constant first."""
     plain = [number for number, each in enumerate(read) if each.sort in ("rule", "constraint")]
     for number in sorted(judged.intersection(plain)):
         about = copies._head_pattern(read[number])

@@ -7,7 +7,7 @@ from mars_asp.diagnostic import Diagnostic, by_place
 
 
 def found(*texts: str) -> list[tuple[str, tuple[str, int, int], tuple[str, int, int]]]:
-    """Return what is said of files, with the places of both predicates."""
+    """Return the findings of files, with the locations of both predicates."""
     problems: list[Diagnostic] = []
     files = [read_rules(text, f"{n}.lp", "base", problems) for n, text in enumerate(texts)]
     read = [file for file in files if file is not None]

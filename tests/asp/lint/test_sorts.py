@@ -56,7 +56,7 @@ def found_in(rules: str, replaced: frozenset[str] = frozenset()) -> list[str]:
         # What may be of the sort can be negated.
         "thing(X) :- city(X).\nthing(X) :- road(X, _, _, _).\np(X) :- thing(X), not city(X).",
         "{ p(X) : city(X); q(X) : road(X, _, _, _) }.",
-        # Nothing is known of what is computed, or of what nobody derives.
+        # Computed values and predicates without rules have no known sort.
         "#defined other/1.\np(X) :- city(X), other(X).",
         "q(f(X)) :- city(X).\np(X) :- q(X), road(X, _, _, _).",
         "q(X) :- X = 1..2.\np(X) :- q(X), road(X, _, _, _).",
@@ -81,7 +81,7 @@ def test_values_of_one_sort_are_as_they_should_be(rules: str) -> None:
         ("p(L) :- place(_, L), city(L).", "1:22 `L` is a line in `place/2` and a city in"),
         ("p(C) :- road(_, C, _, dirt).", "1:23 `K` of `road/4` is never `dirt`"),
         ("{ road(C, D, D, paved) : city(D) } :- city(C).", "1:3 `C` is a city, and the head gives"),
-        # What never holds is no condition where it is negated.
+        # A negated literal that never holds is always true.
         ("p(C) :- city(C), not road(C, _, _, _).", "1:18 `C` is a city, and never a road, as in"),
         ("p :- city(C), road(C, D, D, _) : city(D).", "1:15 `C` is a city, and never a road, as"),
     ],

@@ -128,7 +128,7 @@ def test_products_and_sums_of_what_users_state_are_risks(text: str, risky: list[
 
 
 class _Exact:
-    """A random expression of X and Y as a rule writes it, and what it is in whole numbers."""
+    """A random expression of X and Y in the syntax of rules, with its value in exact integers."""
 
     def __init__(self, rng: random.Random, depth: int = 3) -> None:
         self.sign = rng.choice(["+", "-", "*", "&", "X", "Y", "1", "2147483647"]) if depth else "X"
@@ -156,7 +156,7 @@ class _Exact:
         return True
 
 
-#: Where an expression may stand: all of them hold for each X of `x/1` and Y of `y/1` but 7.
+#: Rules with an expression: each holds for each X of `x/1` and each Y of `y/1` except 7.
 FORMS = (
     "p({}) :- x(X), y(Y), Y != 7.",
     "p(Z) :- x(X), Z = {}, y(Y), not z(Y).",

@@ -1,4 +1,4 @@
-"""Lines of metadata that stand for rules, in programs about graphs."""
+"""Lines of metadata that expand to rules, in programs about graphs."""
 
 from collections.abc import Iterator
 
@@ -24,7 +24,7 @@ KEYS = {
 
 
 def read(text: str) -> tuple[Rulebook, list[Diagnostic]]:
-    """Return a file of rules and what is wrong with it."""
+    """Return the rules of a text and its problems."""
     problems: list[Diagnostic] = []
     file = read_rules(text, "g.lp", "base", problems, KEYS)
     rules = () if file is None else file.rules

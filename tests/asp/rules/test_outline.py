@@ -1,4 +1,4 @@
-"""What a file of rules reads, derives, decides and shows, read from its rules."""
+"""The predicates that a file of rules reads, derives, decides and shows."""
 
 from mars_asp.asp import Program
 from mars_asp.asp.rules.outline import outline

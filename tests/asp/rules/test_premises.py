@@ -16,7 +16,7 @@ def premises(text: str) -> Premises:
 
 
 def left(text: str, *present: str) -> str:
-    """Return what is left of rules where some predicates have atoms, in one line."""
+    """Return the rules that can fire if only some predicates have atoms, in one line."""
     fragment = Fragment(text, "rules.lp", premises=premises(text))
     return " ".join(joined(able_to_fire([fragment], present)).split())
 

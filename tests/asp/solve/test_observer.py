@@ -26,7 +26,7 @@ def recorded(record: object) -> Recorded:
 
 
 def rules(noted: Recorded) -> list[tuple[int, ...]]:
-    """Return the rules, sorted: rules with weight bodies are told of by themselves."""
+    """Return the rules, sorted; rules with weight bodies are recorded separately."""
     found, at = [], 0
     while at < len(noted.rules):
         _, heads, bodies, _ = noted.rules[at : at + 4]

@@ -1,4 +1,4 @@
-"""Optima of components, against a search through all their answers, and what a deadline leaves."""
+"""Optima of components, against exhaustive search, and the results at a deadline."""
 
 import random
 import time
@@ -93,7 +93,7 @@ def fires(rule: GroundRule, true: frozenset[int]) -> bool:
 
 
 def cost(whole: Component, true: frozenset[int]) -> dict[int, int]:
-    """Return what an answer costs at each level, the highest first."""
+    """Return the cost of an answer at each level, the highest level first."""
     total = {level: 0 for level in LEVELS if any(at == level for at, _, _ in whole.costs)}
     for level, weight, literal in whole.costs:
         total[level] += weight * holds(literal, true)
@@ -106,7 +106,7 @@ def by_cost(whole: Component, true: frozenset[int]) -> list[int]:
 
 @pytest.mark.parametrize("deadline", [None, 1000.0])
 def test_the_least_answers_are_those_of_an_exhaustive_search(deadline: float | None) -> None:
-    """The first of equal ones by the order of atoms is chosen; taste does not tell them apart."""
+    """The first of equal answers by the order of atoms is chosen; preferences do not matter."""
     until = None if deadline is None else time.monotonic() + deadline
     unsatisfiable = 0
     for seed in range(150):
@@ -278,7 +278,7 @@ def test_counting_gives_up_after_so_many_conflicts(monkeypatch: pytest.MonkeyPat
 def test_atoms_are_decided_in_their_order_until_one_is_hard(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The first asks for places for all, which there are not; nothing speaks against the second."""
+    """The first would need holes for all, which is impossible; the second is possible."""
     whole = holes(6, False)
     first, second = whole.size + 1, whole.size + 2
     rules = [
@@ -317,7 +317,7 @@ def test_behind_the_deadline_the_best_answer_so_far_is_returned_with_its_bound(l
 
 
 def test_an_answer_that_is_not_proven_least_is_neither_counted_nor_called_so() -> None:
-    """Without what costs 100 an answer is soon found; what the rest costs at least is hard."""
+    """An answer without the atom of cost 100 is easy; a lower bound of other costs is hard."""
     hard = holes(12, True)
     dear = hard.size + 1
     rules = (*hard.rules, choice(dear))
@@ -356,7 +356,7 @@ def test_what_costs_where_it_is_false_is_added_up_behind_the_deadline() -> None:
 def test_whenever_the_deadline_passes_what_is_proven_is_least(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Where it passes behind the proof, another of equal answers than the first may remain."""
+    """If it passes after the proof, the result may be another than the first of equal answers."""
     chosen = component(6, (forbid(-1, -2, -3, -4, -5, -6),), tuple((30, 1, n) for n in range(1, 7)))
     found = set()
     for reached in range(40):

@@ -1,4 +1,4 @@
-"""Clingo's own numbers and those that are counted here stand for the same terms."""
+"""Term ids of clingo and of `TermReader` represent the same terms."""
 
 import clingo
 

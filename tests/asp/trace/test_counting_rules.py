@@ -1,4 +1,4 @@
-"""Firings that count over the same elements share them, and each says what it rests on."""
+"""Firings that count over the same elements share them, and each has its own premises."""
 
 import random
 import time
@@ -77,7 +77,7 @@ def test_what_is_counted_is_found_once_for_all_firings(
     assert sizes[1] <= 2 * sizes[0]
 
 
-#: Bodies that fail for each value and for each element, by what stands in the way of sharing that.
+#: Bodies that fail for each value and each element, by the obstacle to sharing these failures.
 _FAILING = [
     "v(_), u(X) : w(X).",
     "v(Y), u(X) : w(X).",

@@ -39,12 +39,12 @@ _ASKED, _LEVELS = 2, 9
 
 
 def wrong_in(seed: int) -> list[str] | None:
-    """Return what is wrong with the explanations of a random program; `None` without answer set."""
+    """Return the faults of explanations of a random program, or None without an answer set."""
     return wrong_explanations(*random_program(seed), random.Random(seed))
 
 
 def wrong_explanations(text: str, facts: Iterable[str], rng: random.Random) -> list[str] | None:
-    """Return the same of a program and what is given; `rng` picks what absent atoms to ask for."""
+    """Return the faults of explanations of a program with facts; `rng` picks absent atoms."""
     found = explainer_of(text, facts)
     if found is None:
         return None
@@ -71,12 +71,12 @@ def wrong_explanations(text: str, facts: Iterable[str], rng: random.Random) -> l
 
 
 def wrong_in_others(seed: int) -> list[str] | None:
-    """Return what is wrong with all derivations of a random program; `None` without answer set."""
+    """Return the faults of all derivations of a random program, or None without an answer set."""
     return wrong_derivations(*random_program(seed))
 
 
 def wrong_derivations(text: str, facts: Iterable[str]) -> list[str] | None:
-    """Return the same of a program and what is given."""
+    """Return the faults of all derivations of a program with facts."""
     found = explainer_of(text, facts)
     if found is None:
         return None
@@ -182,7 +182,7 @@ _TWO_CIRCLES = "g. x :- g. y :- x. z :- y. x :- z. a :- g. b :- a. c :- b. c :- 
 _GATHERED = """
 g. q(1). q(2) :- a. a :- g. b :- 2 <= #count { V : q(V) }. a :- b.
 """
-#: Without `a`, too, there are two elements to count in the end.
+#: In the end there are two elements to count even without `a`.
 _GATHERED_OTHERWISE = _GATHERED + "c :- g. d :- c. e :- d. q(3) :- e."
 
 
@@ -300,7 +300,7 @@ def test_a_lattice_of_thirty_layers_prints_each_shared_step_once() -> None:
 
 
 def test_a_variable_of_a_head_is_another_one_than_that_of_an_aggregate() -> None:
-    """Moved into the body, the condition `V = 1..2` must not bind what the aggregate counts."""
+    """Moved into the body, the condition `V = 1..2` must not bind the variable of the aggregate."""
     found = explainer_of("q(1..2). 1 { s(X) : V = 1..2 } :- q(X), 2 <= #count { V : q(V) }.")
     assert found is not None
     explainer, true = found

@@ -1,4 +1,4 @@
-"""What declarations say of facts and absences, and how leaves are shown by it."""
+"""The sentences of declarations for facts and absences, and the leaves rendered with them."""
 
 import textwrap
 

@@ -17,7 +17,7 @@ CELLS = [
 
 
 def points(svg: str) -> list[tuple[float, float, str]]:
-    """Return each point and what is told of it."""
+    """Return the position and the title of each point."""
     found = re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="4" fill="\S+"><title>(.*?)<', svg)
     return [(float(x), float(y), text) for x, y, text in found]
 

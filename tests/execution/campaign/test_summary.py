@@ -1,4 +1,4 @@
-"""What the runs of a campaign show together."""
+"""Summaries of the runs of a campaign."""
 
 from typing import Any
 

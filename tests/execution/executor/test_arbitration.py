@@ -33,7 +33,7 @@ def arbitrated(
     text: str | None = None,
     kind: str = "specification hierarchical",
 ) -> tuple[list[tuple[float, Any]], Executor]:
-    """Run controllers A, B, ... with ascending priority; return what the effector got."""
+    """Run controllers A, B, ... with ascending priority; return the inputs of the effector."""
     inbox = Inbox()
     if text is None:
         text = "P is_controlled_by ArbitrationNode\n" + "\n".join(
@@ -286,7 +286,7 @@ def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits()
         0.3,
     )
     assert base.got == [(0, {"Trans_X": -8}), (100, {}), (200, {"Trans_X": -4}), (300, {})]
-    # Nobody has the last one, so it shows as it came, and the node says so.
+    # No module has the last function: the command passes unchanged, and the node reports it.
     assert arm.got == [(0, {}), (100, {GRASP: 3}), (200, {}), (300, {"Trans_Z": 1})]
     assert list(executor.failures) == ["A -> Base"]
 
@@ -302,7 +302,7 @@ def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits()
 def test_an_inheritance_node_allocates_as_its_input_says(
     allocation: str, at_head: list[object], at_base: list[object]
 ) -> None:
-    """The base hears another controller, too, so its arbiter stands between."""
+    """The base has another controller, so an arbiter is between node and base."""
     head, base = Inbox(), Inbox()
     executed(
         f"Camera is_mounted_on Head\nHead is_mounted_on Base\n"
@@ -345,7 +345,7 @@ def test_a_suppressed_message_counts_for_the_module_that_said_it() -> None:
 def test_an_inheritance_node_beside_a_led_module_stands_for_another_that_stands_on_the_same() -> (
     None
 ):
-    # `Arm` has what `A` says, so the node is that of `Eye`, and hands everything on.
+    # `Arm` has the commanded functions, so the node is that of `Eye`, and forwards all.
     base = Inbox()
     executed(
         "Arm is_mounted_on Base\nEye is_mounted_on Base\nControlSplitter1 is_controlled_by A\n"

@@ -1,4 +1,4 @@
-"""What an InheritanceNode commands gives the module the motion that it is commanded.
+"""The commands of an InheritanceNode give the module its commanded motion.
 
 The joints' rates are turned into the module's velocity by the twists of
 `tests.support.combinations`, which shares nothing with the algebra that made the rates: vertices,
@@ -38,7 +38,7 @@ def commanded(
 ) -> dict[Column, float]:
     """Return the joints' rates for a command to the camera, in radians and `UNIT` mm a second.
 
-    `values` are where the joints stand, in radians and `UNIT` mm.
+    `values` are the positions of the joints, in radians and `UNIT` mm.
     """
     got: dict[str, dict[str, float]] = {}
 

@@ -84,7 +84,7 @@ def test_step_until_runs_up_to_and_including_an_instant() -> None:
 def test_a_splitter_lowers_a_rate_exactly(source: int, asked: int) -> None:
     inbox, link = split("NotifyAtFrequency", source, f"NotifyAtFrequency {asked}", 9.9999999)
     assert len(inbox.got) == 10 * asked
-    # The messages behind the last deadline wait for the next one.
+    # The messages after the last deadline wait for the next one.
     waiting = -(-source // asked) - 1
     assert 0 <= 10 * (source - asked) - link.dropped["lowered"] <= waiting
     if source != asked:

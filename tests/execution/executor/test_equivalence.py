@@ -1,4 +1,4 @@
-"""Nodes add nothing but glue: a specification delivers what ideal wires would deliver."""
+"""Introduced nodes are transparent: a specification delivers the messages of ideal wires."""
 
 from typing import Any
 
@@ -29,7 +29,7 @@ ASKED = [
 def deliveries(
     configuration: Configuration, modules: dict[str, Module]
 ) -> dict[str, list[tuple[int, Any]]]:
-    """Run for a second; return what each client was given, and when."""
+    """Run for a second; return the messages of each client, with times."""
     got: dict[str, list[tuple[int, Any]]] = {}
     running: list[Executor] = []
 

@@ -1,4 +1,4 @@
-"""What modules, transformers and effectors do."""
+"""Runs of modules, transformers and effectors."""
 
 from typing import Any
 

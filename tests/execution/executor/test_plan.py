@@ -1,4 +1,4 @@
-"""What the executor reads from a specification: kinds, modes, rates, holds and depths."""
+"""The plan of a specification: kinds, modes, rates, holds and depths."""
 
 from fractions import Fraction
 
@@ -67,7 +67,7 @@ def test_a_link_says_what_its_line_says() -> None:
 
 
 def test_depths_of_data_count_the_longest_way() -> None:
-    """A cycle begins nowhere, and what only a cycle feeds is not known to lie behind anything."""
+    """A cycle has no start: modules in it or fed only by it have depth 0."""
     straight = data("B", "A") + data("C", "B") + data("D", "A") + data("D", "C") + data("D", "B")
     plan = planned(straight + data("X", "Y") + data("Y", "X") + data("Z", "X") + data("Y", "D"))
     assert plan.data_depth == {
@@ -353,7 +353,7 @@ def test_who_leads_a_module_and_its_node_leaves_to_providers_what_they_give() ->
 
 
 def test_an_arc_that_one_carrier_gives_is_left_to_it() -> None:
-    """A turn at a lever of 100 mm is no pure turn, and yet the carrier's."""
+    """A rotation at a lever of 100 mm also translates, and yet the carrier provides it."""
     text = (
         "Cam is_mounted_on High (100,_,_)\nInheritanceNode1 is_controlled_by Pilot\n"
         "High is_controlled_by InheritanceNode1\nCam is_controlled_by Pilot"

@@ -1,4 +1,4 @@
-"""Who wins at each module is who wins by the declared priorities, whatever nodes there are.
+"""The winner at each module is the one by declared priorities, for any introduced nodes.
 
 `python -m tests.reasoning.synthesis.test_exhaustive HOW_MANY FIRST_SEED run` tries as many
 as wanted.
@@ -23,7 +23,7 @@ FUNCTION = "Trans_Z"
 
 
 def scripts(seed: int, configuration: Configuration) -> tuple[dict[str, Script], dict[str, int]]:
-    """Return what controllers send and their periods; under priorities never two at one time."""
+    """Return the messages of controllers and their periods; with priorities never two at one time."""
     rng = random.Random(seed)
     apart = configuration.architecture == "hierarchical"
     sent: dict[str, Script] = {}
@@ -45,7 +45,7 @@ def executed(
     sent: dict[str, Script],
     periods: dict[str, int],
 ) -> dict[str, Told]:
-    """Run a specification; return what each effector is told, in ms."""
+    """Run a specification; return the commands of each effector, in ms."""
     boxes = {name: Inbox() for name in modules if name not in sent}
     behaviours = {name: Behaviour(box) for name, box in boxes.items()}
     for name, script in sent.items():
@@ -61,12 +61,12 @@ def executed(
 
 
 def changes(told: Told) -> Told:
-    """Leave out what repeats the command before: the same message may come two ways."""
+    """Omit repeated commands: the same message may arrive on two paths."""
     return [each for k, each in enumerate(told) if k == 0 or each[1] != told[k - 1][1]]
 
 
 def alike(one: tuple[float, float | None], other: tuple[float, float | None]) -> bool:
-    """Whether both say the same at one time; a mean depends on the order of its sum."""
+    """Whether two timed commands are equal; a mean depends on the order of its sum."""
     (when, what), (then, that) = one, other
     if what is None or that is None:
         return one == other
@@ -74,7 +74,7 @@ def alike(one: tuple[float, float | None], other: tuple[float, float | None]) ->
 
 
 def scripted(script: Script, period: int) -> Behaviour:
-    """Return a controller that sends what a script says at its times."""
+    """Return a controller that sends the values of a script at its times."""
     late = min(script, default=0) % period
     times = iter(range(late, 10**9, period))
 
@@ -86,7 +86,7 @@ def scripted(script: Script, period: int) -> Behaviour:
 
 
 def compare_run(seed: int) -> str | None:
-    """Return what differs between a run and the plain reading."""
+    """Return the first difference between a run and the declared priorities, or None."""
     text = random_control(seed)
     project = read(text)
     found = synthesised(project)
@@ -95,7 +95,7 @@ def compare_run(seed: int) -> str | None:
     sent, periods = scripts(seed, project.configuration)
     reading = Reading(project.configuration, sent, periods)
     modules = {module.name: module for module in project.configuration.declared}
-    # Read from its text, which has to say for whom InheritanceNodes stand.
+    # Read from its text, which has to state the modules of InheritanceNodes.
     text = print_configuration(found.specification.configuration)
     result = executed(parse_text(text, "s.mars").configuration, modules, sent, periods)
     for name, got in result.items():

@@ -1,4 +1,4 @@
-"""Messages are values: what one receiver does to one, no other receiver sees, nor the sender."""
+"""Messages are values: neither sender nor other receivers see changes by one receiver."""
 
 import json
 from collections.abc import Callable

@@ -1,1 +1,1 @@
-"""Tests of what is kept of a run."""
+"""Tests of recordings."""

@@ -1,4 +1,4 @@
-"""A run as a picture: what it shows, where, and that no text covers another."""
+"""A run as a diagram: its elements, their positions, and no text covering another."""
 
 import re
 from math import dist, hypot

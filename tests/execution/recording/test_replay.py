@@ -1,4 +1,4 @@
-"""The page that plays a run: what is in it, and what it does in a browser."""
+"""The HTML report that replays a run: its content, and its behaviour in a browser."""
 
 import argparse
 import json
@@ -74,7 +74,7 @@ def page() -> str:
 
 
 def hostile_page() -> str:
-    """Return a page all of whose texts try to break out of where they stand."""
+    """Return a replay page in which every text tries to inject markup."""
     made = trial(SCENARIO.replace('"red"', json.dumps(HOSTILE)))
     judgement, arbiter = judge(made), made.executor.arbiters["ArbitrationNode"]
     arbiter.holdings.append(Holding("ArbitrationNode", HOSTILE, 0, HOSTILE, HOSTILE))

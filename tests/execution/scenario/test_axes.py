@@ -1,4 +1,4 @@
-"""Every key of a scenario can be an axis of a campaign, or it is told why it cannot."""
+"""Every key of a scenario can be an axis of a campaign, or is refused with a reason."""
 
 import tomllib
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Functions and classes of users in a run: state, context, imports, and what is refused."""
+"""Functions and classes of users in a run: state, context, imports and refusals."""
 
 import re
 from pathlib import Path

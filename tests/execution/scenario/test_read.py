@@ -19,7 +19,7 @@ def test_all_errors_of_a_scenario_come_at_once_with_their_lines() -> None:
     assert (4, "unknown key `modul`", "did you mean `module`?") in found
 
 
-#: A marker `^` stands before each place that is told, in the order in which they are told.
+#: A marker `^` precedes each reported location, in the order of the messages.
 WRONG_FORMS = """\
 duration = 1
 [robot]

@@ -1,4 +1,4 @@
-"""The JSON Schema of scenarios: what is printed, what editors do with it, and what we say of it."""
+"""The JSON Schema of scenarios: its output, its use by editors, and its documentation."""
 
 import json
 import tomllib

@@ -1,4 +1,4 @@
-"""Robots among each other: contact, clearance, what they see, and rates that change gradually."""
+"""Several robots: contact, clearance, visibility of each other, and gradual changes of rates."""
 
 from itertools import permutations
 from math import inf, pi

@@ -1,4 +1,4 @@
-"""Lines and arcs, and what is found on all of them, against dense samples of the same motion."""
+"""Contacts and distances on lines and arcs, against dense samples of the same motion."""
 
 from itertools import pairwise
 from math import ceil, hypot, inf, pi, radians
