@@ -106,7 +106,7 @@ def faults_in_references(document: Any) -> list[str]:
 
 
 def faults_in_lines(lines: list[Any]) -> list[str]:
-    """Return the faults of lines: numbers are defined before their use, and no step occurs twice."""
+    """Return the faults of lines: numbers are defined before use, and no step occurs twice."""
     known: dict[str, set[int]] = {"rule": set(), "file": set(), "step": set(), "topic": set()}
     derivations: set[str] = set()
     wrong = []

@@ -201,7 +201,7 @@ def run(case: Case) -> Trial:
 
 
 def difference(case: Case) -> str:
-    """Return a difference between judge and samples that is larger than a step, or an empty text."""
+    """Return a difference of judge and samples that is larger than a step, or an empty text."""
     made, seen, off = run(case), sample(case), 2 * FASTEST * STEP + 0.3
     contacts = [
         (at, frozenset({body.name, other}))

@@ -60,7 +60,7 @@ def test_long_chains_of_quarter_turns_stay_whole() -> None:
 
 
 def test_vertices_meet() -> None:
-    """Vertex 2 of the mounting module, moved by the tuple, stands at vertex 1 of the mounted."""
+    """Vertex 2 of the mounting module, moved by the tuple, is at vertex 1 of the mounted."""
     at, on = placed([("y", 90)], 10, 20, 30), placed([("x", 40)], 5, 6, 7)
     modules = {"A": module("A", v2=at), "B": module("B", v1=on)}
     moved = placed([("z", 25)], 1, 2, 3)

@@ -31,7 +31,7 @@ def unit(*places: int) -> list[float]:
 
 
 def in_span(columns: Matrix, place: int) -> bool:
-    """Say whether a column more, the unit vector, leaves the rank as it is."""
+    """Whether a unit vector as a further column leaves the rank unchanged."""
     with_unit = np.hstack([columns, np.eye(columns.shape[0])[:, [place]]])
     return bool(np.linalg.matrix_rank(with_unit) == np.linalg.matrix_rank(columns))
 
@@ -88,7 +88,7 @@ def test_lengths_of_columns_count_for_nothing() -> None:
 
 
 def test_levers_are_measured_in_the_longest() -> None:
-    """Columns get the length one; what only shifts, and lies in no lever, is no measure."""
+    """Columns get the length one; a pure translation does not count as a lever."""
     turning = matrix([0, 0, 1, 0, 3000, 0], [0, 0, 1, 0, -4000, 0], [0, 0, 0, 5000, 0, 0])
     found = scaled(turning)
     assert np.linalg.norm(found, axis=0) == pytest.approx(1)
@@ -222,14 +222,14 @@ def test_a_share_that_is_next_to_none_makes_no_circuit() -> None:
 
 @pytest.mark.parametrize(("size", "reach"), [(2, 100), (3, 32), (4, 20), (5, 16), (6, 15)])
 def test_as_many_of_the_nearest_are_tried_as_the_sets_allow(size: int, reach: int) -> None:
-    """What stands at the end of the reach is found among all sets; a pair that lies one farther
-    out is found where groups are taken in their order, but then as one set of several."""
+    """A group at the end of the reach is found among all sets; a pair one farther out is found
+    only by taking groups in their order, and then as one set of several."""
     assert comb(reach, size) <= supports.MOST_SETS < comb(reach + 1, size)
     useful = [chained(size)[:, [n]] for n in range(size)]
     none = matrix([0.0] * 6)
     within = [*useful[:-1], *[none] * (reach - size), useful[-1]]
     assert fewest_groups(within, [0]) == {0: [[*range(size - 1), reach - 1]]}
-    # A second way to give it lies farther out: of it nothing is told, of the nearer it is.
+    # A second solution is farther out: only the nearer one is reported.
     assert fewest_groups([*within, useful[-1]], [0]) == {0: [[*range(size - 1), reach - 1]]}
     columns = np.hstack([*within, useful[-1]])
     assert list(circuits(columns, 0)) == [(*range(size - 1), reach - 1)]
@@ -241,7 +241,7 @@ def test_single_groups_are_all_tried() -> None:
 
 
 def test_beyond_the_reach_groups_are_taken_in_their_order() -> None:
-    """Near ones are kept, and what gives nothing new or can be left out is dropped."""
+    """Near groups are kept, and groups that add nothing or are dispensable are dropped."""
     none, first, second = matrix([0.0] * 6), matrix(unit(0, 1)), matrix(unit(1))
     other = matrix(unit(4))
 

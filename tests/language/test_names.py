@@ -1,4 +1,4 @@
-"""Names of modules: what is one, how it is written, and that all that prints it writes it so."""
+"""Names of modules: valid ones, their quoting, and the same quoting in all outputs."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What is wrong with a file: each diagnostic beside the input that it is about."""
+"""Faults of files: each diagnostic is beside its input."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Printed text: reading it back gives what was printed."""
+"""Printed text, read back, gives the same configuration."""
 
 import dataclasses
 from decimal import Decimal
@@ -37,7 +37,7 @@ FILES = [*ROOT.glob("examples/*/*.mars"), *ROOT.glob("tests/*.mars")]
 
 
 def placeless(value: Any) -> Any:
-    """Put everything that stands somewhere at one place."""
+    """Return a value with all its locations replaced by `HERE`."""
     if isinstance(value, Span):
         return HERE
     if isinstance(value, tuple):
@@ -168,7 +168,7 @@ names = st.sampled_from(
 )
 paths = st.sampled_from(["left.mars", "../arms/left arm.mars", "as.mars", "a as b.mars"])
 includes = st.builds(Include, paths, st.none() | names, st.just(HERE)).filter(
-    # Without a name of its own what is behind `as` would be one.
+    # Without a name of its own the text after `as` would be read as one.
     lambda include: include.name is not None or " as " not in include.path
 )
 

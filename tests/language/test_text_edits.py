@@ -1,4 +1,4 @@
-"""Edits of texts, said by lines of the original, against the same edits made by hand."""
+"""Edits of texts, by lines of the original, against the same edits made by hand."""
 
 import pytest
 from hypothesis import given
@@ -21,7 +21,7 @@ def test_stretches_put_otherwise_are_the_lines_that_change(text: str, data: st.D
         expected, last = expected + text[last:begin] + "<new>", end
     expected += text[last:]
     found = apply_lines(text, draft.lines())
-    # Blanks at the end of a line that changes are no loss.
+    # An edit may lose blanks at the end of a changed line.
     assert [line.rstrip() for line in found.split("\n")] == [
         line.rstrip() for line in expected.split("\n")
     ]

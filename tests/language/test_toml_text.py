@@ -14,7 +14,7 @@ BARE = set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-")
 
 
 class Writer:
-    """Writes random TOML and notes where everything stands in it."""
+    """Writes random TOML and notes the location of every key and value."""
 
     def __init__(self, seed: int) -> None:
         self.rng, self.text = random.Random(seed), ""

@@ -1,4 +1,4 @@
-"""Answers about places in texts: what is asked, and what is answered."""
+"""Answers about locations in texts."""
 
 import re
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ from tests.support.asked import asked
 
 
 def desk_of(folder: Path, texts: Mapping[str, str], robot: str = "robot.mars") -> EditorWorkspace:
-    """Return what is known of files that are all open, the robot's analysed."""
+    """Return a workspace with these files open and the robot analysed."""
     desk = EditorWorkspace()
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""What the server finds is what the verbs print: for files as they are, and for unsaved texts."""
+"""The server finds the diagnostics that commands print, for saved and for unsaved texts."""
 
 from pathlib import Path
 

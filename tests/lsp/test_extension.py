@@ -1,4 +1,4 @@
-"""The extension for Visual Studio Code: what it highlights, and the languages it serves."""
+"""The extension for Visual Studio Code: its highlighting and its languages."""
 
 import json
 import re
@@ -60,7 +60,7 @@ def test_it_serves_the_languages_of_sources() -> None:
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js")
 def test_the_script_begins_the_server() -> None:
-    """With stand-ins for the editor and the client, it starts `mars-asp lsp`."""
+    """With mocks of the editor and the client, it starts `mars-asp lsp`."""
     script = r"""
 const Module = require("module");
 const started = [];

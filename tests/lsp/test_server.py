@@ -1,4 +1,4 @@
-"""The server as a process, asked by a client over stdio."""
+"""The server as a process, with a client over stdio."""
 
 import asyncio
 import os
@@ -229,7 +229,7 @@ def test_edits_are_followed_in_every_file_of_a_robot(folder: Path) -> None:
             or ()
         )
         assert action.title == "Write `NotifyAtFrequency`"
-        # Of many keystrokes the last alone is told of.
+        # After many keystrokes only the last text is diagnosed.
         for version in range(3, 30):
             client.change(source, text + "\n" * version, version)
         client.change(source, text, 30)

@@ -3,5 +3,5 @@
     python -m tests.mutate [--rules FILE...] [--python FILE...] [--sample N] [--list-survivors]
 
 Mutants are made from syntax trees, never from text. A mutant that no test notices *survives*: it is
-equivalent, and stands with the reason in `tests/mutants.toml`, or a case is missing.
+equivalent, and listed with the reason in `tests/mutants.toml`, or a case is missing.
 """

@@ -16,7 +16,7 @@ from tests.mutate.rules import CASES, judge_rules, rule_files
 
 
 def main() -> int:
-    """Run what the command line says; 1 where an unknown mutant survives."""
+    """Judge the mutants that the command line selects; return 1 if an unknown one survives."""
     arguments = _arguments()
     begun = time.monotonic()
     verdicts: list[MutantVerdict] = []

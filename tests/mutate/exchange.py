@@ -1,6 +1,6 @@
 """Changed modules in the place of modules that others have imported already.
 
-What others hold of a module are its functions; they keep them and get other code in them.
+Other modules hold functions of a module; these stay the same objects and get other code.
 """
 
 import gc
@@ -20,7 +20,7 @@ _Functions: TypeAlias = Mapping[tuple[str, int], list[FunctionType]]
 
 @dataclass(frozen=True, slots=True)
 class Exchange:
-    """A module whose code can be exchanged, and what remembers answers of the code it had."""
+    """A module whose code can be exchanged, and the caches of results of its former code."""
 
     module: ModuleType
     functions: _Functions
@@ -46,7 +46,7 @@ class Exchange:
 
 
 def exchanges(paths: Iterable[str]) -> dict[str, Exchange]:
-    """Return what is needed to exchange modules, given by their paths in the repository."""
+    """Return an `Exchange` for each module, by its path in the repository."""
     modules = {path: import_module(path.removesuffix(".py").replace("/", ".")) for path in paths}
     everything = gc.get_objects()
     remembering = tuple(
@@ -77,7 +77,7 @@ def _below(code: CodeType) -> Iterator[CodeType]:
 
 
 def _tell(before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
-    """Let the modules that imported what is another object now have that, too."""
+    """Replace changed objects in all modules that have imported them."""
     for name, new in after.items():
         old = before.get(name)
         if old is None or new is old:

@@ -20,7 +20,7 @@ class Survivor:
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """Return what identifies the mutant."""
+        """Return the path and both texts, which identify the mutant."""
         return self.path, self.before, self.after
 
 

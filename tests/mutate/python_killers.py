@@ -1,4 +1,4 @@
-"""What notices a mutant of a Python module: the tests that run its line, the shortest first.
+"""Mutants of Python modules, judged by the tests that run their lines, the shortest first.
 
 pytest imports and collects the tests once. Each test then runs in a forked child, which finds the
 lines that it runs; and for each mutant a child puts the mutant in the place of the module and runs
@@ -102,12 +102,12 @@ class Run:
 
 
 def judge_python(mutants: Sequence[Mutant], jobs: int, seconds: float) -> Sequence[MutantVerdict]:
-    """Return what notices each mutant, in no order.
+    """Return the verdict on each mutant, in no order.
 
     Args:
-        mutants: what to try.
+        mutants: the mutants to try.
         jobs: how many at a time.
-        seconds: how long the tests that are asked of one mutant take without it, together.
+        seconds: the total time of the tests of one mutant, measured without it.
 
     Raises:
         RuntimeError: the tests cannot be collected.
@@ -180,7 +180,7 @@ def _concerned(mutant: Mutant, runs: Sequence[Run], seconds: float) -> Iterator[
 
 
 def _name(item: pytest.Item) -> str:
-    """Return the file of a test as it stands in `TESTS`."""
+    """Return the file of a test as `TESTS` names it."""
     return item.path.relative_to(ROOT / "tests").with_suffix("").as_posix()
 
 

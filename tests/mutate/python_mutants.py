@@ -31,7 +31,7 @@ _SMALL = 1000
 
 @dataclass(frozen=True)
 class _Slot:
-    """Where a node stands: in a field of its parent, in a list at `index`."""
+    """The position of a node: in a field of its parent, in a list at `index`."""
 
     parent: ast.AST
     field: str
@@ -49,7 +49,7 @@ class _Slot:
             getattr(self.parent, self.field)[self.index] = node
 
 
-#: A node that stands in a slot instead, and what was done.
+#: The new node of a slot, and the text of the change.
 _Change: TypeAlias = tuple[ast.AST, str]
 
 
@@ -62,8 +62,8 @@ def python_mutants(path: str) -> Iterator[Mutant]:
 def compiled_mutants(path: str) -> Iterator[tuple[Mutant, CodeType, CodeType | None]]:
     """Yield the mutants of a module, compiled, its lines where they were.
 
-    Behind the module stands the changed statement alone, where it is one of the module itself and
-    neither a function nor a class.
+    The last element is the changed statement alone, if it is at the top level of the module and
+    neither a function nor a class; otherwise None.
     """
     for mutant, tree in _mutated(path):
         ast.fix_missing_locations(tree)

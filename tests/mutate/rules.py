@@ -37,7 +37,7 @@ def judge_rules(
     cases: Path = CASES,
     stronger: bool = True,
 ) -> Iterator[MutantVerdict]:
-    """Yield what notices each mutant of the files, in no order."""
+    """Yield the verdict on each mutant of the files, in no order."""
     found = [tried(each.path, _built_in()) for each in cases_of([cases])]
     check = _killing_check if stronger else None
     bench = Bench(_built_in(), found, DETERMINISTIC, EXPANSIONS, check)

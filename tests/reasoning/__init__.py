@@ -1,1 +1,1 @@
-"""Tests of what rules decide about robots."""
+"""Tests of reasoning about robots by rules."""

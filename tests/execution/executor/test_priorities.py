@@ -23,7 +23,7 @@ FUNCTION = "Trans_Z"
 
 
 def scripts(seed: int, configuration: Configuration) -> tuple[dict[str, Script], dict[str, int]]:
-    """Return the messages of controllers and their periods; with priorities never two at one time."""
+    """Return the messages of controllers and their periods; with priorities one at a time."""
     rng = random.Random(seed)
     apart = configuration.architecture == "hierarchical"
     sent: dict[str, Script] = {}

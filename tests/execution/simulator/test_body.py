@@ -63,7 +63,7 @@ def test_no_step_is_too_long_to_notice_a_thin_wall() -> None:
 def test_what_is_touched_is_not_passed_at_any_speed(
     speed: float, radius: float, turn: float
 ) -> None:
-    """A wall is ahead and a box at the back: the body leaves the wall, and is stopped by the box."""
+    """A wall is ahead, a box at the back: the body leaves the wall, and the box stops it."""
     far, until = 100 + radius, 210 / speed + 0.02
     box = [(-far, -900.0), (-far, 900.0), (-far - 50, 900.0), (-far - 50, -900.0)]
     world = World(walls=[((far, -900.0), (far, 900.0))], polygons=[box])

@@ -1,4 +1,4 @@
-"""What is said of sorts holds of the facts of sample robots, and so do keys."""
+"""The declared sorts and keys hold for the facts of sample robots."""
 
 from mars_asp.asp.solve.atoms import Atom, Term
 from mars_asp.reasoning.facts.vocabulary import FORMS

@@ -79,7 +79,7 @@ def test_the_sine_of_a_slant_of_one_billionth_is_the_least_that_counts(
 
 
 def test_lever_arms_are_micrometres_across_the_axis() -> None:
-    """The way along an axis is none; what is shorter than half a micrometre is none, either."""
+    """A distance along the axis is no lever arm, nor is one below half a micrometre."""
 
     def arms(*shift: object, functions: tuple[str, ...] = ("Rotn_X",)) -> list[str]:
         facts = about(module("A", *functions), at=placed((), *shift))
@@ -111,7 +111,7 @@ def test_what_one_carrier_combines() -> None:
         for shared in ("Trans_X", "Trans_Y")
     }
     assert facts_of("combines", about(module("A", "Trans_X"))) == set()
-    # Behind a turn about z a slide along x reaches every shift across z once it is turned away.
+    # After a rotation about z a slide along x reaches every shift across z.
     facts = about(module("A", "Trans_X", "Trans_Y", "Rotn_Z"), at=placed((), 300, 0, 0))
     zero = facts_of("combines", facts)
     assert 'combines("Cam","A",zero,"Rotn_Z","Rotn_Z")' in zero

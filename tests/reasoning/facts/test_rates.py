@@ -1,4 +1,4 @@
-"""Rates as facts tell them: in the order of the exact ones."""
+"""Rates in facts have the order of the exact rates."""
 
 import random
 from fractions import Fraction

@@ -1,4 +1,4 @@
-"""All that is absent, asked at once: it says what `why_not` says when it is asked one by one."""
+"""All absences in one query have the explanations that `why_not` gives one by one."""
 
 from pathlib import Path
 

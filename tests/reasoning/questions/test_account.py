@@ -1,7 +1,7 @@
-"""Accounts: what is said of consequences and nodes, and whether what they cite are causes.
+"""Accounts of consequences and nodes, and whether the cited lines are causes.
 
-Each `.mars` file of `tests/accounts` has what `explain` prints of it beside it; together they make
-every rule of `rules/account` speak.
+Each `.mars` file of `tests/accounts` has the output of `explain` beside it; together they use every
+rule of `rules/account`.
 """
 
 import argparse
@@ -41,7 +41,7 @@ from tests.support.documents import ROOT
 CASES = sorted((ROOT / "tests" / "accounts").glob("*.mars"))
 #: Cases with a cause to which no answer leads are left out: this list may only shrink.
 COMPLETE = [path for path in CASES if path.stem not in ("inherited", "wrong_ends")]
-#: Robots in files of others, and what is told of each, beside them.
+#: Robots in foreign files, and the expected outputs beside them.
 FOREIGN = {
     "twist_mux/ros2_tied.yaml": "a_list",
     "twist_mux/cmd_vel_mux_ros2.yaml": "a_first_sender",
@@ -104,7 +104,7 @@ def test_what_is_told_of_files_of_others(
     assert output == expected.read_text(encoding="utf-8")
 
 
-#: What sharing saves is told of one arbiter alone, for it takes a search of its own.
+#: The savings by sharing are stated for one arbiter only, because they need a separate search.
 #: Robots whose packs bring nodes.
 BROUGHT = {
     "two_effectors.mars": ["examples/packs/watchdog"],
@@ -177,7 +177,7 @@ def test_what_is_counted_and_not_listed_is_found() -> None:
 
 @cache
 def _accounts() -> tuple[Account, ...]:
-    """Return what is told of all cases."""
+    """Return the accounts of all cases."""
     return tuple(
         topic.account
         for path in CASES

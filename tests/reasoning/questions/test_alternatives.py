@@ -1,4 +1,4 @@
-"""Other realisations are realisations, cost what is said, and needs bound the cost from below."""
+"""Alternatives are realisations and have the stated cost; certificates give lower bounds."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What changed between two configurations, and which lines caused it."""
+"""Differences between two configurations, and the lines that caused them."""
 
 import json
 import random

@@ -32,7 +32,7 @@ _VERBS = {"Data": "uses_data_from", "Control": "is_controlled_by", "Mount": "is_
 
 @pytest.mark.parametrize("folder", CASES, ids=lambda path: path.name)
 def test_cases(folder: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool) -> None:
-    """Edits stand in `edits.txt` as lines, those of one set behind `;`, and below what they do.
+    """Lines of `edits.txt` are edits, those of one set separated by `;`, with the effects below.
 
     `{A verb B}` and `{A @Word}` are the identifiers of a relationship and of an annotation.
     """

@@ -53,7 +53,7 @@ def rulebook_with(pack: Path) -> Rulebook:
 
 
 def derived(rulebook: Rulebook, facts: str) -> frozenset[clingo.Symbol]:
-    """Return what clingo derives from the texts as they are."""
+    """Return the atoms that clingo derives from the unchanged texts."""
     control = clingo.Control(["--warn=none"])
     control.add("base", [], f"{rulebook.text('base')}\n{facts}")
     control.ground()
@@ -68,7 +68,7 @@ def plain(text: str) -> str:
 
 
 def misplaced(pack: Pack, rulebook: Rulebook, path: Path) -> list[str]:
-    """Return the rules that do not stand where they were written, or say something else."""
+    """Return the rules whose line or text differs from the pack."""
     read = [(r.span.line, plain(r.text)) for r in rulebook.rules if r.span.path == str(path)]
     return [
         f"{place}: {rule}"
@@ -140,7 +140,7 @@ def asked_of(
     constants: tuple[str, ...],
     wrong: list[str],
 ) -> None:
-    """Ask for one thing as `explain` does, and note what is wrong with the answer."""
+    """Explain one subject as the command does, and note the faults of the answer."""
     try:
         topics = explain(Reasoner(project, rulebook), subject).topics
     except MarsError as error:
@@ -188,7 +188,7 @@ Base is_controlled_by B 2
         ('odd("A")', 7),
         ('odd("Base")', None),
         ("oddity(A)", 8),
-        # No proof was found of what stands second in a pool.
+        # The second element of a pool once had no proof.
         ('marked("Base",second)', 9),
     ],
 )

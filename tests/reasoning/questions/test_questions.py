@@ -1,6 +1,6 @@
-"""Forty questions as a new user asks them, each with its answer, which was read aloud.
+"""Forty questions of new users, each with its expected answer.
 
-Ten each ask why, why not, for alternatives and repairs, and about runs.
+Ten each are about reasons, absences, alternatives with repairs, and runs.
 """
 
 import pytest

@@ -32,7 +32,7 @@ CASES = sorted((ROOT / "tests/repair").glob("*/"))
 
 @pytest.mark.parametrize("folder", CASES, ids=lambda path: path.name)
 def test_cases(folder: Path, update_golden: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is printed of repairs; and each, written into the file, removes its finding."""
+    """The printed repairs; each of them, applied to the file, removes its finding."""
     calls: list[tuple[Project, tuple[Repair, ...]]] = []
 
     def noted(project: Project, *rest: Any) -> tuple[Repair, ...]:
@@ -95,7 +95,7 @@ def _remove_their_findings(project: Project, found: Iterable[Repair]) -> None:
 
 
 def _edited(project: Project, mend: Mend) -> Project:
-    """Return a project with the lines of a mend."""
+    """Return a project after the edits of a fix."""
     texts = {project.configuration.path: project.text}
     for path in {line.path for line in mend.lines}:
         before = texts.get(path) or Path(path).read_text()
@@ -109,7 +109,7 @@ def test_repairs_of_random_robots_hold_when_a_program_applies_them(
 ) -> None:
     """More by hand: `python -m tests.support.applied_repairs --seeds 1-300`.
 
-    Of repairs that announce no warnings nine of these robots tell, of those that lose lines six.
+    Nine of these robots detect repairs with unannounced warnings, six those that lose lines.
     """
     assert check_repairs(seed, tmp_path)[2] == []
 
@@ -141,7 +141,7 @@ def test_every_mend_holds_and_none_is_larger_than_it_must_be(configuration: Conf
 
 
 def _gone(project: Project, after: Analysis) -> int:
-    """Return how many findings are no more, of the errors, or of the warnings without errors."""
+    """Return the number of removed errors, or of removed warnings if there were no errors."""
     was, now = (
         [(c.severity, c.kind, c.subject) for c in analysis.consequences]
         for analysis in (_analyse(project), after)
@@ -152,7 +152,7 @@ def _gone(project: Project, after: Analysis) -> int:
 
 
 def _hub(clients: int) -> Project:
-    """Return clients of one source, none of which accepts what it delivers."""
+    """Return clients of one source, none of which accepts its representation."""
     names = [f"C{number}" for number in range(clients)]
     lines = ["@configuration", "@modules S, " + ", ".join(names)]
     lines += [f"{name} uses_data_from S" for name in names]
@@ -207,7 +207,7 @@ def test_many_undeclared_names_are_all_mended_by_one_edit_and_a_bounded_number_o
         assert all_named.lines in [mend.lines for mend in each.mends]
         assert each.mends[-1].lines == all_named.lines, "what changes less comes first"
     assert _errors(_analyse(_edited(project, all_named))) == []
-    # The edits of one name alone that were tried are what they are for few names, too.
+    # Edits of single names have the same effects as with few names.
     alone = [mend for each in found for mend in each.mends if mend.lines != all_named.lines]
     assert alone
     for mend in alone:

@@ -1,4 +1,4 @@
-"""Which sets of edits are tried for which finding, in which order, and which of them are mends."""
+"""The sets of edits tried for each finding, their order, and the fixes among them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -223,7 +223,7 @@ def test_solving_takes_the_time_that_is_left(
     assert (_names(found), asked) == (["Good"], [left])
 
 
-# ---- What is a mend ------------------------------------------------------------------------------
+# ---- Fixes ---------------------------------------------------------------------------------------
 
 
 def test_nothing_is_resolved_while_the_finding_is_there(
@@ -353,7 +353,7 @@ def test_a_finding_is_gone_where_fewer_are_about_it_and_none_reads_like_it() -> 
     before = FindingCounts([one, two, other])
     assert FindingCounts([two, other]).lacks(one, before)
     assert not FindingCounts([two, other]).lacks(two, before)
-    # Another of its kind that reads otherwise stands in its place.
+    # Another finding of its kind with another message replaces it.
     assert not FindingCounts([two, other, _finding("tie", "W", "at 3")]).lacks(one, before)
     assert not before.lacks(one, before)
     assert not FindingCounts([one, two]).lacks(one, before)

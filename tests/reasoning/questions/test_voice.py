@@ -1,4 +1,4 @@
-"""What explanations show people holds nothing of the encoding."""
+"""Explanations contain nothing of the internal encoding."""
 
 from pathlib import Path
 

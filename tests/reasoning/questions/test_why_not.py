@@ -1,4 +1,4 @@
-"""Why a configuration has no such node, consequence or atom, and what is said where it has."""
+"""Reasons for absent nodes, consequences and atoms, and answers about present ones."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Every node of a minimal specification is needed: without it something breaks, at lines told."""
+"""Every node of a minimal specification is needed: without it a clause is violated at its lines."""
 
 import json
 from pathlib import Path
@@ -85,7 +85,7 @@ def check_each_node(project: Project) -> None:
     for node in () if synthesis is None else synthesis.specification.nodes:
         found = without(node.name, reasoner)
         assert found, node
-        # Where no line is told, a node is left that nothing declared asks for.
+        # A violation without lines is about a remaining node without a declared relationship.
         assert any(broken.relationships for broken in found), node
 
 

@@ -1,9 +1,9 @@
-"""What is found and proven minimal costs what an exhaustive search finds.
+"""Specifications proven minimal have the cost that an exhaustive search finds.
 
     python -m tests.reasoning.synthesis.test_exhaustive HOW_MANY [FIRST_SEED [PART ...]]
 
 does the same for as many random configurations of each part as wanted: `wiring`, `ports` (several
-outputs, named inputs), `mounts`, `twins`, `run` (who wins at each module when a specification
+outputs, named inputs), `mounts`, `twins`, `run` (the winner at each module when a specification
 runs), `verify` (a judge written from the text accepts and refuses the same: specifications and
 random mutants of them).
 """
@@ -37,7 +37,7 @@ def cost_of(found: Synthesis) -> Cost:
 
 
 def compare(text: str) -> str | None:
-    """Return what differs for a configuration."""
+    """Return the difference for a configuration, or None."""
     project = read(text)
     expected = minimal(project.configuration, {})
     found = synthesised(project)
@@ -55,7 +55,7 @@ def compare(text: str) -> str | None:
 
 
 def feeding(specification: Configuration) -> list[tuple[list[str], list[str]]]:
-    """Return who each InheritanceNode of a specification hears, and whom it feeds."""
+    """Return the inputs and the outputs of each InheritanceNode of a specification."""
     lines = [line for line in specification.relationships if isinstance(line, Control)]
     names = {line.controlled for line in lines} | {line.controller for line in lines}
 
