@@ -96,7 +96,7 @@ def test_the_action_fails_as_the_command_does(
     assert (done.returncode, done.stdout[: len(told)]) == (status, told)
 
 
-def test_the_workflow_of_the_page_uses_what_the_action_has() -> None:
+def test_the_documented_workflow_uses_inputs_of_the_action() -> None:
     (text,) = (block for block in blocks("yaml") if "jobs:" in block)
     steps = yaml.safe_load(text)["jobs"]["check"]["steps"]
     (ours,) = (step for step in steps if "/mars-asp@" in step["uses"])
@@ -109,7 +109,7 @@ def test_the_workflow_of_the_page_uses_what_the_action_has() -> None:
         assert "${{" not in step.get("run", ""), "values must reach scripts as text"
 
 
-def test_the_hooks_do_what_the_page_says(
+def test_the_hooks_work_as_documented(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (text,) = (block for block in blocks("yaml") if "hooks:" in block)

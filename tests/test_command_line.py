@@ -129,7 +129,7 @@ def test_a_file_of_another_language_does_not_fill_the_screen() -> None:
     assert problems[-1]["message"] == "500 errors above: the rest of the file was not read"
 
 
-def test_json_keeps_what_execution_needs() -> None:
+def test_json_keeps_the_inputs_of_execution() -> None:
     found = json.loads(
         mars(
             "synthesise", "examples/mobile-camera/through-the-camera.mars", "--format", "json"
@@ -189,7 +189,7 @@ def test_refused_rules_are_named(tmp_path: Path, text: str) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_a_pack_may_not_derive_what_the_built_in_rules_do(tmp_path: Path) -> None:
+def test_a_pack_may_not_derive_predicates_of_built_in_rules(tmp_path: Path) -> None:
     rules = tmp_path / "forged.lp"
     rules.write_text('commanded(1, "A", "B").\n')
     done = mars("analyse", "-", "--rules", str(rules), text=GOOD)
@@ -266,7 +266,7 @@ def test_a_file_is_read_once_by_however_many_paths(tmp_path: Path) -> None:
     assert mars("check", str(config)).stdout == ""
 
 
-def test_extraction_prints_what_annotations_state_and_nothing_else(tmp_path: Path) -> None:
+def test_extraction_prints_only_the_content_of_annotations(tmp_path: Path) -> None:
     source = tmp_path / "a.py"
     source.write_text(
         "# @module_start\n# @module_name A\n# @ControlOut Rotn_Y, Trans_Z\n"
@@ -278,7 +278,7 @@ def test_extraction_prints_what_annotations_state_and_nothing_else(tmp_path: Pat
     ]
 
 
-def test_a_verb_that_runs_out_of_time_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_command_that_runs_out_of_time_reports_it(capsys: pytest.CaptureFixture[str]) -> None:
     def late(arguments: argparse.Namespace) -> int:
         raise TimeoutError
 
@@ -324,7 +324,7 @@ def test_outcomes_of_cases_come_as_json_too(tmp_path: Path) -> None:
     assert wrong == {**entries, "title": None, "line": 1, "failures": [failure]}
 
 
-def test_rules_of_a_pack_are_no_cases(tmp_path: Path) -> None:
+def test_rules_of_a_pack_are_not_cases(tmp_path: Path) -> None:
     rules, cases = tmp_path / "rules", tmp_path / "rules" / "cases"
     cases.mkdir(parents=True)
     (rules / "odd.lp").write_text("odd(M) :- module(M).\n")
@@ -340,7 +340,7 @@ def test_rules_of_a_pack_are_no_cases(tmp_path: Path) -> None:
     assert "rules of your own go with --rules" in done.stdout
 
 
-def test_a_folder_without_cases_says_so(tmp_path: Path) -> None:
+def test_a_folder_without_cases_is_reported(tmp_path: Path) -> None:
     done = mars("test", str(tmp_path))
     assert done.returncode == 1
     assert f"no case in {tmp_path}: " in done.stderr

@@ -31,14 +31,14 @@ DOCUMENTS = [
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_commands_print_what_is_shown(document: Path, update_golden: bool) -> None:
+def test_commands_print_the_shown_outputs(document: Path, update_golden: bool) -> None:
     if update_golden:
         refresh(document)
     for command, shown in commands(document):
         assert run(command) == shown, command
 
 
-def test_json_is_what_commands_print(update_golden: bool) -> None:
+def test_shown_json_is_the_output_of_commands(update_golden: bool) -> None:
     page = ROOT / "docs/reference/json.md"
     if update_golden:
         refresh_json(page)
@@ -81,7 +81,7 @@ def told_by(file: str, what: str) -> str:
     return "\n".join(SIGN_TEST["lines"](SIGN_TEST["compared"](Path(file), what)))
 
 
-def test_numbers_in_the_case_study_are_in_what_its_commands_print() -> None:
+def test_numbers_in_the_case_study_are_in_the_output_of_its_commands() -> None:
     """Or in the scenarios and sources that they run."""
     page = STUDY.read_text(encoding="utf-8")
     blocks = "".join(re.findall(r"^```.*?^```$", page, re.MULTILINE | re.DOTALL))

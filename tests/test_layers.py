@@ -199,7 +199,7 @@ def test_the_engine_knows_no_robots() -> None:
     assert found == []
 
 
-def test_tests_stand_as_the_packages_stand() -> None:
+def test_folders_of_tests_mirror_the_packages() -> None:
     folders = {path.parent for path in TESTS.rglob("__init__.py")}
     mirrored = folders - {TESTS, TESTS / "mutate", TESTS / "support"}
     assert {folder.relative_to(TESTS).as_posix() for folder in mirrored} <= FILES.keys()

@@ -39,13 +39,13 @@ def test_a_file_keeps_its_mode_and_a_link_leads_where_it_led(tmp_path: Path) -> 
     assert there.stat().st_mode & 0o777 == 0o640
 
 
-def test_a_pipe_that_looks_like_a_left_over_file_is_no_trap(tmp_path: Path) -> None:
+def test_a_pipe_that_looks_like_a_left_over_file_is_harmless(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / ".mars-asp.fifo")
     write_whole(str(tmp_path / "out"), "whole")
     assert (tmp_path / "out").read_text() == "whole"
 
 
-def test_a_file_grows_by_lines_after_what_is_kept(tmp_path: Path) -> None:
+def test_a_file_grows_by_lines_after_the_kept_ones(tmp_path: Path) -> None:
     path = tmp_path / "log"
     path.write_bytes(b"one\ntwo\nto")
     growing = GrowingFile(str(path), 4, 10)
@@ -62,7 +62,7 @@ def test_a_file_grows_by_lines_after_what_is_kept(tmp_path: Path) -> None:
     assert path.read_bytes() == b"one\nthree\n"
 
 
-def test_what_is_not_a_regular_file_does_not_grow(tmp_path: Path) -> None:
+def test_only_regular_files_grow(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "fifo")
     for path in (tmp_path / "fifo", tmp_path, Path("/dev/null")):
         with pytest.raises(OSError):

@@ -92,7 +92,7 @@ def renamed(configuration: Configuration, rename: Callable[[str], str]) -> Confi
 
 @few
 @given(configurations)
-def test_what_is_printed_reads_back(configuration: Configuration) -> None:
+def test_printed_configurations_read_back(configuration: Configuration) -> None:
     text = print_configuration(configuration)
     read = parse_text(text, "config.mars").configuration
     assert without_places(read) == configuration

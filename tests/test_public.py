@@ -28,7 +28,7 @@ def test_modules_have_names_that_can_be_imported() -> None:
     assert [name for name in names if not name.isidentifier() or keyword.iskeyword(name)] == []
 
 
-def test_nothing_is_loaded_before_it_is_asked_for() -> None:
+def test_nothing_is_loaded_before_its_first_use() -> None:
     code = "import sys, mars_asp; print([m for m in sys.modules if m.startswith('mars_asp.')])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"

@@ -85,7 +85,7 @@ def test_a_rule_of_any_stage_is_shown(
         ("DATA/DIVERGENCE", "data/divergence"),
     ],
 )
-def test_a_misspelt_id_is_told_with_what_it_was_meant_to_be(
+def test_a_misspelt_id_is_reported_with_a_suggestion(
     name: str, meant: str, rulebook: Rulebook
 ) -> None:
     with pytest.raises(MarsError) as caught:
@@ -163,7 +163,7 @@ def test_the_document_has_each_file_and_each_rule_that_speaks(
     assert sorted(files) == sorted(file_name(str(path), _stage(path)) for path in written)
 
 
-def test_what_packs_may_do_with_a_predicate_is_what_the_gate_lets_them(rulebook: Rulebook) -> None:
+def test_the_gate_permits_the_documented_uses_of_predicates_by_packs(rulebook: Rulebook) -> None:
     sealed = seal()
     for signature, declaration in rulebook.declarations.items():
         found: Any = shown_json(rulebook, str(signature))["predicates"]
@@ -218,7 +218,7 @@ def test_the_door_to_the_rules_names_each_stage() -> None:
     assert folders == set(STAGES)
 
 
-def test_few_stages_read_what_another_one_derives(rulebook: Rulebook) -> None:
+def test_few_stages_read_predicates_of_another_stage(rulebook: Rulebook) -> None:
     derived = {(each, rule.stage) for rule in rulebook.rules for each in rule.heads}
     given = {
         (each, stage) for stage, outline in rulebook.outlines.values() for each in outline.given
@@ -237,7 +237,7 @@ def test_few_stages_read_what_another_one_derives(rulebook: Rulebook) -> None:
 
 
 @pytest.mark.parametrize("words", [["list"], ["show", "e/x", "--source"], ["show", "e"], ["doc"]])
-def test_what_a_pack_says_reaches_no_terminal_as_it_is(
+def test_text_of_a_pack_is_escaped_on_a_terminal(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pack = tmp_path / "e.lp"
@@ -256,7 +256,7 @@ LINTED = sorted((ROOT / "tests/lint").glob("*.lp"))
 
 
 @pytest.mark.parametrize("path", LINTED, ids=lambda path: path.stem)
-def test_what_lint_tells_an_analysis_does_not(
+def test_lint_findings_are_not_part_of_an_analysis(
     path: Path,
     update_golden: bool,
     capsys: pytest.CaptureFixture[str],

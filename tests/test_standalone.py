@@ -200,7 +200,7 @@ def test_on_standard_output_sources_are_relative_to_the_folder(
     assert "@sources robot/a.py\n" in capsys.readouterr().out
 
 
-def test_a_path_that_cannot_be_written_is_told(tmp_path: Path, capsys: Captured) -> None:
+def test_a_path_that_cannot_be_written_is_reported(tmp_path: Path, capsys: Captured) -> None:
     folder = tmp_path / "a, b"
     folder.mkdir()
     (folder / "a.py").write_text(SOURCE)
@@ -213,7 +213,7 @@ def test_a_path_that_cannot_be_written_is_told(tmp_path: Path, capsys: Captured)
     assert not (tmp_path / "spec.mars").exists()
 
 
-def test_a_folder_that_is_not_there_is_told(tmp_path: Path, capsys: Captured) -> None:
+def test_a_missing_folder_is_reported(tmp_path: Path, capsys: Captured) -> None:
     path = tmp_path / "config.mars"
     path.write_text("@configuration\n@modules A\n")
     assert run_here(["synthesise", str(path), "-o", str(tmp_path / "none" / "spec.mars")]) == 2

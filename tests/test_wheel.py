@@ -87,7 +87,7 @@ def test_rules_are_shown_with_the_values_of_their_examples(site: Path) -> None:
     assert "{" not in shown + python(site, "-m", "mars_asp", "rules")
 
 
-def test_what_the_build_has_made_is_not_made_again(site: Path) -> None:
+def test_results_of_the_build_are_not_computed_again(site: Path) -> None:
     python(site, "-c", UNMADE)
 
 

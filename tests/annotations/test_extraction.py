@@ -86,7 +86,7 @@ def test_ports_have_keys_of_their_own(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
-def test_a_case_prints_what_stands_beside_it(path: Path, update_golden: bool) -> None:
+def test_a_case_prints_the_expected_output(path: Path, update_golden: bool) -> None:
     """The modules, then all messages, as on the command line."""
     golden = path.with_name(f"{path.name}.txt")
     printed = run(f"mars-asp extract {path.relative_to(ROOT)}")
@@ -329,7 +329,7 @@ def only(tmp_path: Path, text: str) -> tuple[list[Module], list[Diagnostic]]:
 
 
 @pytest.mark.parametrize("count", [1000, MOST_DECLARED // 10])
-def test_a_long_declaration_is_read_or_told(tmp_path: Path, count: int) -> None:
+def test_a_long_declaration_is_read_or_reported(tmp_path: Path, count: int) -> None:
     parameters = ", ".join(f"Map m{number:04}" for number in range(count))
     modules, problems = only(tmp_path, LAYOUTS["line"].format(f=f"X f({parameters});\nX g();"))
     if len(parameters) < MOST_DECLARED:
@@ -340,7 +340,7 @@ def test_a_long_declaration_is_read_or_told(tmp_path: Path, count: int) -> None:
         assert (problem.code, problem.span.line, problem.severity) == ("MARS212", 4, "error")
 
 
-def test_code_far_behind_an_annotation_is_not_its_declaration(tmp_path: Path) -> None:
+def test_code_far_after_an_annotation_is_not_its_declaration(tmp_path: Path) -> None:
     gap = "\n" * (MOST_DECLARED + 1)
     _, (problem,) = only(tmp_path, LAYOUTS["line"].format(f=f"{gap}X f();"))
     assert (problem.code, problem.span.line) == ("MARS201", 3)
@@ -380,7 +380,7 @@ def test_words_that_are_not_ours_are_compared_with_ours_up_to_a_limit(tmp_path: 
         ("#if 0\n#endif\n#if false\n{m}", 0),
     ],
 )
-def test_what_stands_in_if_0_is_no_annotation(tmp_path: Path, text: str, line: int) -> None:
+def test_code_in_if_0_has_no_annotations(tmp_path: Path, text: str, line: int) -> None:
     module = LAYOUTS["line"].format(f="X f();")
     assert module.count("\n") == 5
     modules, problems = only(tmp_path, text.replace("{m}", module))
@@ -397,7 +397,7 @@ def test_what_stands_in_if_0_is_no_annotation(tmp_path: Path, text: str, line: i
         ("1 2 3 4", 13, "`1 2 3 4`", "MIN MAX RATE"),
     ],
 )
-def test_wrong_bounds_say_which_is_wrong(
+def test_a_message_names_the_wrong_bound(
     tmp_path: Path, written: str, column: int, message: str, help_text: str
 ) -> None:
     text = LAYOUTS["line"].format(f="").replace("Sense RequestWhenReady", f"Trans_Z {written}")
@@ -407,7 +407,7 @@ def test_wrong_bounds_say_which_is_wrong(
     assert help_text in str(problem.help)
 
 
-def test_places_are_right_behind_wide_characters_and_wrapped_lines(tmp_path: Path) -> None:
+def test_locations_are_right_after_wide_characters_and_wrapped_lines(tmp_path: Path) -> None:
     text = (
         "// \u2014 \U0001f916\n/* \u00e9 */ int x; // @module_start\n// @module_name A\n"
         "// @Sense NotifyWhenReady,\n//   \u00e9 \nX f(); /* \u2014 */ // @module_end\n"
@@ -426,7 +426,7 @@ def test_places_are_right_behind_wide_characters_and_wrapped_lines(tmp_path: Pat
         ("module_end", "module_ned"),
     ],
 )
-def test_a_misspelt_boundary_is_told_once(tmp_path: Path, right: str, wrong: str) -> None:
+def test_a_misspelt_boundary_is_reported_once(tmp_path: Path, right: str, wrong: str) -> None:
     path = tmp_path / "a.cpp"
     path.write_text(LAYOUTS["line"].format(f="X f();").replace(right, wrong))
     found = extract([path])
@@ -478,7 +478,7 @@ def test_a_block_of_a_configuration_may_begin_it_and_wrap() -> None:
         ("// @DataIn\n" * 600, ("MARS213", 503, 4)),
     ],
 )
-def test_what_is_too_long_or_has_no_end(
+def test_blocks_that_are_too_long_or_unterminated(
     tmp_path: Path, layout: str, problem: tuple[str, int, int]
 ) -> None:
     _, problems = only(tmp_path, LAYOUTS["line"].format(f=layout))
@@ -499,7 +499,7 @@ def test_what_is_too_long_or_has_no_end(
         (".m", f"function [{'[' * 5000}a{']' * 5000}] = f(a)"),
     ],
 )
-def test_what_nests_deep_is_read_or_refused(tmp_path: Path, suffix: str, declaration: str) -> None:
+def test_deep_nesting_is_read_or_refused(tmp_path: Path, suffix: str, declaration: str) -> None:
     marks = {".py": "#", ".m": "%"}.get(suffix, "//")
     path = tmp_path / f"a{suffix}"
     path.write_text(LAYOUTS["line"].format(f=declaration).replace("//", marks))

@@ -19,14 +19,14 @@ def only(path: Path) -> Diagnostic:
     return problem
 
 
-def test_a_file_that_is_too_large_is_told_and_not_read(tmp_path: Path) -> None:
+def test_a_file_that_is_too_large_is_reported_and_not_read(tmp_path: Path) -> None:
     path = tmp_path / "a.cpp"
     with path.open("wb") as file:
         file.truncate(MOST_BYTES + 1)
     assert (only(path).code, only(tmp_path).code) == ("MARS301", "MARS301")
 
 
-def test_what_is_no_regular_file_is_told_where_it_is_named(tmp_path: Path) -> None:
+def test_a_special_file_is_reported_where_it_is_named(tmp_path: Path) -> None:
     """Opening a pipe that nothing writes to would wait for ever."""
     path = tmp_path / "a.cpp"
     os.mkfifo(path)
@@ -34,7 +34,7 @@ def test_what_is_no_regular_file_is_told_where_it_is_named(tmp_path: Path) -> No
     assert extract([tmp_path]).diagnostics == ()
 
 
-def test_what_cannot_be_read_or_is_in_no_known_language(tmp_path: Path) -> None:
+def test_unreadable_files_and_unknown_languages_are_reported(tmp_path: Path) -> None:
     (tmp_path / "gone.cpp").symlink_to(tmp_path / "nothing")
     (tmp_path / "notes.txt").write_text(MODULE.format(name="A"))
     assert only(tmp_path / "gone.cpp").code == "MARS300"
@@ -42,7 +42,7 @@ def test_what_cannot_be_read_or_is_in_no_known_language(tmp_path: Path) -> None:
     assert extract([tmp_path]).modules == ()
 
 
-def test_one_file_behind_two_links_is_read_once(tmp_path: Path) -> None:
+def test_one_file_under_two_links_is_read_once(tmp_path: Path) -> None:
     (tmp_path / "a.cpp").write_text(MODULE.format(name="A"))
     os.link(tmp_path / "a.cpp", tmp_path / "b.cpp")
     (tmp_path / "c.cpp").symlink_to("a.cpp")
@@ -61,7 +61,7 @@ def test_one_name_in_many_places_is_one_error(tmp_path: Path) -> None:
     assert (many.span.line, two.span.line) == (7, 107)
 
 
-def test_what_is_told_stands_in_the_order_of_places(tmp_path: Path) -> None:
+def test_messages_are_in_the_order_of_locations(tmp_path: Path) -> None:
     """A missing name is found at the end of its module, a repeated one after all files."""
     unnamed = "// @module_start\n// @Sence X\nX f();\n// @module_end\n"
     for name in ("b.cpp", "a.cpp"):
@@ -95,7 +95,9 @@ def test_a_folder_is_read_in_order_and_links_to_folders_are_not_followed(tmp_pat
         ("Camera", "Camera", False),
     ],
 )
-def test_a_misspelt_module_is_told(tmp_path: Path, used: str, annotated: str, told: bool) -> None:
+def test_a_misspelt_module_is_reported(
+    tmp_path: Path, used: str, annotated: str, told: bool
+) -> None:
     (tmp_path / "sources").mkdir()
     (tmp_path / "sources" / "a.cpp").write_text(MODULE.format(name=annotated))
     path = tmp_path / "config.mars"
@@ -108,7 +110,7 @@ def test_a_misspelt_module_is_told(tmp_path: Path, used: str, annotated: str, to
     )
 
 
-def test_a_module_in_sources_and_in_the_configuration_is_told(tmp_path: Path) -> None:
+def test_a_module_in_sources_and_in_the_configuration_is_reported(tmp_path: Path) -> None:
     (tmp_path / "a.cpp").write_text(MODULE.format(name="A"))
     path = tmp_path / "config.mars"
     path.write_text(

@@ -35,7 +35,7 @@ def test_a_constraint_fires_where_it_alone_refuses_a_candidate() -> None:
     assert silent("given(1).", "given(6).", "given(3).") == [*twice, *never]
 
 
-def test_cases_of_other_stages_are_not_asked() -> None:
+def test_cases_of_other_stages_are_not_run() -> None:
     book = rulebook_of(RULES)
     case = Case(Path("run.lp"), ("given(1..9).",), ("run",), lambda _: True)
     assert len(covered(book.rules, book, [case]).silent) == 5

@@ -64,7 +64,7 @@ def test_a_reason_goes_down_to_the_facts_of_the_file() -> None:
     assert (json["atom"], json["kind"]) == ("reach(d)", "derived")
 
 
-def test_every_derivation_is_told() -> None:
+def test_every_derivation_is_returned() -> None:
     reason = of("reachability").solve().why("reach(b)", every=True)
     assert isinstance(reason.trace, Derived)
     # The edge from `d` is no other derivation: `d` is reached through `b` alone.
@@ -75,13 +75,13 @@ def test_every_derivation_is_told() -> None:
     assert len(trace.others) == 1
 
 
-def test_a_text_has_the_width_that_is_asked_for() -> None:
+def test_a_text_has_the_requested_width() -> None:
     reason = of("points_to").solve().why("points_to(s,objectB)")
     assert max(map(len, reason.text(width=60).splitlines())) <= 60
     assert reason.text(width=200).count("\n") < reason.text(width=60).count("\n")
 
 
-def test_what_does_not_hold_has_no_reason() -> None:
+def test_a_false_atom_has_no_reason() -> None:
     answer = of("reachability").solve()
     with pytest.raises(asp.NotDerived, match="does not hold"):
         answer.why("reach(f)")
@@ -137,7 +137,7 @@ def test_an_absence_ends_at_the_first_given_fact_that_is_absent(text: str, absen
     assert len(lines) == 3
 
 
-def test_what_an_atom_would_cost() -> None:
+def test_the_additional_cost_of_an_atom() -> None:
     answer = asp.Program.from_text(COLOURING).solve()
     assert (answer.cost, answer.proven) == ({0: 8}, True)
     assert answer.why_not("has(9,3)").extra == {0: 2}
@@ -147,7 +147,7 @@ def test_what_an_atom_would_cost() -> None:
     assert not answer.holds("has(9,2)")
 
 
-def test_what_stands_against_an_atom() -> None:
+def test_constraints_against_an_atom() -> None:
     program = asp.Program.from_text("{ a; b }. c. :- a, c. d :- a.")
     reason = program.solve().why_not("d")
     assert reason.extra is None
@@ -227,7 +227,7 @@ def test_constants_replace_those_of_the_program() -> None:
     assert named.solve({"who": "me"}).holds("p(me)")
 
 
-def test_what_is_no_value_of_a_constant_is_refused() -> None:
+def test_an_invalid_value_of_a_constant_is_refused() -> None:
     with pytest.raises(MarsError, match="is not a value for the constant `n`"):
         asp.Program.from_text("p(n).").solve({"n": "x) q(1"})
 
@@ -329,7 +329,7 @@ def minimal_sets(text: str) -> set[frozenset[str]]:
     return {frozenset(_plain(instances[at][0]) for at in each) for each in found}
 
 
-def test_an_answer_can_be_asked_again_and_again() -> None:
+def test_an_answer_can_be_queried_repeatedly() -> None:
     answer = asp.Program.from_text(COLOURING).solve()
     before = (answer.atoms, answer.cost, answer.count)
     first = answer.why("has(9,1)").text()
@@ -347,7 +347,7 @@ def test_a_session_finds_each_answer_once() -> None:
         assert isinstance(session.why_not("has(9,2)").trace, Underivable)
 
 
-def test_everything_that_is_wrong_is_told_with_its_place(tmp_path: Path) -> None:
+def test_all_errors_are_reported_with_their_locations(tmp_path: Path) -> None:
     wrong = "p(X) :- q.\n#script (python) #end.\n"
     with pytest.raises(MarsError) as raised:
         asp.Program.from_text(wrong, "wrong.lp")
@@ -524,7 +524,7 @@ def random_files(rng: random.Random, folder: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("seed", range(0, 60, 10))
-def test_files_parts_and_externals_mean_what_they_do_to_clingo(seed: int, tmp_path: Path) -> None:
+def test_files_parts_and_externals_have_the_meaning_of_clingo(seed: int, tmp_path: Path) -> None:
     for each in range(seed, seed + 10):
         rng = random.Random(each)
         parts = random_files(rng, tmp_path)

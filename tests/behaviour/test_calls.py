@@ -41,7 +41,7 @@ def defined(text: str) -> Any:
         ("def f(x, y, *ctx): return x, y, None", 2),
     ],
 )
-def test_the_context_is_given_wherever_it_is_asked_for(text: str, inputs: int) -> None:
+def test_the_context_is_passed_to_every_parameter_for_it(text: str, inputs: int) -> None:
     own = context()
     call = prepared(defined(text), own, lambda: 4.0, ["A", "B"][:inputs])
     x, y, given = call(*[1, 2][:inputs])
@@ -65,7 +65,7 @@ def test_the_context_is_given_wherever_it_is_asked_for(text: str, inputs: int) -
         ("class K:\n  def step(self): ...\nf = K().step", "`K.step()` takes no inputs"),
     ],
 )
-def test_what_cannot_be_called_is_refused_with_what_to_do(text: str, told: str) -> None:
+def test_an_object_that_cannot_be_called_is_refused_with_help(text: str, told: str) -> None:
     with pytest.raises(UnfitError) as raised:
         prepared(defined(text), context(), lambda: 0.0, ["Eye"])
     assert str(raised.value).startswith(told)

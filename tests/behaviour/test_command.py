@@ -22,7 +22,7 @@ from mars_asp.behaviour.command import command_of
         ("Trans_Z", None, "the rate of `Trans_Z` must be a number, not None"),
     ],
 )
-def test_what_is_not_a_command_is_reported_where_it_is_made(
+def test_an_invalid_command_is_reported_where_it_is_made(
     function: Any, rate: Any, told: str
 ) -> None:
     with pytest.raises((ValueError, TypeError)) as raised:

@@ -73,7 +73,7 @@ SHARED += [Colour.RED, Force(1.0, 2.0), Fixed((1.0,)), Slotted(), (Fixed(()), Fo
 
 
 @pytest.mark.parametrize("value", SHARED, ids=repr)
-def test_what_cannot_change_is_shared(value: object) -> None:
+def test_immutable_values_are_shared(value: object) -> None:
     assert copied(value) is value
 
 
@@ -105,7 +105,7 @@ CHANGES: list[tuple[Any, Callable[[Any], object]]] = [
 
 
 @pytest.mark.parametrize(("value", "change"), CHANGES, ids=lambda value: type(value).__name__)
-def test_what_can_change_is_copied(value: Any, change: Callable[[Any], object]) -> None:
+def test_mutable_values_are_copied(value: Any, change: Callable[[Any], object]) -> None:
     seen = repr(value), repr(getattr(value, "names", None)), repr(getattr(value, "labels", None))
     other = copied(value)
     assert type(other) is type(value)
@@ -127,7 +127,7 @@ def test_what_a_message_holds_twice_it_holds_twice_in_a_copy() -> None:
     [(n for n in [1]), threading.Lock(), [threading.Lock()]],
     ids=["generator", "lock", "list"],
 )
-def test_what_cannot_be_copied_is_an_error_that_names_its_type(value: object) -> None:
+def test_a_value_that_cannot_be_copied_is_an_error_that_names_its_type(value: object) -> None:
     with pytest.raises(TypeError, match=f"a message of type `{type(value).__name__}` cannot be"):
         copied(value)
 
@@ -156,7 +156,7 @@ def spoil(value: Any) -> None:
 
 
 @given(VALUES)
-def test_no_change_of_a_copy_is_seen_in_what_was_copied(value: Any) -> None:
+def test_no_change_of_a_copy_is_seen_in_the_original(value: Any) -> None:
     before, other = repr(value), copied(value)
     assert other == value
     if isinstance(other, list | tuple | dict):

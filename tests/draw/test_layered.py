@@ -170,7 +170,7 @@ def test_positions_keep_their_order_and_distance(random: random.Random) -> None:
             assert xs[v] - xs[u] >= distance - 1e-4
 
 
-def test_what_would_take_too_long_is_refused() -> None:
+def test_slow_drawings_are_refused() -> None:
     chain = [LayeredEdge(i, i + 1) for i in range(400)]
     with pytest.raises(TooLargeError):
         draw_layered([(64.0, 34.0)] * 401, chain + [LayeredEdge(0, 400)] * 200)

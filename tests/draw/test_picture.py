@@ -109,7 +109,7 @@ def test_each_module_and_relationship_is_drawn_once(path: str) -> None:
     assert sum(bool(re.match(r"  n\d+ (===|-->|-\.->)", line)) for line in lines) == len(written)
 
 
-def test_the_kinds_of_relationship_are_told_apart() -> None:
+def test_the_kinds_of_relationship_are_drawn_differently() -> None:
     root = fromstring(svg_text(picture_of("examples/level0/config.mars")))
     looks = {
         (group.get("class"), group[1].get("stroke"), group[1].get("stroke-dasharray"))
@@ -282,7 +282,7 @@ def test_standard_output_takes_each_format() -> None:
     assert mars("draw", path, "-o", "-", "--as", "png").stdout.startswith(b"\x89PNG")
 
 
-def test_what_is_too_large_to_draw_is_said(tmp_path: Path) -> None:
+def test_a_diagram_that_is_too_large_is_reported(tmp_path: Path) -> None:
     names = [f"M{index}" for index in range(400)]
     lines = [f"{b} uses_data_from {a}" for a, b in pairwise(names)]
     lines += [f"M399 uses_data_from M0 NotifyAtFrequency {hz}" for hz in range(1, 200)]

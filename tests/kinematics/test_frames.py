@@ -43,7 +43,7 @@ def test_quarter_turns_are_exact_and_leave_no_negative_zero() -> None:
             assert not (np.signbit(matrix) & (matrix == 0)).any()
 
 
-def test_a_turn_that_is_no_quarter() -> None:
+def test_a_turn_by_other_than_right_angles() -> None:
     turned = rotation("z", Decimal(30)) @ [1.0, 0.0, 0.0]
     assert turned == pytest.approx([math.sqrt(3) / 2, 0.5, 0.0])
 
@@ -76,7 +76,7 @@ def test_vertex_0_defaults_to_the_frame_and_can_be_declared() -> None:
     assert mount_matrix(mount, known)[:3, 3].tolist() == [0, 0, 9]
 
 
-def test_joints_turn_what_they_carry() -> None:
+def test_joints_turn_the_modules_that_they_carry() -> None:
     """Pan by 90 degrees, then tilt by 90: a camera 100 mm ahead ends 100 mm below its head."""
     modules = {"Head": module("Head", "Rotn_Y", "Rotn_X")}
     mounts = [Mount("Camera", "Head", HERE, transformation=placed((), 0, 0, 100))]

@@ -96,7 +96,7 @@ def test_who_of_several_takes_a_command_is_the_allocations_matter(
 ARM = placed((), 100, 0, 0)
 
 
-def test_turns_that_make_up_a_shift_are_told_in_degrees() -> None:
+def test_turns_that_make_up_a_shift_are_in_degrees() -> None:
     """Three hinges about z, A nearest, each 100 mm behind the next; A and B are bent by 90 degrees.
 
     Seen from the camera A is at (-100, 0), B at (-100, 100), C at (0, 100). A radian of each
@@ -123,7 +123,7 @@ def test_turns_that_make_up_a_shift_are_told_in_degrees() -> None:
     assert straight.shares("Trans_X", None) == []
 
 
-def test_slides_that_make_up_a_turn_are_told_in_mm() -> None:
+def test_slides_that_make_up_a_turn_are_in_mm() -> None:
     """A turn about z with a lever of 300 mm along x, whose arc a table takes back along y."""
     found = carrying(
         ("Table", ("Trans_X", "Trans_Y"), None), ("A", ("Rotn_Z",), placed((), 300, 0, 0))

@@ -108,7 +108,7 @@ def test_levers_are_measured_in_the_longest() -> None:
     assert scaled(np.empty((3, 0))).shape == (3, 0)
 
 
-def test_a_jacobian_of_nobody_has_no_columns() -> None:
+def test_a_jacobian_without_carriers_has_no_columns() -> None:
     assert jacobian(take_posture(build_robot((), {})), "M", ()).shape == (6, 0)
 
 

@@ -92,7 +92,7 @@ randoms = st.randoms(use_true_random=False)
 
 @few
 @given(configurations)
-def test_what_is_printed_is_in_canonical_layout(configuration: Configuration) -> None:
+def test_printed_text_is_in_canonical_layout(configuration: Configuration) -> None:
     text = print_configuration(configuration)
     assert format_text(text, "config.mars") == text
 

@@ -61,7 +61,7 @@ def test_all_else_is_left_to_the_grammar(line: str) -> None:
 
 
 @given(st.lists(st.tuples(st.sampled_from(WORDS), st.sampled_from(GAPS)), max_size=12))
-def test_what_is_read_the_grammar_reads_in_the_same_way(pieces: list[tuple[str, str]]) -> None:
+def test_the_grammar_agrees_with_the_parser(pieces: list[tuple[str, str]]) -> None:
     text = "".join(f"{word}{gap}" for word, gap in pieces) + "\n"
     _check(text)
 

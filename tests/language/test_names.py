@@ -39,7 +39,7 @@ def test_these_need_quotes(name: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["", '""', '"a', 'a"', "a b", "3", '"a"b"', '"a\nb"', "-"])
-def test_these_are_no_names(text: str) -> None:
+def test_these_are_not_names(text: str) -> None:
     assert read_name(text) is None
 
 

@@ -36,7 +36,7 @@ def test_stretches_that_overlap_exclude_each_other() -> None:
         draft.lines()
 
 
-def test_lines_are_inserted_on_the_side_that_is_said() -> None:
+def test_lines_are_inserted_on_the_stated_side() -> None:
     draft = Draft("robot.mars", "a\nb\n")
     draft.insert(1, "behind", ["c", "d"])
     draft.insert(1, "behind", ["e"])
@@ -48,7 +48,7 @@ def test_lines_are_inserted_on_the_side_that_is_said() -> None:
     assert apply_lines("a\nb\n", draft.lines()) == "a\nc\nd\ne\nf\nb\n"
 
 
-def test_lines_stand_in_the_order_of_the_text() -> None:
+def test_lines_are_in_the_order_of_the_text() -> None:
     draft = Draft("robot.mars", "a\nb\n")
     draft.insert(2, "behind", ["d"])
     draft.put(2, 3, "B")

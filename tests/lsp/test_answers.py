@@ -194,7 +194,7 @@ def test_a_module_is_renamed_wherever_it_is_named(
         ("uses_data_fr¦om eye", "x", "no module here"),
     ],
 )
-def test_what_cannot_be_renamed_is_refused(at: str, new: str, why: str, tmp_path: Path) -> None:
+def test_an_impossible_rename_is_refused(at: str, new: str, why: str, tmp_path: Path) -> None:
     desk = desk_of(tmp_path, TEXTS)
     _, position = marked(ROBOT.replace(at.replace("¦", ""), at, 1))
     scene = desk.context(str(tmp_path / "robot.mars"))
@@ -276,7 +276,7 @@ def test_annotations_are_completed(line: str, has: set[str]) -> None:
     assert bool(found) == bool(has)
 
 
-def test_what_is_typed_is_replaced() -> None:
+def test_a_completion_replaces_typed_text() -> None:
     desk = EditorWorkspace()
     desk.texts["/a.mars"], position = marked('@modules "😀 eye", Base\n"😀 e¦')
     scene = desk.context("/a.mars")

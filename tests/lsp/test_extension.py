@@ -89,7 +89,7 @@ console.log(JSON.stringify([started, extension.deactivate()]));
     assert stopped == "stopped"
 
 
-def test_the_folder_is_no_part_of_the_package() -> None:
+def test_the_folder_is_not_in_the_package() -> None:
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert Path(FOLDER / "README.md").is_file()
     assert "editors" not in project

@@ -453,7 +453,7 @@ def test_a_long_analysis_is_ended(folder: Path) -> None:
     played(scenario, folder, f"--rules={rules}", "--time-limit=1")
 
 
-def test_what_takes_too_much_memory_is_ended(folder: Path) -> None:
+def test_a_worker_with_too_much_memory_is_ended(folder: Path) -> None:
     rules = folder / "endless.lp"
     rules.write_text(ENDLESS)
 

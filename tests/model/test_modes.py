@@ -7,7 +7,7 @@ from mars_asp.model.modes import ModeProblem, parse_mode
 
 
 @pytest.mark.parametrize("name", sorted(DELIVERY_MODES))
-def test_each_mode_stands_by_itself(name: str) -> None:
+def test_each_mode_is_independent(name: str) -> None:
     assert parse_mode(f"  {name} ") == Mode(name, text=name)
 
 
@@ -18,7 +18,7 @@ def test_what_is_written_is_kept_apart_from_what_it_means() -> None:
     assert found.text == "NotifyOnValue( 30 ,0.50 )"
 
 
-def test_an_argument_can_name_what_is_measured() -> None:
+def test_an_argument_can_name_the_measured_quantity() -> None:
     found = parse_mode("NotifyOnMin(300, of=nearest)")
     assert isinstance(found, Mode)
     assert (found.arguments, found.of) == ((Decimal(300),), "nearest")
@@ -54,7 +54,7 @@ def test_a_limit_of_zero_is_a_limit(text: str) -> None:
         ("RequestWhenReady(1)", 17, "`1` is not an argument of `RequestWhenReady`"),
     ],
 )
-def test_what_is_wrong_with_a_mode_is_told_at_its_place(
+def test_an_error_in_a_mode_is_reported_at_its_location(
     text: str, offset: int, message: str
 ) -> None:
     found = parse_mode(text)

@@ -50,7 +50,7 @@ def random_rule(chance: random.Random) -> str:
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_what_is_found_is_what_comparing_each_with_each_finds(seed: int) -> None:
+def test_findings_equal_those_of_comparing_all_pairs(seed: int) -> None:
     chance = random.Random(seed)
     read = clauses([random_rule(chance) for _ in range(40)])
     judged = frozenset(range(chance.randint(0, 20), len(read)))

@@ -24,7 +24,7 @@ def found(*texts: str) -> list[tuple[str, tuple[str, int, int], tuple[str, int, 
     ]
 
 
-def test_one_name_for_two_predicates_is_told_where_the_later_first_stands() -> None:
+def test_one_name_for_two_predicates_is_reported_at_the_first_use_of_the_later() -> None:
     text = "`edge/3` shares its name with `edge/2`"
     graph = "edge(a, b). path(X, Y) :- edge(X, Y).\n"
     assert found(graph, "near(X) :- edge(X, _, 1).\nedge(a, b, 1).") == [
@@ -34,7 +34,7 @@ def test_one_name_for_two_predicates_is_told_where_the_later_first_stands() -> N
     assert found(graph, "p :- not -edge(a, b, c).") == [(text, ("1.lp", 1, 10), ("0.lp", 1, 1))]
 
 
-def test_what_is_declared_comes_in_the_order_of_the_files() -> None:
+def test_declarations_come_in_the_order_of_the_files() -> None:
     text = "`edge/3` shares its name with `edge/2`"
     assert found("#defined edge/2.", "p :- edge(1, 2, 3).") == [
         (text, ("1.lp", 1, 6), ("0.lp", 1, 1))

@@ -86,7 +86,7 @@ def test_values_of_one_sort_are_as_they_should_be(rules: str) -> None:
         ("p :- city(C), road(C, D, D, _) : city(D).", "1:15 `C` is a city, and never a road, as"),
     ],
 )
-def test_a_value_of_two_sorts_is_told(rules: str, problem: str) -> None:
+def test_a_value_of_two_sorts_is_reported(rules: str, problem: str) -> None:
     (result,) = found_in(rules)
     assert result.startswith(problem)
 

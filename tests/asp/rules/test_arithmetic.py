@@ -44,7 +44,7 @@ from mars_asp.diagnostic import Span
         ("p(2147483647\n  + 1).", [(1, 3, "(2147483647+1)")]),
     ],
 )
-def test_what_does_not_fit_is_named_where_it_stands(
+def test_an_overflow_is_reported_at_its_location(
     text: str, wrong: list[tuple[int, int, str]]
 ) -> None:
     found = [(d.span.line, d.span.column, d.message.split("`")[1]) for d in overflows(text, "a.lp")]
@@ -52,7 +52,7 @@ def test_what_does_not_fit_is_named_where_it_stands(
 
 
 @pytest.mark.parametrize("sign", ["+", "-", "*", "/", "**"])
-def test_what_fits_is_what_clingo_computes(sign: str) -> None:
+def test_results_that_fit_are_those_of_clingo(sign: str) -> None:
     numbers = (LEAST, LEAST + 1, -65536, -3, -1, 0, 1, 2, 7, 46340, 46341, 65536, MOST - 1, MOST)
     for left in numbers:
         for right in numbers:
@@ -111,7 +111,7 @@ STATED = {Signature("priority", 2): (1,), Signature("hold", 2): (1,)}
         ("p :- #sum { X * Y : q(X, Y) } > 3, r(X), X < 5, Y < 5, r(Y).", []),
     ],
 )
-def test_products_and_sums_of_what_users_state_are_risks(text: str, risky: list[str]) -> None:
+def test_products_and_sums_of_numbers_of_users_are_risks(text: str, risky: list[str]) -> None:
     rules = [
         Rule("a", None, None, Span("a.lp", *each.begin, *each.end), each.text, "base")
         for each in pieces(text)
@@ -227,7 +227,7 @@ def test_what_wraps_while_grounding_is_what_does_not_fit(form: str) -> None:
         ("s :- 5 > #sum { W : w(W) }.", "w(2147483646). { w(1;2) }.", ["2147483649"]),
     ],
 )
-def test_sums_that_may_not_fit_are_told_with_what_they_may_be(
+def test_sums_that_may_overflow_are_reported_with_their_bounds(
     rule: str, facts: str, wrong: list[str]
 ) -> None:
     entries = [Arithmetic(Span("a.lp", 1, 1, 1, 1), each) for each in computations([rule])[rule]]

@@ -47,7 +47,7 @@ def wrong(text: str) -> tuple[str, int, int]:
 RULE = "loop(N, X) :- name(N, X), edge(X, Y)."
 
 
-def test_a_list_stands_for_rules_with_the_body_of_the_rule_below() -> None:
+def test_a_list_expands_to_rules_with_the_body_of_the_next_rule() -> None:
     listed = "%! via: X, Y; Z@K : weight(Y, Z, K)\n%! near: Y\n"
     assert [rule.text for rule in made(listed + RULE)] == [
         "through(N,0,X) :- name(N,X); edge(X,Y).",
@@ -65,7 +65,7 @@ def test_the_body_of_a_rule_may_have_pools() -> None:
     assert len(second.statements) == len(third.statements) == 4
 
 
-def test_what_is_listed_stands_where_its_rule_does_under_its_id() -> None:
+def test_a_listed_rule_has_the_location_and_id_of_its_rule() -> None:
     rules = made(f"\n%! id: g/loop\n%! via: X, Y\n{RULE} p.\n%! near: Y\n  {RULE}")
     assert [(rule.id, rule.span.line, rule.span.column) for rule in rules] == [
         ("g/loop:via", 4, 1),
@@ -81,7 +81,7 @@ def test_lines_of_other_rules_stay_where_they_are() -> None:
     assert [(rule.id, rule.span.line) for rule in book.rules][-2:] == [("g:3", 3), ("g:4", 4)]
 
 
-def test_clingo_is_given_what_is_listed() -> None:
+def test_clingo_gets_the_listed_rules() -> None:
     facts = 'name(l,a). edge(a,b). weight(b,"x, y; z: @",7).\n'
     listed = '%! via: X; Z@(K, "a;b") : weight(Y, Z, K), Z = "x, y; z: @"\n%! near: f(X, Y)\n'
     book, problems = read(facts + listed + RULE)
@@ -100,7 +100,7 @@ def test_clingo_is_given_what_is_listed() -> None:
     assert book.fragments("base")[1].rule == book.rules[3].span
 
 
-def test_a_rule_without_a_body_has_what_is_listed_without_conditions() -> None:
+def test_a_list_of_a_rule_without_a_body_has_no_conditions() -> None:
     assert [rule.text for rule in made("%! via: a; X : node(X)\nloop(n, a).")] == [
         "through(n,0,a).",
         "through(n,1,X) :- node(X).",
@@ -144,13 +144,13 @@ def test_a_rule_without_a_body_has_what_is_listed_without_conditions() -> None:
         (f"%! via: X\n\n{RULE}", "`via` is not directly above a rule"),
     ],
 )
-def test_what_is_wrong_with_a_list_is_told_at_its_place(text: str, message: str) -> None:
+def test_an_error_in_a_list_is_reported_at_its_location(text: str, message: str) -> None:
     result, line, column = wrong(text)
     assert result.startswith(message)
     assert (line, column) == (2 if "twice" in message else 1, 1)
 
 
-def test_clingo_is_asked_once_of_lists_that_have_no_faults(
+def test_clingo_is_called_once_for_lists_without_faults(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[str] = []
@@ -202,5 +202,5 @@ def test_a_term_may_have_a_label_that_the_rule_of_its_body_fills() -> None:
         ('%! via: Y "seen"', "`via` takes no labels"),
     ],
 )
-def test_a_wrong_label_is_told(listed: str, message: str) -> None:
+def test_a_wrong_label_is_reported(listed: str, message: str) -> None:
     assert wrong(f"{listed}\n{RULE}") == (message, 1, 1)

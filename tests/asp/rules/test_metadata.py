@@ -35,7 +35,7 @@ def test_rules_of_files_that_share_a_name_have_ids_of_their_own(tmp_path: Path) 
     assert ids(program) == ["graph:1", "graph:1:12", f"{paths[1]}:1", f"{paths[1]}:1:12"]
 
 
-def test_an_id_that_is_written_twice_is_told_with_both_places(tmp_path: Path) -> None:
+def test_a_repeated_id_is_reported_with_both_locations(tmp_path: Path) -> None:
     paths = [tmp_path / folder / "graph.lp" for folder in ("a", "b")]
     for path in paths:
         path.parent.mkdir()

@@ -26,7 +26,7 @@ left | right :- fork.
 """.replace("/* no comment */\n", "%* p(X) :- hidden(X). *%\n")
 
 
-def test_an_outline_says_what_the_rules_say() -> None:
+def test_an_outline_agrees_with_the_rules() -> None:
     program = Program.from_text(TEXT)
     found = outline(TEXT, program.rulebook.rules)
     assert found.title == "Tours: ways through a graph"

@@ -47,7 +47,7 @@ def left(text: str, *present: str) -> str:
         "#show q/1.",
     ],
 )
-def test_what_can_fire_stays(kept: str) -> None:
+def test_rules_that_can_fire_stay(kept: str) -> None:
     assert left(kept, "r") == kept
 
 
@@ -66,11 +66,11 @@ def test_what_can_fire_stays(kept: str) -> None:
         "p :- q; r : not s.",
     ],
 )
-def test_what_cannot_fire_is_left_out(idle: str) -> None:
+def test_rules_that_cannot_fire_are_left_out(idle: str) -> None:
     assert left(idle, "r") == ""
 
 
-def test_what_stays_stands_where_it_stood() -> None:
+def test_kept_rules_keep_their_locations() -> None:
     text = 'a :- no,\n  "%*" != 1.\n% a note\n  b :- yes. c :- no. #show b/0. %* more\n *% d.\n'
     fragment = Fragment(text, "rules.lp", premises=premises(text))
     (found,) = able_to_fire([fragment], {"yes"})

@@ -49,7 +49,7 @@ def test_both_recorders_note_the_same() -> None:
     assert len(raw.facts) == 2
 
 
-def test_what_stops_a_recorder_is_raised_where_clingo_was_called(
+def test_an_exception_in_a_recorder_is_raised_by_the_call_of_clingo(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     class Full(list[int]):

@@ -294,7 +294,7 @@ def test_atoms_are_decided_in_their_order_until_one_is_hard(
 # ---- Deadlines -----------------------------------------------------------------------------------
 
 
-def test_before_the_deadline_what_takes_a_while_is_proven() -> None:
+def test_slow_proofs_are_completed_before_the_deadline() -> None:
     until = time.monotonic() + 1000
     assert optimise(holes(7, True), until).cost == {20: 1}
     with pytest.raises(UnsatisfiableError):
@@ -303,7 +303,7 @@ def test_before_the_deadline_what_takes_a_while_is_proven() -> None:
 
 
 @pytest.mark.parametrize("left", [-1.0, 0.0, 0.02])
-def test_behind_the_deadline_the_best_answer_so_far_is_returned_with_its_bound(left: float) -> None:
+def test_after_the_deadline_the_best_answer_so_far_is_returned_with_its_bound(left: float) -> None:
     whole = holes(12, True)
     found = optimise(whole, time.monotonic() + left)
     assert not found.proven
@@ -332,7 +332,7 @@ def test_an_answer_that_is_not_proven_least_is_neither_counted_nor_called_so() -
 
 
 @pytest.mark.parametrize("left", [-1.0, 0.02])
-def test_behind_the_deadline_what_has_no_answer_yet_is_late(left: float) -> None:
+def test_after_the_deadline_a_search_without_an_answer_is_late(left: float) -> None:
     with pytest.raises(LateError) as caught:
         least(holes(12, False), time.monotonic() + left)
     assert caught.value.bound == {}
@@ -353,7 +353,7 @@ def test_what_costs_where_it_is_false_is_added_up_behind_the_deadline() -> None:
     assert found.cost[20] >= 7
 
 
-def test_whenever_the_deadline_passes_what_is_proven_is_least(
+def test_a_proven_answer_is_minimal_at_every_deadline(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """If it passes after the proof, the result may be another than the first of equal answers."""

@@ -135,7 +135,7 @@ def bound(**values: int) -> TermId:
     return as_term(clingo.Function("v", [names, *map(clingo.Number, values.values())]))
 
 
-def test_the_checker_finds_what_is_wrong() -> None:
+def test_the_checker_finds_faults() -> None:
     rules = rulebook_of("p(X) :- q(X), not r(X). r(X) :- r(X). q(1..2).").rules
     true = frozenset(map(clingo.parse_term, ["p(1)", "q(1)", "q(2)", "r(2)"]))
     q1, q2 = (step(f"q({n})", rules[2]) for n in (1, 2))
@@ -198,7 +198,7 @@ _GATHERED_OTHERWISE = _GATHERED + "c :- g. d :- c. e :- d. q(3) :- e."
         (_GATHERED_OTHERWISE, "a", ["a :- g.", "a :- b."]),
     ],
 )
-def test_a_derivation_counts_when_it_stands_without_its_atom(
+def test_a_derivation_counts_if_it_does_not_need_its_own_atom(
     program: str, atom: str, rules: list[str]
 ) -> None:
     trace = derivations(program, atom)
@@ -214,7 +214,7 @@ def test_a_road_is_walked_from_each_entrance_alone(entrances: str, count: int) -
     assert {counts[f"n({x})"] for x in range(1, 302)} == {count}
 
 
-def test_several_derivations_are_numbered_and_told_apart() -> None:
+def test_several_derivations_are_numbered() -> None:
     program = "t :- p. p :- q(X). p :- r. q(1..2). r :- p. r."
     lines = traces_text(
         [("t", derivations(program, "t"))], lambda span: "", depth=None, folded=False
@@ -244,7 +244,7 @@ def test_derivations_that_rest_on_the_same_are_one() -> None:
     ]
 
 
-def test_a_long_atom_goes_on_behind_a_comma() -> None:
+def test_a_long_atom_wraps_after_a_comma() -> None:
     atom = f"p({','.join(str(n) * 9 for n in range(1, 10))})"
     lines = list(wrapped(f"{atom}, as in (1)", 1))
     assert max(map(len, lines)) <= 80
@@ -277,7 +277,7 @@ def test_json_of_several_derivations() -> None:
     assert "others" not in others[0]
 
 
-def test_all_derivations_of_a_lattice_are_told_once_each() -> None:
+def test_each_derivation_of_a_lattice_is_rendered_once() -> None:
     """It has 2 ** (2 ** 31) proofs."""
     sides = "".join(f"n(L+1,{s}) :- n(L,S), side(S), L < 31. n(1,{s})." for s in "ab")
     trace = derivations(f"{sides} side(a). side(b).", "n(31,a)")

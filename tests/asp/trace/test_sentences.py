@@ -71,7 +71,9 @@ def sentences(*facts: str) -> Sentences:
         ('wants(1,"A")', None),
     ],
 )
-def test_a_fact_is_told_by_the_first_form_that_can_be_filled(fact: str, said: str | None) -> None:
+def test_a_fact_is_rendered_by_the_first_form_that_can_be_filled(
+    fact: str, said: str | None
+) -> None:
     result = sentences('wants(1,"A","B")').says(atom(fact))
     assert (result.sentence if result else None) == said
 
@@ -86,7 +88,9 @@ def test_a_fact_is_told_by_the_first_form_that_can_be_filled(fact: str, said: st
         ('rate(2,_any("_"))', None),
     ],
 )
-def test_an_absence_is_told_without_what_it_leaves_open(pattern: str, said: str | None) -> None:
+def test_an_absence_is_rendered_without_its_unbound_arguments(
+    pattern: str, said: str | None
+) -> None:
     assert sentences('wants(1,"A","B")').unless(atom(pattern)) == said
 
 
@@ -96,7 +100,7 @@ def test_a_number_orders_what_names_the_same_thing() -> None:
     assert ranks == [12500, None, None]
 
 
-def test_leaves_are_told_by_facts_sources_and_meaning() -> None:
+def test_leaves_are_rendered_with_facts_sources_and_meaning() -> None:
     rules = """\
 wants(1,"A","B"). rate(1,500).
 wants(2,"C","B").
@@ -129,7 +133,7 @@ many
     assert "\n".join(lines) == textwrap.dedent(expected).rstrip("\n")
 
 
-def test_children_stand_further_in_than_continuation_lines() -> None:
+def test_children_are_indented_more_than_continuation_lines() -> None:
     chain = "\n".join(f"%! because: {'step ' * 30}\np{n + 1} :- p{n}." for n in range(4))
     answer = Program.from_text(f"p0.\n{chain}", "c.lp").solve()
     lines = list(traces_text([("p4", answer.why("p4").trace)], lambda span: "p0.", depth=None))
