@@ -78,7 +78,7 @@ def test_the_help_of_a_verb_shows_its_example(
         (["import", FIGURE, "ros2"], "FORMAT comes before the files"),
     ],
 )
-def test_what_was_probably_meant(
+def test_suggestions_for_misspelt_words(
     words: list[str], told: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_command(words) == 2

@@ -177,7 +177,7 @@ def test_a_run_cannot_hang_or_end_a_campaign(campaign: Campaign, capsys: Capture
     assert "mars-asp run robot.mars --scenario s.toml --seed 99\n" in output
 
 
-def test_what_has_ended_is_not_run_again(campaign: Campaign, capsys: Captured) -> None:
+def test_finished_runs_are_not_run_again(campaign: Campaign, capsys: Captured) -> None:
     run_here(campaign.words("--seeds", "1-3", "-o", "o.jsonl"))
     first = campaign.out.read_bytes()
     run_here(campaign.words("--seeds", "1-3", "-o", "o.jsonl"))

@@ -51,7 +51,7 @@ FINDINGS = sorted((ROOT / "tests/findings").glob("*.mars"))
 
 
 @pytest.mark.parametrize("path", FINDINGS, ids=lambda path: path.stem)
-def test_findings_read_as_they_stand_beside_their_files(
+def test_findings_are_the_expected_ones_beside_their_files(
     path: Path, update_golden: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run_here(["check", str(path.relative_to(ROOT)), "--format", "full"])
@@ -222,7 +222,7 @@ def test_the_text_of_standard_input_goes_to_the_output(
     assert (done.returncode, done.stdout) == (status, expected)
 
 
-def test_a_repair_that_brings_a_warning_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_repair_that_adds_a_warning_announces_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["check", "examples/module-conflict/two-cameras.mars", "--format", "full"]) == 0
     assert "then warns: `FollowBall` and `WatchDoor`" in capsys.readouterr().out
 
@@ -242,7 +242,7 @@ def test_files_are_replaced_together_or_not_at_all(fault: str, tmp_path: Path) -
     assert {path.name for path in tmp_path.iterdir()} <= {"a", "b"}
 
 
-def test_a_rename_that_fails_puts_back_what_was_replaced(
+def test_a_rename_that_fails_restores_replaced_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first, second = tmp_path / "a", tmp_path / "b"

@@ -49,7 +49,7 @@ def shown(tmp_path: Path, text: str, *places: tuple[int, int, int], width: int =
         (f"{'x' * 200} b\n", [(1, 202, 203)], [f"    1 | {'x' * 200} b", f"      | {' ' * 201}^"]),
     ],
 )
-def test_a_caret_stands_under_the_place(
+def test_a_caret_is_under_the_location(
     text: str, places: list[tuple[int, int, int]], expected: list[str], tmp_path: Path
 ) -> None:
     assert shown(tmp_path, text, *places) == expected
@@ -61,7 +61,7 @@ def test_of_a_line_without_end_what_is_near_the_place_is_quoted(tmp_path: Path) 
     assert line[marks.index("^")] == "b"
 
 
-def test_a_label_that_does_not_fit_stands_below(tmp_path: Path) -> None:
+def test_a_label_that_does_not_fit_is_below(tmp_path: Path) -> None:
     lines = shown(tmp_path, "b\nbbbbbbbb\n", (1, 1, 2), (2, 1, 9), width=20)
     assert lines[3:] == ["      | --------", "      | place 2"]
 

@@ -281,7 +281,7 @@ def test_an_atom_has_its_trace(tmp_path: Path) -> None:
     assert json.loads(page.by_id()["traces"].text)["why"][0]
 
 
-def test_what_is_too_large_to_be_read_is_left_out(
+def test_files_that_are_too_large_are_left_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     names = [f"M{number}" for number in range(501)]
@@ -302,7 +302,7 @@ def test_what_is_too_large_to_be_read_is_left_out(
 EXAMPLE = "examples/figure04-divergence"
 
 
-def test_a_page_is_written_as_the_readme_says(tmp_path: Path) -> None:
+def test_a_page_is_written_as_in_the_readme(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples" / "figure04-divergence", tmp_path / EXAMPLE)
     (command,) = re.findall("^mars-asp explain .* -o .*$", (ROOT / "README.md").read_text(), re.M)
     assert run(command, tmp_path) == ""
@@ -389,7 +389,7 @@ def test_names_are_found(browser: Browser, tmp_path: Path) -> None:
 
 
 @in_a_browser
-def test_why_not_is_asked_by_keyboard(browser: Browser, tmp_path: Path) -> None:
+def test_why_not_works_by_keyboard(browser: Browser, tmp_path: Path) -> None:
     page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html")
     assert browser.spoken("heading")[1] == "Why not?"
     assert "for the module" in browser.spoken("combobox")

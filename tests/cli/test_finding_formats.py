@@ -154,7 +154,7 @@ FIXABLE = ("conversion", "left-over", "listed", "ports", "twice", "unused")
 
 
 @pytest.mark.parametrize("name", sample(FIXABLE, 2))
-def test_fixes_are_what_fix_writes(
+def test_fixes_equal_the_edits_of_fix(
     name: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = (ROOT / "tests/repair" / name / "config.mars").read_text(encoding="utf-8")

@@ -63,7 +63,7 @@ def test_quiet_shows_no_line_on_a_terminal() -> None:
     assert on_a_terminal(80, "--quiet") == ""
 
 
-def test_what_is_no_terminal_gets_no_line() -> None:
+def test_only_a_terminal_gets_a_live_line() -> None:
     done = subprocess.run(COMMAND, cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stderr == ""
     assert "in control:" not in done.stdout

@@ -55,7 +55,9 @@ def test_lint_without_a_path_takes_the_pack_of_the_folder(
     assert "syntax error" in capsys.readouterr().err
 
 
-def test_a_wrong_declaration_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_declaration_is_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text(PACK.replace("ours.\n", "ours.\nfron: stated\n"))
     assert run_here(["rules", "lint", str(pack)]) == 0

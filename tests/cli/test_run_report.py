@@ -18,7 +18,7 @@ LEVEL1 = ROOT / "examples" / "level1"
 HOSTILE = "</td></script><img src=x onerror=alert(1)>\u202e"
 
 
-def test_a_report_says_what_json_says(tmp_path: Path) -> None:
+def test_a_report_agrees_with_json(tmp_path: Path) -> None:
     words = f"run {LEVEL1}/config.mars --scenario {LEVEL1}/scenario.toml --duration 3 --quiet"
     output = run(
         f"mars-asp {words} --format json --report out.html --replay 'play it.html'", tmp_path
@@ -145,7 +145,7 @@ def test_each_robot_of_a_fleet_has_a_row() -> None:
     assert "Robots" not in report_page(made(robots=robots[:1]), "", "t", None)
 
 
-def test_a_long_table_is_cut_and_says_so() -> None:
+def test_a_long_table_is_cut_with_a_note() -> None:
     held = {"node": "A", "holder": None, "why": "alone"}
     control = [{**held, "seconds": each, "why": f"alone {each}"} for each in range(MOST_ROWS + 1)]
     text = report_page(made(control=control), "", "t", None)
@@ -158,7 +158,7 @@ def test_a_replay_is_found_from_the_folder_of_the_report(tmp_path: Path) -> None
     assert replay_seen_from(str(report), str(replay)) == "../b/p%231.html"
 
 
-def test_winners_that_take_turns_are_told_once() -> None:
+def test_alternating_winners_are_listed_once() -> None:
     first, second = ("A", "later than B"), ("B", "later than A")
     turns = [(float(at), *((first, second)[at % 2])) for at in range(24)]
     assert list(in_turn([*turns, (24.0, "C", "alone")])) == [

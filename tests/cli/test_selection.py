@@ -231,7 +231,7 @@ def test_the_nearest_settings_count(
     ],
 )
 @pytest.mark.parametrize("verb", ["analyse", "check"])
-def test_what_is_wrong_with_settings_has_its_place(
+def test_errors_of_settings_have_a_location(
     verb: str, text: str, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "mars.toml").write_text(text)
@@ -373,7 +373,7 @@ def look() -> Pose: ...
 # ---- Baselines -----------------------------------------------------------------------------------
 
 
-def test_a_baseline_hides_what_it_lists_wherever_it_moves(
+def test_a_baseline_hides_listed_findings_wherever_they_move(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_here(["check", "a.mars", "--write-baseline", "known.json"]) == 0
@@ -468,7 +468,7 @@ def test_a_baseline_lists_each_of_two_that_are_alike(
         (None, "mars-asp: error: k.json: no such file"),
     ],
 )
-def test_what_is_no_baseline_is_refused(
+def test_an_invalid_baseline_is_refused(
     raw: bytes | None, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if raw is not None:
@@ -486,7 +486,7 @@ def test_no_baseline_is_written_of_what_could_not_be_read(
     assert not (folder / "k.json").exists()
 
 
-def test_what_a_comment_hides_is_in_no_baseline(
+def test_findings_hidden_by_comments_are_in_no_baseline(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "a.mars").write_text(commented(5, f"// mars: ignore[{ERROR}]"))
@@ -503,7 +503,7 @@ def test_a_baseline_comes_from_standard_input(folder: Path) -> None:
     assert (twice.returncode, twice.stderr[:14]) == (2, "mars-asp: erro")
 
 
-def test_fix_leaves_alone_what_is_hidden(folder: Path) -> None:
+def test_fix_ignores_hidden_findings(folder: Path) -> None:
     text = ROBOT + "B uses_data_from Camera\n"
     (folder / "a.mars").write_text(text)
     assert (

@@ -126,7 +126,7 @@ def test_a_paced_run_is_the_run_that_it_is_without(capsys: pytest.CaptureFixture
 
 
 @pytest.mark.parametrize("speed", ["0", "-1", "nan", "inf", "fast"])
-def test_what_is_no_speed_is_refused(speed: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_invalid_speed_is_refused(speed: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as raised:
         run_here([*WORDS, "--speed", speed])
     assert raised.value.code == 2

@@ -98,7 +98,7 @@ def test_a_command_that_is_killed_takes_its_worker_along(pack: Path) -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_what_is_killed_leaves_no_torn_file(seed: int, tmp_path: Path) -> None:
+def test_a_killed_command_leaves_no_torn_file(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     out = tmp_path / "spec.mars"
     command = start("synthesise", LEVEL0, "-o", str(out))
@@ -228,7 +228,7 @@ def test_a_record_of_which_much_was_written_is_dropped_with_its_run(
     assert not list(tmp_path.glob(".mars-asp.*"))
 
 
-def test_a_crash_of_the_reasoner_is_told_apart(tmp_path: Path) -> None:
+def test_a_crash_of_the_reasoner_has_its_own_message(tmp_path: Path) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text("p(-2147483647 - 1).\nd(-1).\nq(X / Y) :- p(X), d(Y).\n")
     command = start("check", "examples/level0/config.mars", "--rules", str(pack))
@@ -369,7 +369,7 @@ def test_a_dry_run_says_whose_code_would_run_and_imports_none(tmp_path: Path) ->
     "body",
     ["import os\ndef go(): os.kill(os.getpid(), 11)\n", "import ctypes\nctypes.string_at(0)\n"],
 )
-def test_a_crash_is_told_apart_from_a_limit(body: str, tmp_path: Path) -> None:
+def test_a_crash_and_a_limit_have_different_messages(body: str, tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(body)
     (tmp_path / "s.toml").write_text(SCENARIO)
     (tmp_path / "c.mars").write_text(ROBOT)

@@ -21,7 +21,7 @@ named = pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
 
 
 @named
-def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -> None:
+def test_each_file_gives_the_expected_output(file: Path, update_golden: bool) -> None:
     text = file.read_text(encoding="utf-8")
     assert recognised(text) == "dora"
     found = "\n".join(said(import_dora([(text, file.name)]))) + "\n"
@@ -32,7 +32,7 @@ def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -
 
 
 @named
-def test_what_is_printed_means_what_was_read(file: Path) -> None:
+def test_printed_imports_have_the_meaning_of_the_file(file: Path) -> None:
     found = import_dora([(file.read_text(encoding="utf-8"), file.name)]).configuration
     assert meaning(parse_text(print_configuration(found), "a.mars").configuration) == meaning(found)
 
@@ -72,7 +72,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("text", "wrong"), REFUSED, ids=lambda value: str(value)[:30])
-def test_each_file_that_is_refused_says_all_that_is_wrong(text: str, wrong: list[str]) -> None:
+def test_each_refused_file_reports_all_its_errors(text: str, wrong: list[str]) -> None:
     with pytest.raises(MarsError) as caught:
         import_dora([(text, "d.yml")])
     assert [place(d) for d in caught.value.diagnostics] == wrong

@@ -199,7 +199,7 @@ def test_components_and_the_relay_of_a_joystick_are_known() -> None:
     assert (joystick.source, joystick.target) == ("joy_vel_in", "joy_vel_out")
 
 
-def test_parameters_within_an_element_stand_where_they_are_written() -> None:
+def test_parameters_within_an_element_have_their_own_locations() -> None:
     text = '<launch>\n  <node pkg="p" type="t" name="n">\n    <rosparam>\n      a: {b: [1, 2]}\n'
     [start] = read_markup(f"{text}    </rosparam>\n  </node>\n</launch>", "x.launch")
     [parameter] = start.parameters  # type: ignore[union-attr]

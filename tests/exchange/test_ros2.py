@@ -58,7 +58,7 @@ def said(found: Parsed, root: Path) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("tree", TREES, ids=lambda path: path.stem)
-def test_each_tree_says_what_stands_beside_it(tree: Path, update_golden: bool) -> None:
+def test_each_tree_gives_the_expected_output(tree: Path, update_golden: bool) -> None:
     found = "\n".join(said(import_ros2([("", str(tree))]), tree)) + "\n"
     golden = FOLDER / f"{tree.stem}.txt"
     if update_golden:

@@ -26,7 +26,7 @@ named = pytest.mark.parametrize("file", FILES, ids=lambda path: path.name)
 
 
 @named
-def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -> None:
+def test_each_file_gives_the_expected_output(file: Path, update_golden: bool) -> None:
     text = file.read_text(encoding="utf-8")
     assert recognised(text) == "rosgraph"
     found = "\n".join(said(import_rosgraph([(text, file.name)]))) + "\n"
@@ -37,7 +37,7 @@ def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -
 
 
 @named
-def test_what_is_printed_means_what_was_read(file: Path) -> None:
+def test_printed_imports_have_the_meaning_of_the_file(file: Path) -> None:
     found = import_rosgraph([(file.read_text(encoding="utf-8"), file.name)]).configuration
     assert meaning(parse_text(print_configuration(found), "a.mars").configuration) == meaning(found)
 
@@ -64,7 +64,7 @@ def test_what_one_dump_leaves_open_another_says() -> None:
     assert [second.controlled, second.controller, second.span.path] == ["/b", "/c", "cmd_vel.txt"]
 
 
-def test_a_controlled_node_is_not_said_to_be_unable_to_move() -> None:
+def test_a_controlled_node_is_not_reported_as_unable_to_move() -> None:
     text = (
         "/base\n  Subscribers:\n    /cmd_vel: geometry_msgs/msg/Twist\n    /map: nav/msg/Map\n"
         "  Publishers:\n    /odom: nav_msgs/msg/Odometry\n/joy\n  Publishers:\n"
@@ -268,7 +268,7 @@ def _callback(topic: str, type_: str) -> str:
     return f"{{callback_type: subscription_callback, topic_name: {topic}, symbol: {symbol}}}"
 
 
-def test_every_format_says_the_same_of_a_graph() -> None:
+def test_every_format_gives_the_same_graph() -> None:
     rng = random.Random(1)
     kinds = Counter[str]()
     for _ in range(40):
@@ -346,7 +346,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("kind", "text", "wrong"), REFUSED, ids=lambda value: str(value)[:30])
-def test_each_file_that_is_refused_says_all_that_is_wrong(
+def test_each_refused_file_reports_all_its_errors(
     kind: str | None, text: str, wrong: list[str]
 ) -> None:
     assert dump_of(text) == kind
@@ -370,7 +370,7 @@ BYTES = [
 
 
 @pytest.mark.parametrize(("raw", "said"), BYTES, ids=range(len(BYTES)))
-def test_bytes_that_are_no_text_are_refused_at_a_place(
+def test_bytes_other_than_text_are_refused_with_a_location(
     raw: bytes, said: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "d.yml"

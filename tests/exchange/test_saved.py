@@ -145,7 +145,7 @@ def test_a_saved_import_keeps_what_is_known_of_it_where_it_is_included(tmp_path:
     assert ("never_wins", "left/idle") in {(each.kind, each.subject) for each in result}
 
 
-def test_comments_without_an_import_say_nothing() -> None:
+def test_comments_without_an_import_are_ignored() -> None:
     message = "// A: not all topics read\n// A: commands pass a twist_mux\n"
     text = f"@configuration\n@modules A\n{message}"
     read = parse_text(text, "a.mars").configuration

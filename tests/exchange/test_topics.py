@@ -54,7 +54,7 @@ def test_topics_are_wires(nodes: tuple[GraphNode, ...], expected: list[str]) -> 
     assert lines(*nodes) == expected
 
 
-def test_a_mux_is_contracted_into_what_it_controls() -> None:
+def test_a_mux_is_contracted_into_the_node_that_it_controls() -> None:
     found = lines(
         node("a", "ca"),
         node("b", "cb"),

@@ -35,7 +35,7 @@ def said(found: Parsed) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
-def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -> None:
+def test_each_file_gives_the_expected_output(file: Path, update_golden: bool) -> None:
     text = file.read_text(encoding="utf-8")
     found = "\n".join(said(import_twist_mux(text, file.name))) + "\n"
     golden = file.with_suffix(".txt")
@@ -139,7 +139,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("text", "wrong"), REFUSED, ids=lambda value: str(value)[:30])
-def test_each_file_that_is_refused_says_all_that_is_wrong(text: str, wrong: list[str]) -> None:
+def test_each_refused_file_reports_all_its_errors(text: str, wrong: list[str]) -> None:
     with pytest.raises(MarsError) as caught:
         import_twist_mux(text, "m.yaml")
     assert [place(d) for d in caught.value.diagnostics] == wrong
@@ -227,9 +227,7 @@ def test_the_wiring_of_a_mux_is_judged_against_what_it_is_for(
     assert (status, judged) == (0, "the specification realises the configuration and is minimal\n")
 
 
-def test_what_is_imported_says_where_each_line_is_from(
-    mux: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_imported_lines_have_their_origins(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert told("import twist_mux robot.txt --quiet", capsys)[:2] == (
         0,
         """@specification hierarchical
@@ -251,7 +249,7 @@ def meaning(of: Configuration) -> tuple[object, ...]:
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
-def test_what_is_printed_means_what_was_read(file: Path) -> None:
+def test_printed_imports_have_the_meaning_of_the_file(file: Path) -> None:
     found = import_twist_mux(file.read_text(encoding="utf-8"), file.name).configuration
     for shape in (found, lifted(found)):
         assert meaning(parse_text(print_configuration(shape), "a.mars").configuration) == meaning(

@@ -116,7 +116,7 @@ def test_frames_are_those_that_pytransform3d_finds(
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
-def test_files_mean_what_pytransform3d_finds(path: Path) -> None:
+def test_frames_of_files_agree_with_pytransform3d(path: Path) -> None:
     text = path.read_text()
     oracle = UrdfTransformManager()
     oracle.load_urdf(text)
@@ -192,7 +192,7 @@ def test_joints_that_move_in_several_ways(
     assert all((f.min, f.max, f.rate) == (None, None, None) for m in found for f in m.functions)
 
 
-def test_what_exporters_repeat_is_remarked_once() -> None:
+def test_repetitions_by_exporters_are_remarked_once() -> None:
     joints = "".join(
         f'<link name="l{n}"/><joint name="j{n}" type="revolute"><parent link="l{n - 1}"/>'
         f'<child link="l{n}"/><origin rpy="1.5708 0 -1.5708"/><mimic joint="j1"/></joint>'
@@ -419,7 +419,7 @@ def test_documents_are_recognised_whatever_they_begin_with(beginning: str) -> No
     assert recognised(f"{beginning}<html/>") == "mars"
 
 
-def test_everything_wrong_is_told_at_once() -> None:
+def test_all_errors_are_reported_at_once() -> None:
     text = GOOD.replace("0 0 0.25", "far").replace("0 1 0", "0 0 0").replace('"-1"', '"low"')
     with pytest.raises(MarsError) as caught:
         import_urdf(text.replace("<robot", "<roboter").replace("</robot", "</roboter"), "bad.urdf")
