@@ -1,4 +1,4 @@
-"""Mutants of our own rules, tried on the cases of `tests/rules` and on stronger checks."""
+"""Mutants of the built-in rules, tried on the cases of `tests/rules` and on stronger checks."""
 
 from collections.abc import Iterator, Sequence
 from functools import cache

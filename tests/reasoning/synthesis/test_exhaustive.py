@@ -99,7 +99,7 @@ def compare_mounts(seed: int) -> str | None:
 
 
 def compare_twins(seed: int) -> str | None:
-    """Twins cost twice what one of them costs."""
+    """Return a difference, or None; twins have to cost twice as much as one of them."""
     text = random_twins(seed)
     once, twice = (minimal(read(t).configuration, {}) for t in (one_of(text), text))
     if once is not None and twice != (add(once[0], once[0]), once[1] ** 2):

@@ -1,4 +1,4 @@
-"""For whom an InheritanceNode stands: from its comment, else from mounts and controllers."""
+"""The module of an InheritanceNode: from its comment, else from mounts and controllers."""
 
 import json
 import re
@@ -45,7 +45,7 @@ COMMENT = re.compile(r"// InheritanceNode\d: \w+\n")
 
 
 def specified(text: str) -> tuple[Configuration, str]:
-    """Return a specification as it was found, and the text in which it stands by itself."""
+    """Return a minimal specification, and its text with the declarations of all modules."""
     project = read(text)
     found = synthesised(project)
     assert found is not None
@@ -54,7 +54,7 @@ def specified(text: str) -> tuple[Configuration, str]:
 
 
 def told(specification: Configuration) -> dict[str, object]:
-    """Return what each module is commanded where A drives `Trans_X` at 5 mm/s."""
+    """Return the command of each module if A commands `Trans_X` at 5 mm/s."""
     got: dict[str, object] = {}
 
     def obeying(name: str) -> Behaviour:

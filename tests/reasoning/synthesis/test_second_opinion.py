@@ -1,4 +1,4 @@
-"""Nothing that `rules/verify` accepts costs less than what is called least."""
+"""No specification that `rules/verify` accepts is cheaper than a minimal one."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What `rules/specify` derives is what is printed, and means to `rules/verify` what that means."""
+"""Atoms of `rules/specify` equal the facts of the printed text, also for `rules/verify`."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -34,7 +34,7 @@ from tests.support.random_configurations import (
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))
 MAKERS = (random_configuration, random_control, random_mounts, random_twins)
-#: The predicates that say what a line states, behind its ends.
+#: Predicates of the properties of a relationship, after its two ends.
 DATA = ("spec_uses_data_from", "spec_required_mode", "spec_required_rate")
 CONTROL = ("spec_is_controlled_by", "spec_priority", "spec_hold", "spec_allocation")
 NODES = ("spec_node", "spec_converts", "spec_converter", "spec_stands_for")
@@ -53,14 +53,14 @@ def derived_atoms(derived: of_rules.SpecifiedAtoms) -> Iterator[clingo.Symbol]:
 
 
 def named(synthesis: Synthesis) -> Iterator[clingo.Symbol]:
-    """Yield what was derived with the names of nodes in place of the terms for them."""
+    """Yield the derived atoms with names of nodes in place of their terms."""
     nodes = {clingo.parse_term(n.term): n.name for n in synthesis.specification.nodes}
 
     def name_of(term: clingo.Symbol) -> clingo.Symbol:
         return clingo.String(nodes[term]) if term in nodes else term
 
     for atom in derived_atoms(synthesis.derived):
-        # A line may be called as a node is: that is no place for a name.
+        # The id of a relationship may equal the term of a node: it is no name.
         line = atom.name in (*DATA, *CONTROL)
         kept, rest = atom.arguments[:line], atom.arguments[line:]
         yield clingo.Function(atom.name, [*kept, *map(name_of, rest)])
@@ -86,7 +86,7 @@ def test_the_facts_of_what_is_printed_are_what_the_rules_derive(
         return
     text = print_configuration(synthesis.specification.configuration)
     printed = parse_text(text, "s.mars").configuration
-    # Whom an InheritanceNode stands for is printed only where it does not show.
+    # The module of an InheritanceNode is printed only if it cannot be inferred.
     printed = replace(printed, stand_ins=synthesis.specification.configuration.stand_ins)
     facts = [symbol(fact) for fact in specification_facts(printed, reasoner.project, RULEBOOK)]
     derived = list(named(synthesis))
