@@ -34,19 +34,19 @@ def test_requirements_on_request(asked: str, name: str, holds: bool) -> None:
     assert verdicts(made)[name] is holds
 
 
-def test_commands_beyond_a_limit_are_reported_without_being_asked() -> None:
+def test_commands_beyond_a_limit_are_always_reported() -> None:
     made = trial(f"{BASE}limits = {{ Trans_Z = 100 }}\n{HAND}")
     assert verdicts(made)["commands within limits"] is False
     assert made.bodies[0].driven == pytest.approx(300)
 
 
-def test_two_controllers_without_an_arbiter_are_reported_without_being_asked() -> None:
+def test_two_controllers_without_an_arbiter_are_always_reported() -> None:
     both = DRIVE.replace("P, C", "P, C, D") + "P is_controlled_by D\n"
     made = trial(BASE + HAND + HAND.replace(".C]", ".D]"), both)
     assert verdicts(made)["one controller at a time"] is False
 
 
-def test_a_violation_is_explained_down_to_the_lines_that_asked(tmp_path: Path) -> None:
+def test_a_violation_is_explained_down_to_the_lines_that_require_it(tmp_path: Path) -> None:
     text = f"{BASE}limits = {{ Trans_Z = 100 }}\n{HAND}{WALL}[requirements]\nno_collision = true\n"
     judgement = judge(trial(text, folder=tmp_path))
     traces = {c.kind: trace for c, trace in judgement.traces()}
@@ -164,7 +164,7 @@ def test_a_failure_has_its_line_its_instant_and_its_inputs(
     assert requirement.message == f"`C` failed {times} times, first by {told}"
 
 
-def test_a_place_that_was_not_reached_is_told_with_the_nearest_to_it(tmp_path: Path) -> None:
+def test_a_goal_that_was_not_reached_is_reported_with_the_nearest_point(tmp_path: Path) -> None:
     asked = "[requirements]\nreach = { at = [2500, 800], within = 1.5 }\n"
     judgement = judge(trial(BASE + HAND + asked, folder=tmp_path))
     (requirement,) = (r for r in judgement.requirements if not r.holds)
@@ -188,7 +188,7 @@ def test_rates_are_written_in_units_of_a_scenario(unit: str, number: int, writte
     assert in_words(unit, number) == written
 
 
-def test_failures_that_are_asked_for_do_not_fail_a_run() -> None:
+def test_requested_failures_do_not_fail_a_run() -> None:
     made = trial(f'{BASE}{HAND}[faults]\nC = {{ kind = "throwing", from = 1, until = 2 }}\n')
     assert made.executor.links[0].dropped["failed"] == 10
     assert all(verdicts(made).values())

@@ -66,7 +66,7 @@ def test_a_scenario_declares_a_processing_delay(tmp_path: Path) -> None:
     assert driven == pytest.approx([300, 250])
 
 
-def test_a_condition_about_what_is_no_number_fails_the_run() -> None:
+def test_a_condition_on_a_value_other_than_a_number_fails_the_run() -> None:
     screen = "@specification\n@modules P, S, A\nA uses_data_from S NotifyOnMax(3)\n"
     made = trial(BASE + '[devices.S]\nkind = "odometry"\n', screen)
     assert [failures.count for failures in made.executor.failures.values()] == [31]

@@ -27,7 +27,7 @@ def test_names_stand_behind_the_include_and_places_stay(tmp_path: Path) -> None:
     ]
 
 
-def test_an_error_of_a_file_that_is_included_twice_is_told_once(tmp_path: Path) -> None:
+def test_an_error_of_a_file_that_is_included_twice_is_reported_once(tmp_path: Path) -> None:
     (tmp_path / "inner.mars").write_text("@configuration\n@modules A\nA uses_data A\n")
     robot = tmp_path / "robot.mars"
     robot.write_text(

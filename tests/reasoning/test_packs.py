@@ -116,7 +116,7 @@ def test_refusing_does_not_ground(tmp_path: Path) -> None:
         ("p(1).\np(X :- q.\n", "rule-syntax", (2, 5)),
     ],
 )
-def test_a_case_that_clingo_refuses_is_told_with_its_place(
+def test_a_case_that_clingo_refuses_is_reported_with_its_location(
     tmp_path: Path, text: str, code: str, place: tuple[int, int]
 ) -> None:
     path = tmp_path / "case.lp"

@@ -170,7 +170,7 @@ def test_a_case_passes_the_gate_and_the_mask(tmp_path: Path) -> None:
         assert (found.span.path, found.span.line, found.span.column) == (str(path), *place)
 
 
-def test_a_rule_of_a_pack_that_has_no_value_in_a_case_is_told_where_it_stands(
+def test_a_rule_of_a_pack_without_a_value_in_a_case_is_reported_at_its_location(
     tmp_path: Path,
 ) -> None:
     pack, case = tmp_path / "mine.lp", tmp_path / "case.lp"

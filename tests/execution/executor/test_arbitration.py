@@ -299,7 +299,7 @@ def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits()
         (" allocation split", [(0, {"Rotn_Y": 3})], [(0, {"Rotn_Y": 3})]),
     ],
 )
-def test_an_inheritance_node_allocates_as_its_input_says(
+def test_an_inheritance_node_allocates_by_its_input(
     allocation: str, at_head: list[object], at_base: list[object]
 ) -> None:
     """The base has another controller, so an arbiter is between node and base."""

@@ -215,7 +215,7 @@ def test_without_an_unread_message_the_next_one_answers_the_one_outstanding_requ
     assert executor.links[0].delivered == 3
 
 
-def test_an_algorithm_on_request_computes_when_it_is_asked() -> None:
+def test_an_algorithm_on_request_computes_at_each_request() -> None:
     inbox = Inbox()
     calls: list[int] = []
 

@@ -45,7 +45,7 @@ def control(controlled: str, controller: str) -> str:
 # ---- Links ---------------------------------------------------------------------------------------
 
 
-def test_a_link_says_what_its_line_says() -> None:
+def test_a_link_has_the_properties_of_its_relationship() -> None:
     plan = planned(
         "B uses_data_from A NotifyAtFrequency 2.5\nC is_mounted_on B\n"
         "C is_controlled_by B 7 hold 30 allocation root\nD is_controlled_by B\nC uses_data_from B"
@@ -78,7 +78,7 @@ def test_depths_of_data_count_the_longest_way() -> None:
 # ---- Kinds ---------------------------------------------------------------------------------------
 
 
-def test_a_described_module_is_what_its_services_say() -> None:
+def test_a_described_module_has_the_kind_of_its_services() -> None:
     moving_x = effector("M", "Rotn_X").functions
     both = Module("B", HERE, (Service("DataIn", HERE), Service("DataOut", HERE)))
     commanding = Module("C", HERE, (Service("DataIn", HERE), Service("ControlOut", HERE)))
@@ -110,7 +110,7 @@ def test_who_moves_is_an_effector_whomever_it_commands_and_so_is_who_only_carrie
     }
 
 
-def test_an_undescribed_module_is_what_its_relationships_say() -> None:
+def test_an_undescribed_module_has_the_kind_of_its_relationships() -> None:
     plan = planned(
         data("Filter", "Camera") + data("Planner", "Filter") + data("Display", "Filter")
         + control("Arm", "Planner") + data("Arm", "Filter") + data("Last", "DataSplitter1")
@@ -148,7 +148,7 @@ def test_a_module_offers_its_first_mode_or_what_its_single_client_asks_for() -> 
     assert planned(data("C", "S"), taking).offered("S") == (regular, Fraction(4))
 
 
-def test_a_sensor_is_sampled_raw_where_a_condition_is_asked_for() -> None:
+def test_a_sensor_is_sampled_raw_for_a_condition() -> None:
     ready, regular = mode("NotifyWhenReady"), mode("NotifyAtFrequency")
     asking = mode("RequestWhenReady")
     for make in (sensor, data_out):
@@ -298,7 +298,7 @@ TOWER_MODULES = (
 )
 
 
-def test_providers_stand_nearest_first() -> None:
+def test_providers_are_ordered_nearest_first() -> None:
     plan = planned(TOWER.format(high="High"), *TOWER_MODULES, control_out("Pilot", "Rotn_Y"))
     found = plan.providers("InheritanceNode1")
     assert [(name, each.client) for name, each in found.items()] == [

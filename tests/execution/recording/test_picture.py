@@ -75,7 +75,7 @@ def test_a_goal_is_shown_with_when_it_was_reached_or_how_near_the_robot_came() -
     assert f"nearest to it: {round(hypot(500, 400))} mm, at 2.00 s" in missed
 
 
-def test_what_is_not_decided_is_told_apart() -> None:
+def test_undecided_requirements_are_distinguished() -> None:
     made = trial(BASE + HAND + GOAL.format("{ at = [900, 400], within = 9 }"))
     assert texts(drawn(made))[:2] == ["not decided", "not decided: reach"]
 

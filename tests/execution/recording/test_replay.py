@@ -228,7 +228,9 @@ def test_a_click_on_a_lane_says_who_won_and_why(browser: Browser, tmp_path: Path
 
 
 @in_a_browser
-def test_a_name_is_asked_by_keyboard_and_keeps_the_focus(browser: Browser, tmp_path: Path) -> None:
+def test_a_name_is_entered_by_keyboard_and_keeps_the_focus(
+    browser: Browser, tmp_path: Path
+) -> None:
     shown(browser, tmp_path / "run.html", page())
     # Play, speed, the slider, and the names.
     browser.press("Tab", 4)

@@ -54,7 +54,7 @@ exclusive = [["Trans_Z", "Rotn_Y"], ^["Trans_Z"], ^["Trans_Z", "Turn"]]
 """
 
 
-def test_values_of_a_wrong_form_are_reported_where_they_stand() -> None:
+def test_values_of_a_wrong_form_are_reported_at_their_locations() -> None:
     lines = WRONG_FORMS.splitlines()
     marked = [
         (number, match.start() - index + 1)
@@ -142,7 +142,7 @@ def test_numbers_beyond_reason_are_refused_before_the_run(wrong: str, told: str)
     assert read_scenario(BASE + joint, Path("s.toml")).devices["J"]["low"] < 0
 
 
-def test_a_scenario_of_mistakes_is_told_in_part() -> None:
+def test_only_some_mistakes_of_a_scenario_are_reported() -> None:
     wrong = "".join(f"key{number} = 1\n" for number in range(5000))
     with pytest.raises(MarsError) as raised:
         read_scenario(wrong, Path("s.toml"))

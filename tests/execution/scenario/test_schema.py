@@ -38,7 +38,7 @@ def test_the_document_is_what_is_printed(
 
 
 @pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_examples_are_as_the_schema_says(path: Path) -> None:
+def test_examples_conform_to_the_schema(path: Path) -> None:
     schema = json.loads(DOCUMENT.read_text(encoding="utf-8"))
     Draft4Validator(schema).validate(tomllib.loads(path.read_text(encoding="utf-8")))
 
@@ -107,7 +107,7 @@ def test_what_is_wrong_is_told(wrong: str, told: str, help_text: str | None) -> 
     assert found.span.line in (1, 2)
 
 
-def test_of_one_form_several_wrong_parts_are_told_once() -> None:
+def test_several_faults_of_one_form_are_reported_once() -> None:
     (found,) = mistakes({**GOOD, "world": {"walls": [[["a", "b"], ["c"]]]}})
     assert found.path == ("world", "walls", 0)
 

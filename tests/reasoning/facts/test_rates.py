@@ -24,7 +24,7 @@ rates = st.lists(periods | exact | near.map(lambda text: Rate(Fraction(text))), 
 
 @few
 @given(rates)
-def test_numbers_are_in_the_exact_order_and_stand_for_one_rate_each(stated: list[Rate]) -> None:
+def test_numbers_are_in_the_exact_order_and_represent_one_rate_each(stated: list[Rate]) -> None:
     result = rates_of(stated)
     ordered = sorted(set(stated))
     numbers = [result.millihertz(hz) for hz in ordered]

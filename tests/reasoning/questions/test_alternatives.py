@@ -224,7 +224,7 @@ def test_a_subject_is_a_node() -> None:
 
 
 @pytest.mark.parametrize("words", [["--alternatives", "0"], ["--alternatives", "many"]])
-def test_a_wrong_number_is_told(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_number_is_reported(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         run_here(["explain", str(CASES[0] / "config.mars"), *words])
     assert end.value.code == 2

@@ -61,7 +61,7 @@ def test_what_appears_one_way_vanishes_the_other(old: Configuration, new: Config
     assert (forth.added, forth.removed) == (back.removed, back.added)
 
 
-def test_an_error_that_appears_is_told_by_the_status() -> None:
+def test_an_error_that_appears_changes_the_status() -> None:
     case = ROOT / "tests/diff/error"
     old, new = str(case / "old.mars"), str(case / "new.mars")
     assert run_here(["diff", old, new, "--quiet"]) == 1

@@ -57,7 +57,7 @@ def test_where_nothing_realises_the_configuration(tmp_path: Path) -> None:
     assert "nothing concerns `F`" in refused
 
 
-def test_a_consequence_that_is_not_there_is_told_without_resolving() -> None:
+def test_an_absent_consequence_is_reported_without_resolving() -> None:
     """The whole gives the same answer, after a specification was looked for."""
     rulebook = load_rulebook()
     whole = Reasoner(LEVEL0, rulebook)

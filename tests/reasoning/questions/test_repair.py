@@ -231,7 +231,7 @@ def test_findings_that_no_try_is_left_for_say_so(
     assert "not tried beside so many others: ask for `class_mismatch(" in capsys.readouterr().out
 
 
-def test_a_time_limit_ends_the_search_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_time_limit_ends_the_search_with_a_note(capsys: pytest.CaptureFixture[str]) -> None:
     path = str(ROOT / "tests/repair/roles/config.mars")
     assert run_here(["explain", path, "--repair", "--time-limit", "0.001"]) == 3
     output = capsys.readouterr()
@@ -275,7 +275,7 @@ def test_a_pack_may_propose_edits_for_its_own_findings(tmp_path: Path) -> None:
     assert [str(edit.term) for mend in found[0].mends for edit in mend.edits] == ['unname("Rock")']
 
 
-def test_a_finding_that_no_rule_proposes_edits_for_says_so(
+def test_a_finding_without_proposed_edits_is_reported_as_such(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pack = tmp_path / "lonely.lp"

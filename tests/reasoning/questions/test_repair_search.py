@@ -238,7 +238,7 @@ def test_nothing_is_resolved_while_the_finding_is_there(
     "error",
     [TimeoutError(), MarsError((Diagnostic("cost", "error", "too large", point("c.mars", 1, 1)),))],
 )
-def test_what_has_no_specification_is_no_mend(
+def test_an_edit_without_a_specification_is_not_a_fix(
     error: Exception, book: Callable[[str], Rulebook], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fails(*_: object) -> None:
@@ -250,7 +250,7 @@ def test_what_has_no_specification_is_no_mend(
     assert (found.tried, found.mends) == (1, ())
 
 
-def test_what_brings_an_error_is_no_mend(book: Callable[[str], Rulebook]) -> None:
+def test_an_edit_that_adds_an_error_is_not_a_fix(book: Callable[[str], Rulebook]) -> None:
     rules = """
 doom(0). saved(0) :- not module("A"). save(none, none, 1).
 %! id: odd/without
@@ -261,7 +261,9 @@ edit(doomed, M, K, unname("A"), 1) :- consequence(doomed, _, M, K).
     assert (found.tried, found.mends) == (1, ())
 
 
-def test_what_turns_the_order_of_controllers_is_no_mend(book: Callable[[str], Rulebook]) -> None:
+def test_an_edit_that_reverses_the_order_of_controllers_is_not_a_fix(
+    book: Callable[[str], Rulebook],
+) -> None:
     rules = """
 doom(0). saved(0) :- not priority(_, 2). save(none, none, 1).
 %! id: odd/rank

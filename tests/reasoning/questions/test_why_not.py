@@ -69,7 +69,7 @@ def test_any_node_of_a_kind_is_one_that_is_there() -> None:
 @pytest.mark.parametrize(
     "subject", ["InheritanceNode(Turn)", "InheritanceNode", "ControlSplitter(_)", "DataTransformer"]
 )
-def test_every_kind_of_node_can_be_asked_for(subject: str) -> None:
+def test_every_kind_of_node_can_be_queried(subject: str) -> None:
     found = json.loads(run(f"mars-asp explain {LEVEL0} --why-not {subject} --format json"))
     assert not found["present"]
     assert found["traces"][0]["premises"]
@@ -257,7 +257,7 @@ def test_names_of_modules_need_no_quotes_in_an_atom() -> None:
     assert plain[2] == quoted[2]
 
 
-def test_a_configuration_that_nothing_realises_says_so() -> None:
+def test_a_configuration_without_a_realisation_is_reported() -> None:
     done = mars("explain", UNREALISED)
     assert done.returncode == 1
     assert done.stdout.rstrip().endswith("prevents it")

@@ -131,7 +131,7 @@ def test_the_command(
         ("", "is not a node", "the nodes are"),
     ],
 )
-def test_a_name_that_is_no_node_is_reported(name: str, told: str, help_text: str) -> None:
+def test_a_name_other_than_a_node_is_reported(name: str, told: str, help_text: str) -> None:
     with pytest.raises(MarsError) as caught:
         without(name, Reasoner(load_project(str(ROOT / LEVEL1)), RULEBOOK))
     (diagnostic,) = caught.value.diagnostics
