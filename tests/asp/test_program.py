@@ -67,7 +67,7 @@ def test_a_reason_goes_down_to_the_facts_of_the_file() -> None:
 def test_every_derivation_is_returned() -> None:
     reason = of("reachability").solve().why("reach(b)", every=True)
     assert isinstance(reason.trace, Derived)
-    # The edge from `d` is no other derivation: `d` is reached through `b` alone.
+    # The edge from `d` gives no second derivation: `d` is reached through `b` alone.
     assert len(reason.trace.others) == 0
     text = "p(1). p(2). q :- p(X)."
     trace = asp.Program.from_text(text).solve().why("q", every=True).trace

@@ -1,4 +1,4 @@
-"""Attributes of modules: what is told of each form, and what is wrong, beside the files."""
+"""Attributes of modules: messages about each form and about faults, beside the files."""
 
 import re
 from pathlib import Path

@@ -55,7 +55,7 @@ def commanding(tree: Tree, functions: tuple[str, ...]) -> str:
 
 
 def standing(tree: Tree) -> str:
-    """Return a configuration that nobody controls."""
+    """Return a configuration without controllers."""
     heading = ["@configuration", f"@modules {', '.join(tree.parts)}"]
     return "\n".join([*heading, *tree.lines(), *tree.blocks()])
 

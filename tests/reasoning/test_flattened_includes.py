@@ -217,7 +217,7 @@ def in_files(draft: Draft, folder: Path, architecture: str) -> Path:
 
 
 def told(path: str, text: str | None = None) -> tuple[object, ...]:
-    """Return what is found in a file, what its specification costs, and the lines of that."""
+    """Return the findings of a file, and the cost and the lines of its specification."""
     reasoner = Reasoner(load_project(path, text=text), RULEBOOK)
     found = sorted(
         (each.kind, each.severity, each.subject, *each.participants, each.message)
@@ -236,7 +236,7 @@ RULEBOOK = load_rulebook(stages=("resolve", "verify"))
 
 
 def compare(seed: int, folder: Path) -> str | None:
-    """Return what differs between a robot in files and in one."""
+    """Return the difference between a robot in several files and in one."""
     random = Random(seed)
     architecture = random.choice(["flat", "hierarchical"])
     draft = drawn(random)

@@ -1,4 +1,4 @@
-"""`@include`: the modules and lines of another configuration, behind a name of their own."""
+"""`@include`: the modules and relationships of another configuration, under a prefix."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What is said of rule packs before clingo reads them."""
+"""Messages about rule packs before clingo reads them."""
 
 import re
 from pathlib import Path

@@ -112,7 +112,7 @@ def numeric_twists(
 
 
 def reaches(columns: Iterable[Matrix], unit: Matrix) -> bool:
-    """Say whether least squares leaves nothing of the unit vector."""
+    """Whether columns combine to the unit vector, by least squares."""
     matrix = np.array(list(columns)).T
     if not matrix.size:
         return False
@@ -165,7 +165,7 @@ def expected(chain: Configuration) -> Verdict:
 
 
 def test_random_chains(rules: str) -> None:
-    """All chains stand in one configuration: they have nothing to do with each other."""
+    """All chains are in one configuration, in which they are independent."""
     chooser = random.Random(2026)
     chains = [random_chain(chooser, f"C{number}M", 0.7 * (number % 2)) for number in range(CHAINS)]
     mounts = [r for chain in chains for r in chain.relationships if isinstance(r, Mount)]

@@ -21,7 +21,7 @@ MUTANTS = 4
 
 
 def compare_judged(seed: int) -> str | None:
-    """Return what differs for a specification and for mutants of it."""
+    """Return the difference for a specification and its mutants."""
     project = read(random_mounts(seed) if seed % 2 else random_configuration(seed))
     found = synthesised(project)
     if found is None:

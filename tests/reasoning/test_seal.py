@@ -1,6 +1,6 @@
 """Rule packs that would lie, hang or end the process: each is refused at its place.
 
-Packs stand in `tests/packs`, what is said of each beside it.
+Packs are in `tests/packs`, each with its expected messages beside it.
 """
 
 import ast

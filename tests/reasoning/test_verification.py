@@ -522,7 +522,7 @@ Command go();
 
 
 def test_a_comment_that_names_another_module_than_that_of_the_node_is_refused() -> None:
-    """The arm inherits from its base, and nobody commands the lamp beside it."""
+    """The arm inherits from its base; the lamp beside it has no controller."""
     through = "// InheritanceNode1: {}\nInheritanceNode1 is_controlled_by Pilot\n"
     through += "Base is_controlled_by InheritanceNode1"
     specification = "@specification" + ARM.split("@module_start", maxsplit=1)[0].replace(

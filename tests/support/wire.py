@@ -77,7 +77,7 @@ class Wire:
             yield message
 
     def diagnostics(self, uri: str, version: int) -> list[Mapping[str, Any]]:
-        """Return what is published for a version of a text, when it is."""
+        """Wait for the diagnostics of a version of a text; return them."""
         if self.published.get(uri, {}).get("version") != version:
             for _ in self.messages():
                 if self.published.get(uri, {}).get("version") == version:

@@ -60,7 +60,7 @@ def named(synthesis: Synthesis) -> Iterator[clingo.Symbol]:
         return clingo.String(nodes[term]) if term in nodes else term
 
     for atom in derived_atoms(synthesis.derived):
-        # The id of a relationship may equal the term of a node: it is no name.
+        # The id of a relationship may equal the term of a node, but is not its name.
         line = atom.name in (*DATA, *CONTROL)
         kept, rest = atom.arguments[:line], atom.arguments[line:]
         yield clingo.Function(atom.name, [*kept, *map(name_of, rest)])
@@ -102,7 +102,7 @@ def symbol(fact: Fact) -> clingo.Symbol:
 
 
 def violations(reasoner: Reasoner, told: Iterable[clingo.Symbol]) -> set[str]:
-    """Return what is wrong with a specification that atoms describe."""
+    """Return the faults of a specification that atoms describe."""
     configuration = reasoner.project.configuration
     kept = replace(configuration, kind="specification", relationships=())
     facts = facts_text(specification_facts(kept, reasoner.project, RULEBOOK))
