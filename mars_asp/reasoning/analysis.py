@@ -1,4 +1,4 @@
-"""The consequences of a configuration: what the rules derive, with their messages and places.
+"""The consequences that the rules derive from a configuration, with their messages and locations.
 
 Nothing is decided here: a consequence is an atom `consequence(Kind, Severity, Subject, Case)` of
 the answer set, its message the metadata of the rule that derives it.
@@ -45,10 +45,10 @@ from mars_asp.reasoning.findings import (
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[TermId, TermId, TermId]
 _Value = TypeVar("_Value")
-#: What a consequence that neither warns nor stops has for its severity.
+#: The severity of consequences that are neither warnings nor errors.
 _NOTE = as_term(clingo.Function("note"))
 _STAGE = "base"
-#: So many launch trees are named; all are in JSON.
+#: At most this many launch trees are named in a text; JSON has all.
 _MOST_TREES = 3
 
 
@@ -56,7 +56,7 @@ _MOST_TREES = 3
 class LaunchCondition:
     """A launch argument that must have a value, or must not if `how` is `unless`.
 
-    `span` is where a launch file states it.
+    `span` is the location in the launch file that states the condition.
     """
 
     variable: str
@@ -67,10 +67,10 @@ class LaunchCondition:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Consequence:
-    """One consequence; `spans` are the places it concerns, in the order of the file.
+    """One consequence; `spans` are the locations that it concerns, in the order of the file.
 
-    `labels` say something of some of these places, where they were asked for; `effect` is what will
-    happen; `trees` are the launch files in which it holds.
+    `labels` are sentences about some of these locations, if the analysis has labels; `effect` is
+    the effect on the robot; `trees` are the launch files in which the consequence holds.
 
     >>> found = load("examples/level0/config.mars").analyse().consequences[0]
     >>> found.kind, found.subject, found.spans[0].line
@@ -98,9 +98,9 @@ class Consequence:
 
 @dataclass(frozen=True, repr=False)
 class Analysis:
-    """What the rules derive from facts.
+    """The consequences and other atoms that the rules derive from facts.
 
-    Consequences are read from the grounding on the first use, as not every question needs them.
+    Consequences are read from the grounding on first use, as not every question needs them.
 
     >>> analysis = load("examples/level0/config.mars").analyse()
     >>> analysis.has_errors, len(analysis.consequences)
@@ -112,19 +112,19 @@ class Analysis:
     grounding: Grounding
     facts: tuple[Fact, ...]
     speakers: tuple[Rule, ...]
-    #: Where a consequence is placed that concerns no line.
+    #: The location of a consequence that concerns no line.
     configuration: Span
-    #: What rules say of the places of findings, where it was asked for.
+    #: The labels of the rules for locations of findings; empty unless requested.
     labelled: tuple[tuple[Rule, Label], ...] = ()
 
     @cached_property
     def consequences(self) -> tuple[Consequence, ...]:
-        """Return the consequences, sorted by place."""
+        """Return the consequences, sorted by location."""
         return read_consequences(self)
 
     @cached_property
     def unchecked(self) -> tuple[str, ...]:
-        """Return the modules of which nothing is known."""
+        """Return the modules that nothing describes, which are therefore not checked."""
         symbols = self.grounding.symbols("unchecked", 1)
         return tuple(sorted(symbol.arguments[0].string for symbol in symbols))
 
@@ -147,8 +147,8 @@ def analyse(
     sentences of the rules about each location of a finding.
 
     Raises:
-        MarsError: clingo refuses the rules, or rule packs leave no answer or give a severity that
-            is none.
+        MarsError: clingo refuses the rules, rule packs exclude every answer, or a severity is
+            unknown.
     """
     facts = tuple(facts)
     speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
@@ -184,9 +184,9 @@ def analyse(
 
 
 def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook) -> MarsError:
-    """Return what cannot be grounded with the numbers that do not fit.
+    """Return the error, with overflowing numbers in place of clingo's messages if any.
 
-    Of a sum that a choice decides the solver says no more than that it is too large.
+    For a sum over chosen atoms, clingo only reports that the sum is too large.
     """
     if not rulebook.arithmetic:
         return error
@@ -198,10 +198,10 @@ def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook
 def read_consequences(
     analysis: Analysis, participants: bool = True, notes: bool = True
 ) -> tuple[Consequence, ...]:
-    """Return the consequences, sorted by place, without keeping them.
+    """Return the consequences, sorted by location, without caching them.
 
-    Without `participants` nobody reads who takes part in each, without `notes` those are left out
-    that neither warn nor stop.
+    `participants` also reads the participants of each consequence, and `notes` includes those with
+    the severity `note`.
     """
     control = analysis.grounding.control
     first = _first_said(analysis)
@@ -223,7 +223,7 @@ def read_consequences(
     for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
         if label.term in span_of:
             labels_of.setdefault(label.head, {}).setdefault(span_of[label.term], label.text)
-    # Few terms stand in very many consequences.
+    # A few terms occur in very many consequences.
     write, severity_of = _of_terms(str), _of_terms(_severity)
     consequences = []
     for head, key in keys.items():
@@ -231,7 +231,7 @@ def read_consequences(
         item = first[head]
         said_of = labels_of.get(head, {})
         found = {span_of.get(row[0]) for row in concerned.get(key, ())}
-        # What a rule says more of stands beside what it is about.
+        # Locations with a label come after the unlabelled ones.
         places = sorted((span in said_of, span) for span in found if span is not None)
         consequences.append(
             Consequence(
@@ -256,7 +256,7 @@ def read_consequences(
 
 
 def findings(analysis: Analysis) -> tuple[Diagnostic, ...]:
-    """Return what warns or stops, sorted by place."""
+    """Return the warnings and errors, sorted by location."""
     return tuple(map(diagnostic, read_consequences(analysis, participants=False, notes=False)))
 
 
@@ -307,7 +307,7 @@ def _condition_text(condition: LaunchCondition) -> str:
 
 
 def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCondition]]:
-    """Return the conditions of findings, each with the line that states it."""
+    """Return the launch conditions of findings, each with its span in a launch file."""
     rows = _collect(analysis.grounding.control, ("condition_at", 7), wanted)
     if not rows:
         return {}
@@ -328,7 +328,7 @@ def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCo
 
 
 def _first_said(analysis: Analysis) -> dict[TermId, RenderedMessage]:
-    """Return for each consequence what the first rule says of it."""
+    """Return one message for each consequence: that of the first rule that derives it."""
     first: dict[TermId, RenderedMessage] = {}
     for item in rendered_messages(analysis.grounding.control, _STAGE, analysis.speakers):
         rival = first.setdefault(item.head, item)
@@ -340,7 +340,7 @@ def _first_said(analysis: Analysis) -> dict[TermId, RenderedMessage]:
 def _collect(
     control: clingo.Control, predicate: tuple[str, int], keys: Set[Key]
 ) -> dict[Key, list[Sequence[TermId]]]:
-    """Return what atoms say of consequences, by their keys: the arguments behind the key."""
+    """Return the arguments after the key, for each atom of a predicate, grouped by consequence."""
     rows: dict[Key, list[Sequence[TermId]]] = {}
     for atom in atoms(control, *predicate, True):
         kind, about, case, *rest = arguments(atom)
@@ -352,7 +352,7 @@ def _collect(
 def _spans_by_identifier(
     facts: Iterable[Fact], identifiers: Iterable[TermId]
 ) -> dict[TermId, Span]:
-    """Return where the things stand that terms identify."""
+    """Return the locations of the things that terms identify."""
     wanted = {_sortable(as_symbol(identifier)): identifier for identifier in identifiers}
     located = {"place": lambda atom: atom.arguments[0], "guard": lambda atom: atom}
     return {
@@ -376,15 +376,15 @@ def _sortable(symbol: clingo.Symbol) -> int | str | tuple[str]:
 
 
 def _identifier(term: Term) -> int | str | tuple[str]:
-    """Return the key by which the location of a term is found.
+    """Return the key by which the location of a term is looked up.
 
-    A compound term, such as an attribute, has a tuple, which differs from each module name.
+    A compound term, such as an attribute, has a tuple as its key, unlike a module name.
     """
     return (str(term),) if isinstance(term, Atom) else term
 
 
 def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[TermId], _Value]:
-    """Return a function of terms that is made once for each of them."""
+    """Return a function of term identifiers that calls `make` once for each term."""
     return cache(lambda term: make(as_symbol(term)))
 
 

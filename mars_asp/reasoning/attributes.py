@@ -1,6 +1,6 @@
 """Attributes of modules as facts: `@Tag safety_critical`, `@Property latency_ms 60`.
 
-Rule packs declare which there are; what they declare says which values each takes.
+Rule packs declare the attributes; each declaration restricts the values.
 """
 
 import re
@@ -24,18 +24,18 @@ from mars_asp.reasoning.includes import module_named
 from mars_asp.spelling import nearest
 
 _CODE = "attribute"
-#: What is behind the name of an attribute that is called as a predicate of the built-in rules.
+#: Suffix of the name of an attribute that has the name of a predicate of the built-in rules.
 _SPACE = "attribute"
 _LEAST = -(2**31)
-#: A number of more digits fits in no way, and is not computed with.
+#: A number with more digits never fits in 32 bits, and is not computed with.
 _MOST_DIGITS = 30
-#: Sorts of what only the program itself numbers.
+#: Sorts of values that only the program itself numbers.
 _UNSTATED = frozenset({"relationship", "annotation"})
 _WHOLE = re.compile(r"-?[0-9]+")
 
 
 class AttributeKind(NamedTuple):
-    """An attribute that a pack declares; `predicate` is what rules call it by in the end."""
+    """An attribute that a pack declares; `predicate` is its name in the rules."""
 
     pack: str
     declaration: Declaration
@@ -43,25 +43,26 @@ class AttributeKind(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return how it is called."""
+        """Return the name of the attribute in configurations."""
         return self.declaration.name
 
     @property
     def value(self) -> PredicateArgument | None:
-        """Return the type of its values; a tag has none."""
+        """Return the type of the values, or None for a tag."""
         return None if self.declaration.attribution == "tag" else self.declaration.arguments[1]
 
     def __str__(self) -> str:
-        """Return it as messages call it."""
+        """Return the attribute as messages name it."""
         return f"the {self.declaration.attribution} `{self.name}`"
 
 
 def attribute_kinds(
     spaces: Iterable[NameSpace], sealed: Seal, problems: list[Diagnostic]
 ) -> tuple[AttributeKind, ...]:
-    """Return the attributes that packs declare; note which cannot be, and which do not agree.
+    """Return the attributes that packs declare; note the unusable and the contradictory ones.
 
-    One that is called as a predicate of the built-in rules has a name that these do not read.
+    An attribute with the name of a built-in predicate gets another predicate, which the built-in
+    rules do not read.
     """
     taken = {each.name for each in sealed.named}
     first: dict[str, AttributeKind] = {}
@@ -83,7 +84,7 @@ def attribute_kinds(
 
 
 def _unfit(declared: Declaration) -> Diagnostic | None:
-    """Return the error that a predicate cannot be an attribute of modules, if so."""
+    """Return the error if a predicate cannot be an attribute of modules, else None."""
     arguments, kind = declared.arguments, declared.attribution
     wanted = 1 if kind == "tag" else 2
     no_value = sorted(arguments[-1].sorts & _UNSTATED) if arguments else []
@@ -108,7 +109,7 @@ def _unfit(declared: Declaration) -> Diagnostic | None:
 def wrong_kinds(
     kinds: Iterable[AttributeKind], spaces: Iterable[NameSpace], sealed: Seal
 ) -> Iterator[Diagnostic]:
-    """Yield the attributes that mean something else already, and rules that derive one."""
+    """Yield errors for attributes with reserved names and for rules that derive attributes."""
     for kind in kinds:
         if kind.declaration.signature in sealed.reserved or kind.name in sealed.arities:
             message = f"`{kind.name}` means something else already, so it cannot be {kind}"
@@ -129,24 +130,24 @@ def attribute_facts(
     modules: Mapping[str, Module],
     kinds: Iterable[AttributeKind],
 ) -> tuple[Fact, ...]:
-    """Return the facts of all attributes, each with its place; `modules` are those of sources.
+    """Return the facts of all attributes with their locations; `modules` are described in sources.
 
     Raises:
-        MarsError: attributes that no pack declares, values that are none of theirs, and two values
-            of one property.
+        MarsError: attributes that no pack declares, values of the wrong sort, and two values of one
+            property.
     """
     return _AttributeReader(configuration, modules, kinds).facts()
 
 
 class _Stated(NamedTuple):
-    """An attribute of a module that the configuration names."""
+    """An attribute, with the module to which the configuration or a description attaches it."""
 
     module: str
     attribute: Attribute
 
 
 class _AttributeReader:
-    """Reads the attributes of one configuration, and notes what is wrong with them."""
+    """Reads the attributes of one configuration, and notes the errors in them."""
 
     def __init__(
         self,
@@ -208,7 +209,7 @@ class _AttributeReader:
             return Atom(kind.predicate, (module,))
         value = self._read_value(attribute.value, kind.value, module)
         if isinstance(value, _Wrong):
-            # Of a description that several share it is said once.
+            # Several modules share a description; the error in it is reported once.
             self._note_attribute(f"`{attribute.name}`: {value.message}", attribute.span, value.help)
             return None
         return Atom(kind.predicate, (module, value))
@@ -228,7 +229,7 @@ class _AttributeReader:
                 return read
         wrong = next(iter(reads), None)
         others = argument.sorts - NUMBERS - {"module"}
-        # A number that is none of a sort's is not taken for a word.
+        # A number that does not fit its sort is an error, and is not read as a word.
         if wrong is None or (others and read_measure(written) is None):
             return plain(written)
         return wrong
@@ -273,14 +274,14 @@ class _AttributeReader:
 
 
 class _Wrong(NamedTuple):
-    """What is wrong with a value, and what to write."""
+    """The error in a value, and the advice to the user."""
 
     message: str
     help: str
 
 
 def _number(written: str, sort: str) -> "int | _Wrong":
-    """Return a whole number of a sort that a value writes, with or without a unit."""
+    """Return the whole number of a sort in a text with or without a unit, or the error."""
     units = units_of(sort)
     shown = f" of {', '.join(usual(units))}" if units else ""
     read = read_measure(written)
@@ -324,7 +325,7 @@ def _meaning(kind: AttributeKind) -> tuple[object, ...]:
 
 
 def _contrary(kind: AttributeKind, earlier: AttributeKind) -> Diagnostic:
-    """Return the error that two declarations of an attribute do not agree."""
+    """Return the error that packs declare an attribute in two different ways."""
     packs = f"the packs `{earlier.pack}` and `{kind.pack}` declare"
     if kind.pack == earlier.pack:
         packs = f"the pack `{kind.pack}` declares"

@@ -1,17 +1,17 @@
-"""How long a search may take, and who is told how far it is."""
+"""The time limit of a search, and the callback that reports its progress."""
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-#: Told how many components are solved, and of how many.
+#: Called with the number of solved components, and the number of all components.
 Progress: TypeAlias = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
 class Budget:
-    """What each search gets: so many `seconds`, without end where there is no such number.
+    """The limits of each search: the time in `seconds`, unlimited if None, and a callback.
 
     >>> load("examples/level0/config.mars", budget=Budget(seconds=30)).specification.proven_minimal
     True
@@ -21,7 +21,7 @@ class Budget:
     progress: Progress | None = None
 
     def deadline(self) -> float | None:
-        """Return the time of `time.monotonic` at which a search that begins now is over."""
+        """Return the end of a search that begins now, on the clock of `time.monotonic`, or None."""
         return None if self.seconds is None else time.monotonic() + self.seconds
 
 

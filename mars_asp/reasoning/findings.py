@@ -1,4 +1,4 @@
-"""What rules find: consequences, how severe they are, and what packs may say of them."""
+"""Findings of rules: consequences, their severities, and the limits for rule packs."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -13,16 +13,16 @@ from mars_asp.asp.solve.term_ids import arguments, as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.spelling import nearest
 
-#: Below this level packs may minimise what they like: the lines of a specification come above it.
+#: Packs may minimise freely below this level; the relationships of a specification are on it.
 LEAST_COST = 10
 SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
-#: What rules find: kind, severity, subject and case.
+#: A consequence: kind, severity, subject and case.
 CONSEQUENCE = Signature("consequence", 4)
-#: What is wrong with a specification: the number of the clause that fails, and what tells apart.
+#: A violated clause of `verify`: its number, and a term that distinguishes several violations.
 VIOLATION = Signature("violation", 2)
 #: A preference of a pack that a specification does not meet: level, weight and subject.
 PREFERENCE = Signature("preference", 3)
-#: The clauses below are ours.
+#: Lower numbers are built-in clauses.
 FIRST_CLAUSE = 100
 
 
@@ -37,9 +37,9 @@ def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
 
 
 def wrong_constants(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
-    """Yield the severities in the heads of a rule that are none, and clauses and levels not free.
+    """Yield errors for unknown severities, reserved clauses and reserved levels in heads of a rule.
 
-    `text` is that of the rule, `span` where it stands.
+    `text` is the text of the rule, `span` its location.
     """
     for number, statement in enumerate(rule):
         if statement.derives == {CONSEQUENCE}:
@@ -66,16 +66,16 @@ def wrong_constants(rule: Sequence[Statement], text: str, span: Span) -> Iterato
 
 #: Why there is no consequence or node of a kind for a subject.
 ABSENT = Signature("absent", 3)
-#: What metadata of a rule lists that finds a consequence: `who` takes part, `at` which places, and
-#: `in` which launch trees it holds, each with its kind, subject and case. `lines` are the places
-#: that the reason of an absence speaks of.
+#: Lists in the metadata of a rule that finds a consequence: `who` has the participants, `at` the
+#: locations, and `in` the launch trees in which the consequence holds, each with its kind, subject
+#: and case. `lines` has the locations that the reason of an absence cites.
 EXPANSIONS = {
     "lines": Expansion(ABSENT, "cites", (0, 1, 2), False),
     "who": Expansion(CONSEQUENCE, "participant", (0, 2, 3), True),
     "at": Expansion(CONSEQUENCE, "concerns", (0, 2, 3), False, is_labelled=True),
     "in": Expansion(CONSEQUENCE, "holds_in", (0, 2, 3), False),
 }
-#: What a rule pack from elsewhere may do.
+#: The limits for rule packs.
 CONTRACT = Contract(
     CONSEQUENCE,
     "consequences",
@@ -88,12 +88,12 @@ CONTRACT = Contract(
 
 
 def check_severities(said: Iterable[RenderedMessage]) -> None:
-    """Check that how severe a consequence is, is one of the words for that.
+    """Check that each consequence has a known severity.
 
-    A rule may take the word from its body, and a `#const` of a pack may replace it.
+    A rule may take the severity from its body, and a `#const` of a pack may replace it.
 
     Raises:
-        MarsError: it is another word; the rules with places.
+        MarsError: a severity is unknown; with the locations of the rules.
     """
     words = {(each.number, each.rule, str(as_symbol(arguments(each.head)[1]))) for each in said}
     wrong = sorted((number, word, rule) for number, rule, word in words if word not in SEVERITIES)
@@ -113,8 +113,8 @@ def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagno
 
 
 def severity_place(rule: str, span: Span, variant: int = 0) -> Span:
-    """Return where the head of a rule that stands at `span` says how severe a consequence is.
+    """Return the location of the severity in the head of the rule at `span`.
 
-    Of a rule with pools, `variant` is the number of the one that is meant.
+    `variant` is the index of the instance, if the rule has pools.
     """
     return placed(span, argument_place(rule, variant, 1))

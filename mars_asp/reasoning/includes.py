@@ -1,7 +1,7 @@
-"""Configurations that take in others, as one: the names of each stand behind the name it has there.
+"""Configurations merged with the ones that they include, whose names get the prefix of the include.
 
-Names with a leading `/` keep it: `/base` of what is included as `left` is `/left/base`. Places stay
-those of the included file.
+A leading `/` stays in front: `/base`, included as `left`, becomes `/left/base`. Locations remain
+those in the included file.
 """
 
 import os
@@ -27,20 +27,20 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.reading import WallError, check_walls
 
-#: Includes within includes go no deeper.
+#: Limit of the depth of nested includes.
 MOST_DEEP = 100
-#: So many are taken in at all, however they are nested.
+#: Limit of the number of includes, nested ones counted.
 MOST_INCLUDES = 1000
 
 
 def with_includes(parsed: Parsed, texts: Mapping[str, str] = MappingProxyType({})) -> Parsed:
-    """Return a configuration with what it includes, read from the files that it names.
+    """Return a configuration merged with its includes, which are read from their files.
 
-    Files of which `texts` has the text, by path, are not read.
+    `texts` replaces the contents of files, by path.
 
     Raises:
         MarsError: all errors of included files, includes that are missing or go in a circle, and
-            architectures that contradict each other.
+            contradictory architectures.
     """
     if not parsed.configuration.includes:
         return parsed
@@ -55,14 +55,14 @@ def with_includes(parsed: Parsed, texts: Mapping[str, str] = MappingProxyType({}
 
 
 class _TooManyError(MarsError):
-    """Nothing further is read, so that the limit is reported once."""
+    """An include beyond a limit; it ends the reading, so that the limit is reported once."""
 
 
 class _Reading(NamedTuple):
-    """One of `left` is used up by each include; `shown` is how each file was first named.
+    """State of reading: each include takes one of `left`; `shown` has the first name of each file.
 
-    `top` is the file that the user names, around which the walls are; `texts` are those of the
-    files by the name they are shown by.
+    `top` is the user's file, which fixes the folders that may be read; `texts` are the contents of
+    files by their shown names.
     """
 
     left: Iterator[int]
@@ -72,7 +72,7 @@ class _Reading(NamedTuple):
 
 
 def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Parsed:
-    """Take in what a configuration includes, in the files of `chain`."""
+    """Return a configuration merged with its includes; `chain` are the files that led to it."""
     own = parsed.configuration
     problems: list[Diagnostic] = []
     found: list[Parsed] = []
@@ -86,7 +86,7 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
             if len(problems) >= MOST_ERRORS:
                 break
     if problems:
-        # A file that is included twice has each of its errors once.
+        # The errors of a file that is included twice are reported once.
         raise MarsError(dict.fromkeys(problems))
     inner = [each.configuration for each in found]
     modules = {name.text: name for each in (*inner, own) for name in each.modules}
@@ -96,7 +96,7 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
         includes=(),
         sources=tuple(name for each in (*inner, own) for name in each.sources),
         modules=tuple(modules.values()),
-        # What two files include is one file, whose lines count once.
+        # Two files can include the same file, whose relationships count once.
         relationships=tuple(
             dict.fromkeys(line for each in (*inner, own) for line in each.relationships)
         ),
@@ -110,10 +110,10 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
 
 
 def _blocks(found: Iterable[Parsed]) -> dict[str, Module]:
-    """Return the modules that several files describe in blocks, by the text of each.
+    """Return the modules that files describe in blocks, by the text of the block.
 
     Raises:
-        MarsError: one is described in two ways.
+        MarsError: two blocks describe one module differently.
     """
     first: dict[str, tuple[str, Module]] = {}
     problems: list[Diagnostic] = []
@@ -142,7 +142,7 @@ def described_twice(module: Module, other: Module) -> Diagnostic:
 def _taken_in(
     include: Include, own: Configuration, chain: tuple[str, ...], reading: _Reading
 ) -> Parsed:
-    """Return what one include stands for, its names behind the include's."""
+    """Return the configuration of one include, its names prefixed with the name of the include."""
     if next(reading.left, None) is None:
         message = f"more than {MOST_INCLUDES} includes"
         raise _too_many(include.span, message, "include fewer, or write their modules here")
@@ -167,7 +167,7 @@ def _taken_in(
     if not path.is_file():
         help_text = "paths of `@include` are relative to the file that includes"
         raise _include_error(include.span, f"`{include.path}` is not a file", help_text)
-    # One file has one name, that its lines count once, however paths lead to it.
+        # A file keeps its first path, so that its lines count once.
     shown = reading.shown.setdefault(real, _without_dots(path))
     if shown not in reading.texts:
         reading.texts[shown] = read_text(path)
@@ -181,7 +181,7 @@ def _taken_in(
         help_text = "one robot has one architecture: state the same, or none in what is included"
         labels = ((inner.span, f"{inner.architecture} is stated here"),)
         raise MarsError((Diagnostic("include", "error", message, include.span, labels, help_text),))
-    # What states nothing takes the architecture of what includes it.
+    # A file without an architecture takes that of the including file.
     inner = replace(inner, architecture=own.architecture)
     expanded = _expanded(parsed._replace(configuration=inner), (*chain, real), reading)
     if include.name is None:
@@ -190,7 +190,7 @@ def _taken_in(
 
 
 def _behind(prefix: str, parsed: Parsed) -> Parsed:
-    """Return a configuration with all names behind another one."""
+    """Return a configuration with `prefix` before each name."""
     inner = parsed.configuration
     in_blocks = {module.name for module in inner.declared}
     names = tuple(
@@ -223,10 +223,9 @@ def _behind(prefix: str, parsed: Parsed) -> Parsed:
 def _attributed_names(
     prefix: str, module: str, names: Iterable[Name], inner: Configuration
 ) -> Iterator[str]:
-    """Yield the modules that a line of an included file about a module is about.
+    """Yield the modules of an attribute line of an included file.
 
-    Of one that is no module itself, and described in a source, they are those of that file alone
-    which it describes.
+    If `module` only describes others, they are the modules of this file that it describes.
     """
     is_its_own = any(name.text == module for name in inner.modules)
     instances = [
@@ -238,7 +237,7 @@ def _attributed_names(
 
 
 def _prefixed_description(prefix: str, name: Name, in_blocks: Iterable[str]) -> str | None:
-    """Return which module describes one that is included, where that is not its own name."""
+    """Return the describing module of an included module, or None if it has the same name."""
     describing = name.described or name.text
     if describing in in_blocks:
         return None if name.described is None else _prefixed(prefix, describing)
@@ -250,7 +249,7 @@ def _prefixed(prefix: str, name: str) -> str:
 
 
 def prefix_of(name: str, inner: str) -> str:
-    """Return the prefix that makes `name` of the name `inner` in an included file."""
+    """Return the prefix in `name`, the name of a module that is `inner` in an included file."""
     return name.removesuffix(inner).removesuffix("/").removeprefix("/" if inner[0] == "/" else "")
 
 
@@ -280,7 +279,7 @@ def _renamed(prefix: str, line: Relationship) -> Relationship:
 
 
 def instances(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Module]:
-    """Yield the modules that `@modules` says are described by others."""
+    """Yield the modules that share a description, as stated in `@modules`, under their names."""
     for name in configuration.modules:
         if name.described is not None and name.text not in described:
             module = described.get(name.described)
@@ -289,7 +288,7 @@ def instances(configuration: Configuration, described: Mapping[str, Module]) -> 
 
 
 def without_idle(configuration: Configuration, described: Iterable[str]) -> Configuration:
-    """Return a configuration in which no included module is described by what nothing describes."""
+    """Return a configuration without references from included modules to missing descriptions."""
     known = frozenset(described)
 
     def told(name: Name) -> Name:
@@ -301,7 +300,7 @@ def without_idle(configuration: Configuration, described: Iterable[str]) -> Conf
 
 
 def undescribed(configuration: Configuration, described: Iterable[str]) -> Iterator[Name]:
-    """Yield the names that are said to be described by a module that nothing describes."""
+    """Yield the names whose describing module has no description."""
     known = frozenset(described)
     for name in configuration.modules:
         if name.described is not None and name.described not in known:
@@ -309,10 +308,9 @@ def undescribed(configuration: Configuration, described: Iterable[str]) -> Itera
 
 
 def module_named(name: str, beside: str, known: Container[str]) -> str | None:
-    """Return the module that a name means in a statement about the module `beside`.
+    """Return the module to which a name refers in a statement about the module `beside`, or None.
 
-    It is looked for next to that one first, then a step further out, as the names of an included
-    file are.
+    It is searched with the prefix of `beside` first, then with ever shorter prefixes.
     """
     inner = beside.strip("/").split("/")[:-1]
     prefixes = ("/".join(inner[:length]) for length in range(len(inner), 0, -1))
@@ -325,7 +323,7 @@ def _real(path: str) -> str:
 
 
 def _without_dots(path: Path) -> str:
-    """Return a path without `..` behind folders, where that leads to the same file."""
+    """Return a path without `..`, if it then still leads to the same file."""
     plain = os.path.normpath(path)
     return plain if _real(plain) == _real(str(path)) else str(path)
 

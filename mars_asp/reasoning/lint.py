@@ -1,4 +1,4 @@
-"""What is noteworthy about rule packs, and about our own rules."""
+"""Lint of rule packs and of the built-in rules."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,12 +25,12 @@ from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
 from mars_asp.reasoning.sample import sampled
 
 INSERTED = Signature("inserted", 2)
-#: Packs of more rules are tried on one sample: to ground them takes most of the time.
+#: Larger packs are tried on one sample only, as grounding them takes most of the time.
 _MOST_RULES = 2_000
 
 
 class LintResult(NamedTuple):
-    """What lint found: `errors` are what an analysis would refuse, `others` what it would take."""
+    """The findings of lint: `errors` would stop an analysis, `others` and `lints` would not."""
 
     errors: tuple[Diagnostic, ...]
     others: tuple[Diagnostic, ...]
@@ -38,16 +38,15 @@ class LintResult(NamedTuple):
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """Return all of it, by place."""
+        """Return all diagnostics, sorted by location."""
         return by_place((*self.errors, *self.others, *(each.diagnostic for each in self.lints)))
 
 
 def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
     """Return the findings about rule packs; about the built-in rules if there are none.
 
-    What packs need and lies beside them is read with them, without being looked at itself. Where
-    `grounded`, packs that an analysis would take are grounded over sample robots, so that
-    what fails while grounding is found, too; but not such as may grow without end.
+    Packs next to these that they need are read as well, but not checked. With `grounded`, packs
+    without errors are also grounded over sample robots, unless a recursion may grow without end.
     """
     errors: list[Diagnostic] = []
     beside = _companions(packs)
@@ -75,9 +74,9 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
         frozenset({"resolve"}),
         {INSERTED: frozenset({Signature("placed_before", 2), Signature("placed_after", 2)})},
     )
-    # Where all that was given could not be read, there is nothing else to look at.
+    # If packs were given and none could be read, there is nothing else to check.
     lints: Sequence[LintFinding] = lint_rules(rulebook, host) if rulebook.packs or not packs else ()
-    # What grows without end would be grounded without end.
+    # Grounding a recursion that grows without end would not end.
     grows = any(each.diagnostic.code == RECURSION for each in lints)
     if grounded and rulebook.packs and not errors and not grows:
         tried = _tried(rulebook)
@@ -90,7 +89,7 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
 
 
 def _companions(packs: Sequence[Path]) -> tuple[Path, ...]:
-    """Return the packs beside these that they need, except for these."""
+    """Return the packs next to these that they need, without these."""
     given = {each.resolve() for each in packs}
     found = {each.resolve(): each for pack in packs for each in with_companions(pack)}
     return tuple(each for place, each in found.items() if place not in given)
@@ -114,7 +113,7 @@ def _tried(rulebook: Rulebook) -> list[Diagnostic]:
 
 
 def _of_sample(found: Diagnostic) -> Diagnostic:
-    """Return what is said of a sample robot: what has no answer there may have one elsewhere."""
+    """Return a diagnostic of a sample robot; the lack of an answer is a warning only."""
     if found.code != INCONSISTENT:
         return found
     message = found.message.replace("this configuration", "a sample robot")
@@ -122,7 +121,7 @@ def _of_sample(found: Diagnostic) -> Diagnostic:
 
 
 def _has_example(rule: Rule) -> bool:
-    """Whether the example of a rule is a file; ours are in the source tree alone."""
+    """Whether the example of a rule is a file; built-in examples are only in the source tree."""
     example = rule.example or ""
     path = Path(rule.span.path)
     if path.is_file():

@@ -1,4 +1,4 @@
-"""Rule packs as they lie in folders: their manifests, and the stages of their files.
+"""Rule packs in folders: their manifests, and the stages of their files.
 
 A pack is a folder. With a manifest, `pack.toml`, it has a name, and its rules lie in folders named
 after stages; without one, its `.lp` files find consequences.
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoints
 
 MANIFEST = "pack.toml"
-#: The folders of a pack with a manifest, by the stages of what lies in them.
+#: The folders of a pack with a manifest, with the stage of the files in each.
 FOLDERS: Mapping[str, str] = {
     "consequences": "base",
     "resolve": "resolve",
@@ -41,7 +41,7 @@ FOLDERS: Mapping[str, str] = {
     "run": "run",
     "repair": "repair",
 }
-#: Folders of a pack whose files are no rules of it.
+#: Folders of a pack whose files are not its rules.
 _OTHERS = ("cases", "docs", "examples", "tests")
 #: The entry points by which distributions offer packs: a name, and the package that is its folder.
 GROUP = "mars_asp.packs"
@@ -53,7 +53,7 @@ _NEED = r"([a-z][a-z0-9_-]*?)\s*(?:(>=|==|<)\s*([0-9]{1,9}(?:\.[0-9]{1,9})*))?"
 _KIND = r"[a-z][a-z0-9_]*"
 _NODE_NAME = r"[A-Z][A-Za-z]*"
 _COLOUR = r"#[0-9a-fA-F]{6}"
-#: The keys of a kind of node, and what each can say; nothing where any text can stand.
+#: The keys of a kind of node, with their values; an empty tuple allows any text.
 _NODE_KEYS: Mapping[str, tuple[str, ...]] = {
     "kind": (),
     "name": (),
@@ -65,12 +65,12 @@ _NODE_KEYS: Mapping[str, tuple[str, ...]] = {
 }
 _OURS = "mars-asp"
 _MOST_BYTES = 64 * 1024
-#: More packs or kinds of nodes than that no pack needs or has.
+#: Limit of the number of requirements and of kinds of nodes in a manifest.
 _MOST_LISTED = 200
 
 
 class Requirement(NamedTuple):
-    """What a pack rests on: a pack or `mars-asp`, and the versions that will do, if any is said."""
+    """A requirement of a pack: a pack or `mars-asp`, and the versions that suffice, if limited."""
 
     name: str
     comparison: str
@@ -79,7 +79,7 @@ class Requirement(NamedTuple):
 
 
 class Manifest(NamedTuple):
-    """What a pack says of itself."""
+    """The content of a manifest."""
 
     name: str
     version: str
@@ -106,9 +106,9 @@ class Pack(NamedTuple):
 
 
 def find_packs(given: Iterable[Path], problems: list[Diagnostic]) -> tuple[Pack, ...]:
-    """Return the packs of some files and folders; note what is wrong with any of them.
+    """Return the packs of some files and folders; note the errors in them.
 
-    A file is of its pack once, however often it is given.
+    A file that is given several times is in its pack once.
     """
     seen: set[Path] = set()
     packs: list[Pack] = []
@@ -139,9 +139,9 @@ def find_packs(given: Iterable[Path], problems: list[Diagnostic]) -> tuple[Pack,
 
 
 def pack_of(file: Path, folders: Collection[str] = ("", *FOLDERS)) -> Path | None:
-    """Return the pack with a manifest in one of whose `folders` a file lies, if it lies in one.
+    """Return the pack with a manifest whose folder of rules contains a file, or None.
 
-    They are those of rules unless others are named; an empty name is the folder of the pack itself.
+    `folders` replaces the folders of rules; an empty name is the folder of the pack itself.
     """
     found = folders_around(file.parent)
     return next((outer for inner, outer in found if inner in folders and is_pack(outer)), None)
@@ -153,7 +153,7 @@ def is_pack(folder: Path) -> bool:
 
 
 def with_companions(pack: Path) -> tuple[Path, ...]:
-    """Return a pack with those beside it that it needs, these first."""
+    """Return a pack after the packs next to it that it needs."""
     found: dict[Path, None] = {}
     waiting = [pack]
     while waiting:
@@ -169,7 +169,7 @@ def with_companions(pack: Path) -> tuple[Path, ...]:
 
 
 def folders_around(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Yield a folder with the name of what it lies in below, from the inside to the outside."""
+    """Yield a folder and its parents, each with the name of the one before, or "" at first."""
     name = ""
     for outer in (folder, *folder.parents):
         yield name, outer
@@ -184,7 +184,7 @@ def folders_around(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def installed_pack(name: str) -> Path | None:
-    """Return the folder of the pack that an installed distribution offers by a name, if any."""
+    """Return the folder of the pack that an installed distribution offers under a name, or None."""
     return next((folder for _, folder in _installed(_entry_points(name))), None)
 
 
@@ -203,11 +203,11 @@ def _entry_points(name: str | None = None) -> "EntryPoints":
 
 
 def _installed(offers: "EntryPoints") -> Iterator[tuple[str, Path]]:
-    """Yield the name and the folder of each pack; no code of it is run."""
+    """Yield the name and the folder of each pack, without importing its code."""
     for offer in offers:
         first, *inner = offer.value.split(".")
         try:
-            # To find an inner package in the same manner would import the outer one.
+            # Finding an inner package in this way would import the outer one.
             spec = find_spec(first)
         except (ImportError, ValueError):
             continue
@@ -217,7 +217,7 @@ def _installed(offers: "EntryPoints") -> Iterator[tuple[str, Path]]:
 
 
 def kinds_of(packs: Iterable[Pack]) -> tuple[PackKind, ...]:
-    """Return the kinds of nodes that packs bring."""
+    """Return the kinds of nodes that packs provide."""
     manifests = (pack.manifest for pack in packs if pack.manifest is not None)
     return tuple(kind for manifest in manifests for kind in manifest.kinds)
 
@@ -247,7 +247,7 @@ def _missing_path(path: Path) -> Diagnostic:
 
 
 def _empty(folder: Path) -> Iterator[Diagnostic]:
-    """Yield that a folder without a manifest holds no rules."""
+    """Yield an error if a folder without a manifest contains no rules."""
     if any(folder.glob("*.lp")):
         return
     inside = sorted(each.parent for each in folder.glob(f"*/{MANIFEST}"))
@@ -274,7 +274,7 @@ def _with_manifest(folder: Path, problems: list[Diagnostic]) -> Iterator[Pack]:
 
 
 def _stray(folder: Path) -> Iterator[Diagnostic]:
-    """Yield the folders with rules that no stage reads, which would be left out in silence."""
+    """Yield an error for each folder with rules that belongs to no stage and would be ignored."""
     for each in sorted(folder.iterdir()):
         if each.is_dir() and each.name not in (*FOLDERS, *_OTHERS) and any(each.glob("*.lp")):
             near = nearest(each.name, FOLDERS)
@@ -298,14 +298,14 @@ def _manifest(path: Path, problems: list[Diagnostic]) -> Manifest | None:
 
 
 class _ManifestReader:
-    """Reads one manifest, and notes what is wrong with it."""
+    """Reads one manifest, and notes the errors in it."""
 
     def __init__(self, text: str, shown: str) -> None:
         self._places = Places(text, shown)
         self.problems: list[Diagnostic] = []
 
     def manifest(self, tables: Mapping[str, Any]) -> Manifest:
-        """Return what the tables say; only to be used where there are no problems."""
+        """Return the manifest in the tables; only valid without problems."""
         self._add_unknown_keys(tables, _KEYS, "a manifest")
         name = self._read_text(tables, "name", _NAME, "small letters, digits and `-`", ())
         if name == _OURS:
@@ -408,7 +408,7 @@ class _ManifestReader:
 
 
 def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
-    """Yield the duplicates of packs, and their requirements that are not met."""
+    """Yield errors for duplicates among packs, and for requirements that are not met."""
     named = {each.manifest.name: each.manifest for each in packs if each.manifest is not None}
     first: dict[str, Span] = {}
     for manifest in (pack.manifest for pack in packs if pack.manifest is not None):

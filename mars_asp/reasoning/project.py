@@ -46,12 +46,12 @@ _HERE = Path()
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Project:
-    """A configuration, the modules described for it, and what is noteworthy about their files.
+    """A configuration, the modules described for it, and the diagnostics of their files.
 
-    `text` is what the configuration was read from, `found` what was read from sources; `blocks`
-    are the texts of the configuration's own module blocks. `brought` is what rule packs bring
-    besides rules, `None` until they are known; `attributes` are facts that they have names for.
-    `included` are the texts of included files by path, `trees` those of launch files.
+    `text` is the text of the configuration, `found` the content of the sources; `blocks` are the
+    texts of the configuration's own module blocks. `brought` is the content of rule packs besides
+    rules, `None` until it is known; `attributes` are the facts of attributes that packs declare.
+    `included` are the texts of included files by path, `trees` the launch trees.
 
     >>> project = load_project("examples/level0/config.mars")
     >>> len(project.configuration.modules)
@@ -83,7 +83,7 @@ class Project:
 
     @property
     def format(self) -> str | None:
-        """Return the format that the file is in, where it is no `.mars` file."""
+        """Return the format of the file, or None for a `.mars` file."""
         return self.configuration.format
 
 
@@ -116,8 +116,8 @@ def described(
 ) -> Project:
     """Return a configuration with the modules of the sources that it and `sources` name.
 
-    `text` is what it was read from, and in which `format`, where that is not ours. Missing sources
-    that are `optional` are warnings.
+    `text` is the text of the configuration, in a foreign `format` unless None. If `optional`,
+    missing sources are warnings.
 
     Raises:
         MarsError: sources that are missing or wrongly annotated.
@@ -160,13 +160,12 @@ def described(
 
 
 def revised(project: Project, texts: Mapping[str, str]) -> Project:
-    r"""Return a project as it is with other texts of some of its files.
+    r"""Return a project with other texts of some of its files.
 
-    `texts` are by path, with `\n` for every line end; files that they do not name are not read
-    again.
+    `texts` are by path, with `\n` for every line end; other files are not read again.
 
     Raises:
-        MarsError: what is wrong with the new texts.
+        MarsError: errors in the new texts.
     """
     path = project.configuration.path
     text = texts.get(path, project.text)
@@ -182,11 +181,11 @@ def revised(project: Project, texts: Mapping[str, str]) -> Project:
 
 
 def with_brought(project: Project, brought: tuple[object, ...]) -> Project:
-    """Return a project that knows what rule packs bring: kinds of nodes, and attributes.
+    """Return a project that knows the kinds of nodes and the attributes of rule packs.
 
     Raises:
-        MarsError: attributes that no pack declares, values that are none of theirs, and nodes of
-            packs that are not given.
+        MarsError: attributes that no pack declares, values of the wrong sort, and nodes of missing
+            packs.
     """
     kinds = tuple(each for each in brought if isinstance(each, PackKind))
     configuration = with_kinds(project.configuration, kinds)
@@ -200,10 +199,10 @@ def with_brought(project: Project, brought: tuple[object, ...]) -> Project:
 
 
 def with_kinds(configuration: Configuration, kinds: tuple[PackKind, ...]) -> Configuration:
-    """Return a configuration that knows which kinds of nodes rule packs bring.
+    """Return a configuration with the kinds of nodes that rule packs provide.
 
     Raises:
-        MarsError: comments name nodes that none of these packs bring.
+        MarsError: comments name nodes that none of these packs provide.
     """
     if kinds != configuration.kinds:
         configuration = replace(configuration, kinds=kinds)
@@ -221,7 +220,7 @@ def with_kinds(configuration: Configuration, kinds: tuple[PackKind, ...]) -> Con
 
 
 def _not_brought(node: PackNode, is_given: bool) -> Diagnostic:
-    """Return the error that nothing tells what a node does."""
+    """Return the error that the pack of a node is missing or does not know its kind."""
     if is_given:
         message = f"the pack `{node.pack}` has no nodes named as `{node.node}` is"
         advice = f"give the version of `{node.pack}` that this specification was made with"
@@ -232,7 +231,7 @@ def _not_brought(node: PackNode, is_given: bool) -> Diagnostic:
 
 
 def has_attributes(project: Project) -> bool:
-    """Whether an attribute is stated of any module; only then is it asked which there are."""
+    """Whether any module has an attribute; only then are the declarations of packs needed."""
     described = (*project.modules.values(), *project.configuration.declared)
     return bool(project.configuration.attributed) or any(each.attributes for each in described)
 
@@ -241,7 +240,7 @@ def _project_of(parsed: Parsed, text: str, found: "Extraction | None") -> Projec
     """Return a configuration with the modules that describe it.
 
     Raises:
-        MarsError: what is wrong with their annotations.
+        MarsError: errors in the annotations.
     """
     configuration = parsed.configuration
     modules: dict[str, Module] = {}
@@ -285,10 +284,10 @@ def _project_of(parsed: Parsed, text: str, found: "Extraction | None") -> Projec
 def project_facts(
     project: Project, asked: Iterable[tuple[str, str]] = (), wanted: Set[str] | None = None
 ) -> tuple[Fact, ...]:
-    """Return the facts of a project, with `wanted` those of these predicates.
+    """Return the facts of a project, restricted to the predicates in `wanted`.
 
-    How carriers move a module is told of sensors, end-effectors, what is controlled, and where it
-    is `asked` for a function of a module.
+    Facts about motions by carriers are made for sensors, end-effectors, controlled modules, and
+    the pairs of function and module in `asked`.
     """
     facts = configuration_facts(project.configuration, project.modules, wanted)
     facts += tuple(f for f in _attributes(project) if wanted is None or f.atom.name in wanted)
@@ -299,7 +298,7 @@ def project_facts(
 
 
 def port_names(project: Project, module: str | None = None) -> Mapping[str, tuple[str, str]]:
-    """Return the modules and ports that rules are told of, of all modules or of one, by name."""
+    """Return the module and the port of each port name in facts, of one module if one is named."""
     described = project.described
     ends = ends_in(project.configuration, described)
     named = {
@@ -314,7 +313,7 @@ def port_names(project: Project, module: str | None = None) -> Mapping[str, tupl
 
 
 def identified(attribute: Fact) -> Atom:
-    """Return what rules identify an attribute by: a term that is written as its pack writes it."""
+    """Return the term that identifies an attribute, with the name that its pack uses."""
     return attribute.atom._replace(name=plain(attribute.atom.name))
 
 
@@ -348,12 +347,12 @@ def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tup
 
 
 def has_mounts(project: Project) -> bool:
-    """Whether a project mounts anything; only then is numpy worth loading."""
+    """Whether a project has mounts; only then is numpy loaded."""
     return any(isinstance(r, Mount) for r in project.configuration.relationships)
 
 
 def _has_functions(project: Project) -> bool:
-    """Whether any module has a native function, without which nothing is inherited."""
+    """Whether any module has a native function; otherwise nothing is inherited."""
     described = (*project.modules.values(), *project.configuration.declared)
     return any(module.functions for module in described)
 
@@ -365,7 +364,7 @@ def _source_paths(
     folder: Path = _HERE,
     entries: "Entries | None" = None,
 ) -> list[Path]:
-    """Return the paths that a path or glob of a folder names; note where it names none."""
+    """Return the paths that a path or glob matches in a folder; note an error if there are none."""
     from mars_asp.annotations.files import find_paths  # noqa: PLC0415 -- only where there are sources
 
     try:
@@ -384,8 +383,8 @@ def _missing(written: str, place: Span, advice: str) -> Diagnostic:
 
 
 def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
-    """Yield names that are annotated nowhere, but much like one that is and is not used."""
-    # What another module describes is not misspelt, and that one is used.
+    """Yield warnings for names without annotations that resemble an annotated, unused name."""
+    # A module that another one describes is not misspelt, and uses the other one's name.
     spans = {name.text: name.span for name in configuration.modules if name.described is None}
     used = {name.described or name.text for name in configuration.modules}
     described = modules.keys() | {module.name for module in configuration.declared}
@@ -406,7 +405,7 @@ def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> It
 
 
 def _has_its_own(name: Name) -> Diagnostic:
-    """Return the warning that a module is described twice, which counts once."""
+    """Return the warning that a module has two descriptions, of which only its own counts."""
     return Diagnostic(
         "module-twice",
         "warning",
@@ -417,7 +416,7 @@ def _has_its_own(name: Name) -> Diagnostic:
 
 
 def _not_described(name: Name, described: Mapping[str, Module]) -> Diagnostic:
-    """Return the warning that what is to describe a module is not there."""
+    """Return the warning that the module that shall describe another one has no description."""
     near = nearest(name.described or "", described)
     return Diagnostic(
         "annotations-missing",

@@ -1,4 +1,4 @@
-"""The rules of MARS: where they are, their stages, and what packs of others may do beside them."""
+"""The built-in rules: their location, their stages, and the limits for foreign rule packs."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -27,7 +27,7 @@ from mars_asp.reasoning.packs import Pack, find_packs, kinds_of
 
 #: What the rules of the base, in `rules/*.lp`, are for.
 BASE = "what follows from a configuration: its consequences, each with its reason"
-#: The stages behind the base by the names of their folders, and what each is for.
+#: The stages after the base by the names of their folders, with the purpose of each.
 STAGES: Mapping[str, str] = {
     "resolve": "which nodes and lines the cheapest specification has",
     "specify": (
@@ -45,10 +45,10 @@ STAGES: Mapping[str, str] = {
     "absence": "why there is no consequence or node of a kind, and what would give one",
     "launch": "which faults launch trees have",
 }
-#: Of a stage, the one that reads what it decides, and without which nobody asks for it.
+#: For a stage, the next one, which reads its decisions and is always loaded with it.
 FOLLOWING: Mapping[str, str] = {"resolve": "specify"}
 
-#: Of each stage in which packs have rules, the stages whose predicates these can read.
+#: For each stage in which packs have rules, the stages whose predicates these can read.
 SEES: Mapping[str, frozenset[str]] = {
     "base": frozenset({"base"}),
     "resolve": frozenset({"base", "resolve"}),
@@ -57,9 +57,9 @@ SEES: Mapping[str, frozenset[str]] = {
     "run": frozenset({"run"}),
     "repair": frozenset({"base", "repair"}),
 }
-#: Facts of the configuration that rules on a run are given, too, besides attributes of modules.
+#: Facts of the configuration for rules about runs, besides attributes of modules.
 GIVEN_TO_RUNS = (Signature("class", 2), Signature("guard", 1))
-#: The stages in which packs derive what a file of a stage lets them derive, too.
+#: For the stage of a file, the stages in which packs can derive its extensible predicates.
 EXTENDED_IN: Mapping[str, tuple[str, ...]] = {
     "base": ("base", "run"),
     "repair": ("base", "repair"),
@@ -68,7 +68,7 @@ EXTENDED_IN: Mapping[str, tuple[str, ...]] = {
 
 #: The levels of the minimisation in `rules/resolve` and `rules/cost`, the highest first.
 NODES, CONVERSION, RELATIONSHIPS = 30, 20, findings.LEAST_COST
-#: What is counted on each level, by the names that users know.
+#: The level of each cost, by the names that users know.
 COSTS: Mapping[str, int] = {
     "nodes": NODES,
     "conversion": CONVERSION,
@@ -77,12 +77,12 @@ COSTS: Mapping[str, int] = {
 
 
 def by_name(cost: Mapping[int, int]) -> dict[str, int]:
-    """Return a cost level by level, by the names that users know."""
+    """Return a cost by the names of its levels."""
     return {name: cost.get(level, 0) for name, level in COSTS.items()}
 
 
 class _RuleText(NamedTuple):
-    """A built-in file: where it is, how that is shown, and its stage."""
+    """A built-in file: its path, its shown name, and its stage."""
 
     path: Path
     shown: str
@@ -90,7 +90,7 @@ class _RuleText(NamedTuple):
 
 
 class _Read(NamedTuple):
-    """What a built-in file holds; nothing where `problems` say that it cannot be read."""
+    """The content of a built-in file; empty if it cannot be read, with the `problems`."""
 
     text: str
     rules: tuple[Rule, ...]
@@ -99,7 +99,7 @@ class _Read(NamedTuple):
 
 
 def rules_directory() -> Path:
-    """Return where the built-in rules are: beside the source tree, else in the package."""
+    """Return the folder of the built-in rules: next to the source tree, else in the package."""
     here = Path(__file__).resolve().parents[1]
     beside = here.parent / "rules"
     return beside if (beside / "vocabulary.lp").is_file() else here / "rules"
@@ -114,14 +114,14 @@ def load_rulebook(
 ) -> Rulebook:
     """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
 
-    The stage that follows one of them is read, too. The holes of the built-in messages are checked
-    only when `strict`: the tests have done so. Packs that are `trusted` may rank what they minimise
-    above nodes, conversions and lines. Where `noted` is given, it gets what is wrong, and what can
-    be read is returned.
+    The following stage of each is read as well. The holes of the built-in messages are only checked
+    if `strict`, as the tests check them. Packs that are `trusted` may rank their minimisation above
+    nodes, conversions and lines. If `noted` is a list, errors are added to it, and the readable
+    rules are returned.
 
     Raises:
-        MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and
-            packs that derive or mean what is not theirs.
+        MarsError: files that cannot be read or break the limits for packs, wrong metadata, and
+            packs that derive or redefine predicates of other name spaces.
 
     >>> load_rulebook().by_id["data/divergence"].because
     '`{S}` delivers data to {N} receivers{T}'
@@ -132,12 +132,12 @@ def load_rulebook(
     own = _built_in(wanted, strict, problems)
     packs = find_packs(extra, problems)
     if problems:
-        # What is wrong with packs as such spoils what is said of their rules.
+        # Errors in packs as such make messages about their rules wrong.
         raise MarsError(problems)
     spaces = tuple(_name_space(pack, problems) for pack in packs)
     attributes: tuple[AttributeKind, ...] = ()
     if spaces:
-        # What a run alone is given is about that run, and all else about the robot.
+        # Only rules about runs see the facts of a run.
         stages = {*SEES} - {"run"} | {file.stage for space in spaces for file in space.files}
         sealed = seal().for_stages(stages)
         attributes = attribute_kinds(spaces, sealed, problems)
@@ -197,7 +197,7 @@ def brought_by(extra: Iterable[Path]) -> tuple[object, ...]:
 
 
 def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace:
-    """Return the rules of a pack, of those of its files that can be read."""
+    """Return the rules in the readable files of a pack."""
     read = (
         read_file(file.path, str(file.path), file.stage, problems, True, EXPANSIONS)
         for file in pack.files
@@ -207,7 +207,7 @@ def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace:
 
 
 def _kind_rule(kind: PackKind) -> Rule:
-    """Return the fact by which rules know a kind of node, at its place in the manifest."""
+    """Return the fact of a kind of node, at its location in the manifest."""
     declared = kind.kind, kind.carries, kind.inputs, kind.outputs
     atom = Atom("node_kind", tuple(map(Atom, declared)))
     name = f"{kind.span.path}:{kind.span.line}"
@@ -215,7 +215,7 @@ def _kind_rule(kind: PackKind) -> Rule:
 
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
-    """Return the built-in rules; `problems` say what cannot be read of them."""
+    """Return the built-in rules; `problems` gets the errors of unreadable files."""
     files = _built_in_files(stages)
     read = [_read_rules(file, strict) for file in files] if strict else _made(files)
     for each in read:
@@ -230,7 +230,7 @@ def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic])
 
 
 def seal() -> Seal:
-    """Return what the built-in rules of all stages have for themselves."""
+    """Return the predicates, constants and rule identifiers of the built-in rules of all stages."""
     folders = (folder for folder in sorted(rules_directory().iterdir()) if folder.is_dir())
     files = _built_in_files(folder.name for folder in folders)
     read = _made(files)
@@ -283,7 +283,7 @@ def _made(files: Iterable[_RuleText]) -> list[_Read]:
 def _digest(path: Path) -> bytes:
     try:
         return digest(path.read_bytes())
-    except OSError:  # the reader says why
+    except OSError:  # the reader reports the error
         return b""
 
 

@@ -1,4 +1,4 @@
-"""Robots that hold something of all that rules can be given, for rule packs to be tried on.
+"""Sample robots that together have facts of nearly every predicate, to try rule packs on.
 
 Their facts are made when the package is built: to read the robots takes as long as to read a pack.
 """
@@ -156,7 +156,7 @@ def _sampled(number: int) -> Sampled:
 
 @cache
 def _makers() -> tuple[Path, ...]:
-    """Return the files of what reads configurations and makes facts of them."""
+    """Return the source files on which the facts of the samples depend."""
     package = Path(__file__).parents[1]
     folders = ("annotations", "kinematics", "language", "model", "reasoning/facts")
     found = [path for folder in folders for path in (package / folder).rglob("*.py")]

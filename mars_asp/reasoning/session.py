@@ -1,4 +1,4 @@
-"""Questions to one project: what one of them made is there for the next.
+"""Questions to one project, which share their intermediate results.
 
 >>> reasoner = Reasoner(load_project("config.mars"), load_rulebook())
 >>> explain(reasoner, "ArbitrationNode"), why_not(reasoner, "DataSplitter(Sonar)")
@@ -28,9 +28,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What questions are answered from: rules, facts, and what follows from these.
+    """The basis of answers: rules, facts, and the consequences of these.
 
-    `resolution` is chosen on top of that, or None if nothing was or can be; `derived` follows
+    `resolution` is the chosen answer of the resolution, or None if none is requested or exists;
+    `derived` are the atoms that follow from it.
     from it.
     """
 
@@ -42,8 +43,8 @@ class Evidence:
 
     @cached_property
     def explainer(self) -> "Explainer":
-        """Return what explains what is derived and chosen; no more answers can be asked for."""
-        # Answers without traces do not wait for the tracer to be loaded.
+        """Return the tracer of derived and chosen atoms; it ends the computation of answers."""
+        # Questions without traces do not load the tracer.
         from mars_asp.asp.trace import Explainer  # noqa: PLC0415
         from mars_asp.asp.trace.given import GivenFacts  # noqa: PLC0415
 
@@ -53,17 +54,16 @@ class Evidence:
 
     @property
     def is_explained(self) -> bool:
-        """Whether something was explained from it already."""
+        """Whether something was explained from this evidence already."""
         return "explainer" in self.__dict__
 
 
 @dataclass(frozen=True, repr=False)
 class Reasoner:
-    """A project and the rules that it is judged by; everything is found once, when it is needed.
+    """A project with its rules; every result is computed once, on first use.
 
-    When the `budget` is spent the best specification so far is taken. What explains asks for no
-    more answers on its grounding, so consequences that were explained are grounded anew where a
-    specification is wanted, once.
+    After the `budget` the best specification so far is taken. An explained grounding gives no
+    further answers; a specification that is requested after an explanation needs a new grounding.
 
     >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
     >>> len(reasoner.synthesis.specification.nodes)
@@ -77,10 +77,10 @@ class Reasoner:
     budget: Budget = ENDLESS
 
     def __post_init__(self) -> None:
-        """Let the project know what the packs of the rulebook bring.
+        """Add the content of the rulebook's packs to the project.
 
         Raises:
-            MarsError: attributes that no pack declares, and values that are none of theirs.
+            MarsError: attributes that no pack declares, and values of the wrong sort.
         """
         if self.project.brought != self.rulebook.brought:
             project = with_brought(self.project, self.rulebook.brought)
@@ -93,7 +93,7 @@ class Reasoner:
 
     @property
     def analysis(self) -> Analysis:
-        """Return what the rules derive.
+        """Return the atoms that the rules derive.
 
         Raises:
             MarsError: rules that clingo refuses.
@@ -102,7 +102,7 @@ class Reasoner:
 
     @property
     def synthesis(self) -> Synthesis | None:
-        """Return the least specification, or None if no specification realises the project.
+        """Return a minimal specification, or None if no specification realises the project.
 
         Raises:
             MarsError: rules that clingo refuses, or costs that are too large to be added up.
@@ -112,14 +112,13 @@ class Reasoner:
 
     @property
     def is_resolved(self) -> bool:
-        """Whether a specification was looked for already."""
+        """Whether a specification was searched for already."""
         return "_resolved" in self.__dict__
 
     def evidence(self, resolved: bool) -> Evidence:
-        """Return the consequences of the whole project and, where wanted, what resolves them.
+        """Return the consequences of the whole project, if `resolved` with the resolution.
 
-        What was resolved already holds the consequences, too: an explained grounding is explained
-        by one explainer alone.
+        Once there is a resolution it is always included: one grounding has one explainer only.
 
         Raises:
             MarsError: rules that clingo refuses, or costs that are too large to be added up.
@@ -128,7 +127,7 @@ class Reasoner:
         return self._resolved[0] if resolved or self.is_resolved else self._consequences
 
     def verify(self, specification: Configuration) -> "tuple[Violation, ...]":
-        """Return what is wrong with a specification of the project; `rulebook` holds `verify`."""
+        """Return the violations of a specification of the project; `rulebook` contains `verify`."""
         from mars_asp.reasoning.verification import verify  # noqa: PLC0415
 
         return verify(specification, self.project, self.rulebook)

@@ -41,13 +41,13 @@ _STAGE = "verify"
 #: A violation of a clause, and a location that shows it.
 _DIFFERS_AT = "differs_at"
 _CONVERTERS = frozenset({"converts"})
-#: What the predicates that facts of a specification give begin with.
+#: The prefix of the predicates of facts about a specification.
 _OF_SPECIFICATION = "spec_"
 
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A clause of the definition of `realises` that fails, and how; `head` is what a rule gives.
+    """A violated clause of the definition of `realises`; `head` is the atom that a rule derives.
 
     `locations` are those of a difference: in the specification, then in the configuration.
     """
@@ -62,7 +62,7 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class Caution:
-    """What keeps nothing from being realised, but says another thing than the configuration."""
+    """A deviation from the configuration that does not keep it from being realised."""
 
     message: str
     help: str | None
@@ -71,7 +71,7 @@ class Caution:
 
 @dataclass(frozen=True)
 class Verification:
-    """Violations, sorted by clause, cautions and the grounding both were read from."""
+    """Violations, sorted by clause, cautions, and the grounding that contains both."""
 
     violations: tuple[Violation, ...]
     cautions: tuple[Caution, ...]
@@ -87,8 +87,8 @@ def verify(
 ) -> tuple[Violation, ...]:
     """Return the violations that keep a specification from realising a configuration.
 
-    `rulebook` holds the stage `verify`; `grounding` is that of the project's analysis, where there
-    is one already; `modules` are those that the specification's own sources describe.
+    `rulebook` contains the stage `verify`; `grounding` is that of the project's analysis, if there
+    is one; `modules` are the ones that the specification's own sources describe.
 
     Raises:
         MarsError: rules that clingo refuses.
@@ -103,11 +103,11 @@ def judge_specification(
     grounding: Grounding | None = None,
     modules: Mapping[str, Module] | None = None,
 ) -> Verification:
-    """Return what `verify` finds and the grounding in which it was found.
+    """Return the violations and cautions of a specification, and the grounding that has them.
 
-    `modules` are those that the specification's own sources describe. The judgement rests on facts
-    and built-in rules alone. What rules of packs find besides is added; then the grounding is that
-    of the built-in rules.
+    `modules` are the ones that the specification's own sources describe. The result rests on facts
+    and built-in rules alone. The findings of packs are added; the grounding is then that of the
+    built-in rules.
 
     Raises:
         MarsError: rules that clingo refuses.
@@ -120,7 +120,7 @@ def judge_specification(
     found = _judged_by(facts, project, rulebook.built_in, None if with_packs else grounding, None)
     if not own:
         return found
-    # What packs find is added, and takes nothing away.
+    # Packs add findings, and remove none.
     more = _judged_by(facts, project, rulebook, None, own)
     return Verification(
         tuple(sorted({*found.violations, *more.violations}, key=lambda v: (v.clause, v.message))),
@@ -130,10 +130,10 @@ def judge_specification(
 
 
 def _clause(head: clingo.Symbol, rule: Rule) -> int:
-    """Return the number of the clause that fails.
+    """Return the number of the violated clause.
 
     Raises:
-        MarsError: a rule pack gives something else.
+        MarsError: the first argument of a rule pack's violation is not a number.
     """
     if head.arguments[0].type == clingo.SymbolType.Number:
         return head.arguments[0].number
@@ -153,7 +153,7 @@ def _judged_by(
     grounding: Grounding | None,
     judges: Sequence[Rule] | None,
 ) -> Verification:
-    """Return what rules find, or of them those that are named."""
+    """Return the findings of all rules, or of the rules in `judges` alone."""
     if judges is None:
         judges = [rule for rule in rulebook.rules if _is_judge(rule)]
     judging = [*rulebook.fragments(_STAGE), *saying(_STAGE, judges), facts]
@@ -197,18 +197,18 @@ def written_cost(
 ) -> Resolution:
     """Return the cost of a specification without violations, by the levels of the minimisation.
 
-    `rulebook` holds the stage `cost`; `deadline` is a time of `time.monotonic`.
+    `rulebook` contains the stage `cost`; `deadline` is a time of `time.monotonic`.
 
     Raises:
         TimeoutError: the deadline passed before a converter was found for each transformer.
-        MarsError: the costs of converters do not fit.
+        MarsError: the sum of the costs of converters is too large.
     """
     with costs_of(project_facts(project, wanted=_CONVERTERS)):
         return verification.grounding.resolve(rulebook.fragments("cost"), deadline)
 
 
 def _judged(rulebook: Rulebook) -> frozenset[str]:
-    """Return the predicates of a configuration of which a specification gives facts, too."""
+    """Return the predicates that configurations and specifications both have as facts."""
     base = set(given_in(rulebook, "base"))
     judged = given_in(rulebook, "verify")
     given = (each._replace(name=each.name.removeprefix(_OF_SPECIFICATION)) for each in judged)
@@ -223,14 +223,14 @@ def specification_facts(
 ) -> Iterator[Fact]:
     """Yield the facts of a specification, each predicate under a name that begins with `spec_`.
 
-    Of what configurations give, too, they are those that the stage `verify` of `rulebook` is given.
-    Besides them there are the tuples and the descriptions of the project's configuration, which no
-    other stage needs. `modules` are those that the specification's own sources describe.
+    Of the predicates of configurations, these are the ones that `verify` declares with the prefix.
+    Further facts are the tuples and descriptions of the project's configuration, which no other
+    stage reads. `modules` are the ones that the specification's own sources describe.
     """
     described = project.described
     every = specification.with_declared(modules or {})
     own = described_modules(specification, every)
-    # A converter that converts nothing any more is one of the configuration all the same.
+    # A converter without conversions in the specification still belongs to the configuration.
     own = {**own, **{name: every[name] for name in described if name in every}}
     told_as = TellsAs(
         ends_of_specification(project.configuration, described, specification),
@@ -251,15 +251,15 @@ def specification_facts(
     yield from instance_facts(_OF_SPECIFICATION, specification, {})
     yield from instance_facts("", project.configuration, described)
     yield from description_facts(_OF_SPECIFICATION, own, canonical)
-    # What only one of them describes is not compared.
+    # Descriptions are compared only if both files have them.
     if own:
         yield from description_facts("", described, canonical)
 
 
 def _positions(specification: Configuration, project: Project) -> Iterator[Fact]:
-    """Yield the positions of inputs that lines of both files mean, of undescribed clients.
+    """Yield the positions of the inputs of undescribed clients, in lines of both files.
 
-    They are those of the clients of which a line of the specification names one.
+    Only clients with an input that a line of the specification names by its position are included.
     """
     described = project.described
     clients = set()
@@ -278,14 +278,14 @@ def _positions(specification: Configuration, project: Project) -> Iterator[Fact]
         known: dict[Hashable, int] = {}
         for line in each:
             if line.client_port is None:
-                # A line that is stated again has no input of its own.
+                # A line that is stated again shares its input.
                 key = line.source, line.source_port, line.mode, line.hz
                 at = known[key] if key in known else known.setdefault(key, next(free))
                 yield Fact(Atom("position_of", (numbers[id(line)], at)), line.span)
 
 
 def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]:
-    """Yield how each mount of a configuration places its module, poses that are equal alike."""
+    """Yield the pose at which each mount places its module; equal poses have equal texts."""
     for number, line in numbered(configuration.relationships):
         if isinstance(line, Mount):
             pose = normalized(line.transformation or Transformation())
@@ -295,7 +295,7 @@ def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]
 def _shared_names(
     specification: Configuration, own: Mapping[str, Module], project: Project
 ) -> RepresentationNames:
-    """Return the representations of both, as the project's rules know them."""
+    """Return the representations of both files, with the names that the project's rules use."""
     declared = representation_names(project.configuration, project.modules).canonical
     comments = [name for c in specification.conversions for name in (c.source, c.target)]
     together = canonical_names([*declared, *comments, *representations(own.values())])
@@ -307,7 +307,7 @@ def _shared_names(
 
 
 def _conversion_facts(specification: Configuration, names: RepresentationNames) -> Iterator[Fact]:
-    """Yield what comments say, in the representations that the project's rules know."""
+    """Yield the conversions in comments, with the representation names of the project's rules."""
     for conversion in specification.conversions:
         node, span = conversion.transformer, conversion.span
         ends = (names.canonical[name] for name in (conversion.source, conversion.target))

@@ -1,4 +1,4 @@
-"""Relationships that lead back to where they begin, as facts."""
+"""Cycles of relationships as facts."""
 
 from collections.abc import Iterable, Iterator
 
@@ -6,14 +6,14 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.model.cycles import Knot, knots
 from mars_asp.model.declarations import Control, Data, Mount, Relationship
 
-#: The kinds of relationships, as walks are told of them.
+#: The kinds of relationships, as facts about cycles name them.
 KNOTS = ("data", "control", "mount")
-#: Of a longer walk some modules in the middle are left out where it is written.
+#: Of a longer cycle, modules in the middle are left out in messages.
 _MOST_SPELT = 20
 
 
 def closed_walks(lines: Iterable[tuple[int, Relationship]]) -> Iterator[Fact]:
-    """Yield what numbered lines of one kind lead back to itself, and the shortest way round."""
+    """Yield the facts of the cycles among numbered relationships of one kind."""
     data, control, mounts = [], [], []
     spans = {}
     for number, relationship in lines:
@@ -37,7 +37,7 @@ def closed_walks(lines: Iterable[tuple[int, Relationship]]) -> Iterator[Fact]:
 
 
 def _spelt(kind: str, knot: Knot) -> str:
-    """Return the modules of a closed walk as people write it; commands go against its steps."""
+    """Return the text of a cycle, as `A -> B -> A`; control goes against the steps of the walk."""
     first, *others = (start for start, _, _ in knot.walk)
     if kind == "control":
         others.reverse()

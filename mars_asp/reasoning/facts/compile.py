@@ -1,4 +1,4 @@
-"""Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
+"""Configurations and annotations as facts; `rules/vocabulary.lp` declares their predicates."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from fractions import Fraction
@@ -56,7 +56,7 @@ from mars_asp.spelling import nearest, resemblances
 
 
 class TellsAs(NamedTuple):
-    """How ports, rates and representations are told."""
+    """The names of ports, numbers of rates and names of representations in facts."""
 
     ends: Ends
     rates: Rates
@@ -69,12 +69,12 @@ def configuration_facts(
     wanted: Set[str] | None = None,
     told_as: TellsAs | None = None,
 ) -> tuple[Fact, ...]:
-    """Turn a configuration and the modules described for it into facts with their places.
+    """Return the facts of a configuration and of the modules described for it, with locations.
 
-    `modules` adds to those declared in the configuration itself; only modules that the
-    configuration names, and converters, are told. Relationships are identified as `numbered`
-    says, annotations by the integers that follow. With `wanted`, only facts of these predicates are
-    made. With `told_as`, ports, rates and representations are told as those of another one.
+    `modules` adds to the modules declared in the configuration. Only converters and the modules
+    that the configuration names become facts. The function `numbered` numbers relationships;
+    annotations have the integers that follow. `wanted` restricts the predicates. `told_as` has the
+    ports, rates and representations of another configuration, which are used instead.
     """
     return Compiler(configuration, modules or {}, wanted, told_as).compile()
 
@@ -82,7 +82,7 @@ def configuration_facts(
 def representation_names(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> RepresentationNames:
-    """Return the representations that rules are told of, in the form in which they are told."""
+    """Return the canonical names of the representations that occur in facts."""
     return _names(described_modules(configuration, modules))
 
 
@@ -90,7 +90,7 @@ def _names(described: Mapping[str, Module]) -> RepresentationNames:
     return canonical_names(sorted(set(representations(described.values()))))
 
 
-#: The predicates by which the architecture, modules, relationships and annotations are told.
+#: The predicates of the facts of the architecture, modules, relationships and annotations.
 HEADING = frozenset(
     {"architecture", "imported", "period", "muxed", "opaque", "absent_file", "builds"}
 )
@@ -100,31 +100,31 @@ RELATIONSHIPS = frozenset(
     " required_mode required_rate".split()
 )
 WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
-#: Those that are told together, of the ports that modules have and lines name.
+#: The predicates of ports, made together.
 PORTS = frozenset("output_of into in_turn input_of takes_in port_name near".split())
 ANNOTATIONS = frozenset(
     "described class guard native place converts commands unknown_input input ambiguous_name"
     " delivers output offered_mode offered_rate".split()
 )
-#: Those by which it is told what mounts do to motions.
+#: The predicates of the effects of mounts on motions.
 FRAMES = frozenset(
     "rooted appears appears_in_part lever_arm combines support shares circuit".split()
 )
 
 
-#: Where what no line states is.
+#: The location of facts that no line states.
 _NOWHERE = point("<imported>", 1, 1)
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
     {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *KNOTS}
     | {*get_args(Engine), *FOREIGN, FOREVER, ANY.name, NONE.name, "zero", "generic"}
-    # What rule packs state of the nodes that they bring.
+    # Constants by which rule packs describe the kinds of nodes that they provide.
     | {"control", "data", "one", "several"}
 )
 
 
 class Compiler:
-    """Collects facts."""
+    """Collects the facts of one configuration."""
 
     def __init__(
         self,
@@ -141,31 +141,31 @@ class Compiler:
 
     @cached_property
     def known(self) -> Mapping[str, Module]:
-        """Return every module that anything is known of."""
+        """Return all known modules, from `modules` and from blocks of the configuration."""
         return self.configuration.with_declared(self.modules)
 
     @cached_property
     def described(self) -> Mapping[str, Module]:
-        """Return the modules that rules are told of."""
+        """Return the modules that become facts, with their descriptions."""
         return described_modules(self.configuration, self.modules)
 
     @cached_property
     def ends(self) -> Ends:
-        """Return the outputs and inputs as they are told."""
+        """Return the names of outputs and inputs in facts."""
         if self._told_as is not None:
             return self._told_as.ends
         return ends_in(self.configuration, self.described)
 
     @cached_property
     def rates(self) -> Rates:
-        """Return how rates are told."""
+        """Return the numbers of rates in facts."""
         if self._told_as is not None:
             return self._told_as.rates
         return rates_in(self.configuration, self.described)
 
     @cached_property
     def _called(self) -> Mapping[tuple[str, int], str]:
-        """Return the names of the outputs of modules with several, by modules and services."""
+        """Return the output names of modules with several services, by module and service."""
         return {
             (name, id(module.services[number])): self.ends.output(name, port)
             for name, module in self.described.items()
@@ -175,7 +175,7 @@ class Compiler:
 
     @cached_property
     def names(self) -> RepresentationNames:
-        """Return the representations that rules are told of."""
+        """Return the names of representations in facts."""
         if self._told_as is not None:
             return self._told_as.names
         return _names(self.described)
@@ -186,7 +186,7 @@ class Compiler:
         return numbered(self.configuration.relationships)
 
     def compile(self) -> tuple[Fact, ...]:
-        """Return all facts that are wanted."""
+        """Return the wanted facts."""
         parts = (
             (self.heading, HEADING),
             (self.each_module, MODULES),
@@ -206,9 +206,9 @@ class Compiler:
         return tuple(self.facts)
 
     def heading(self) -> None:
-        """Add the architecture, the muxes that there are already and nodes that were not read."""
+        """Add the architecture, the existing muxes, and the nodes that could not be read."""
         configuration = self.configuration
-        # No line of a foreign file states it.
+        # No line of a foreign file states the architecture.
         span = configuration.span if configuration.format is None else _NOWHERE
         self.add(span, "architecture", Atom(configuration.architecture))
         if configuration.origin is not None:
@@ -221,7 +221,7 @@ class Compiler:
             self.add(name.span, "opaque", name.text)
 
     def missing_files(self) -> None:
-        """Add the files of nodes that are not there, with identifiers after all others."""
+        """Add the missing files of nodes, with identifiers after all others."""
         if not self.configuration.missing:
             return
         first = 1 + len(self.configuration.relationships)
@@ -248,7 +248,7 @@ class Compiler:
             self.relationship(number, relationship)
 
     def annotations(self) -> None:
-        """Add what modules are described to be."""
+        """Add the descriptions of modules, with their annotations."""
         if self.wanted is None or not self.wanted.isdisjoint(("described", "class", "guard")):
             for module in self.described.values():
                 self.description(module)
@@ -256,7 +256,7 @@ class Compiler:
             self.annotation(number, module, annotation)
 
     def description(self, module: Module) -> None:
-        """Add that a module is described, and of which classes it is."""
+        """Add the description of a module: its classes and its guard."""
         self.add(module.named or module.span, "described", module.name)
         for module_class, span in annotated_classes(module).items():
             self.add(span, "class", module.name, Atom(module_class))
@@ -272,17 +272,17 @@ class Compiler:
         self.place(number, annotation.span)
 
     def add(self, span: Span, name: str, *arguments: Term) -> None:
-        """Note a fact, if it is wanted."""
+        """Add a fact, if its predicate is wanted."""
         if self.wanted is None or name in self.wanted:
             self.facts.append(Fact(Atom(name, arguments), span))
 
     def take(self, facts: Iterable[Fact]) -> None:
-        """Note those of some facts that are wanted."""
+        """Add the facts whose predicates are wanted."""
         wanted = self.wanted
         self.facts += (fact for fact in facts if wanted is None or fact.atom.name in wanted)
 
     def place(self, identifier: Term, span: Span) -> None:
-        """Add the place of a statement or annotation."""
+        """Add the location of a statement or annotation."""
         self.add(span, "place", identifier, encodable(span.path), span.line, span.column)
 
     def relationship(self, number: int, relationship: Relationship) -> None:
@@ -301,7 +301,7 @@ class Compiler:
                 self.add(span, "is_controlled_by", number, controlled, controller)
                 if relationship.priority is not None:
                     self.add(span, "priority", number, relationship.priority)
-                    # Elsewhere a list says what numbers say.
+                    # In other cases a list of controllers can state the same order.
                     if self.configuration.architecture == "flat" and not relationship.listed:
                         self.add(span, "stated_priority", number)
                 if relationship.hold_ms is not None:
@@ -314,11 +314,11 @@ class Compiler:
         self.place(number, span)
 
     def words(self) -> None:
-        """Add once how each mode with its rate is written."""
+        """Add the text of each mode with its rate, once."""
         known = set()
         entries = set()
         for mode, hz, otherwise, span in self.written_modes():
-            # Most are written alike, and to make their terms takes longer than to find them known.
+            # Most are written alike, and a look-up is faster than making the term again.
             if (mode, mode.text, hz, otherwise) in known:
                 continue
             known.add((mode, mode.text, hz, otherwise))
@@ -331,7 +331,7 @@ class Compiler:
                 self.add(span, "in_words", term, rate, words)
 
     def written_modes(self) -> Iterator[tuple[Mode, Fraction | None, Atom, Span]]:
-        """Yield each mode that is required or offered, with its frequency or what stands for it."""
+        """Yield each required or offered mode, with its frequency or a constant in place of one."""
         for _, relationship in self.numbered:
             if isinstance(relationship, Data) and relationship.mode is not None:
                 yield relationship.mode, relationship.hz, ANY, relationship.span
@@ -343,7 +343,7 @@ class Compiler:
                         yield mode, hz, NONE, service.span
 
     def service(self, number: int, name: str, service: Service) -> None:
-        """Add a function annotation of a module."""
+        """Add a service annotation of a module."""
         span = service.span
         if service.kind == "Converts":
             source, target = (*service.inputs, None)[0], service.output
@@ -363,7 +363,7 @@ class Compiler:
             self.candidates(number, name, representation, span)
 
     def offer(self, number: int, name: str, service: Service) -> None:
-        """Add what a module delivers, and how."""
+        """Add the output of a module, with its modes and rates."""
         span = service.span
         name = self._called.get((name, id(service)), name)
         self.add(span, "delivers", number, name)
@@ -379,33 +379,33 @@ class Compiler:
                 self.add(span, "offered_rate", number, self.rates.millihertz(service.hz))
 
     def ports(self) -> None:
-        """Add which outputs modules with several have, and which inputs lines name."""
+        """Add the outputs of modules with several, and the inputs that lines use."""
         self.take(output_facts(self.configuration, self.ends))
         self.take(named_inputs(self.ends, self.numbered))
-        # Of a specification's configuration these are told already.
+        # The facts of the configuration contain these already if this is its specification.
         if self._told_as is None:
             self.take(input_facts(self.configuration, self.described, self.ends))
             self.take(turns(self.configuration, self.ends, self.numbered))
 
     def loose_ends(self) -> None:
-        """Add what no line takes, and which inputs each of these outputs may be meant for."""
+        """Add the unconnected outputs, and the inputs for which each of them may be meant."""
         canonical = self.names.canonical
         self.take(
             loose_ends(self.configuration, self.described, self.ends, self.numbered, canonical)
         )
 
     def exact_rates(self) -> None:
-        """Add which rates are told rounded, and what only exact ones show."""
+        """Add the rounded rates, with the comparisons that need the exact rates."""
         services = self.ends.services(self.described)
         self.take(rounded_rates(self.configuration, self.ends, services, self.rates))
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
-        """Add what an ambiguous representation could mean."""
+        """Add the possible meanings of an ambiguous representation."""
         for candidate in self.names.ambiguous.get(written or "", ()):
             self.add(span, "ambiguous_name", number, name, written or "", candidate)
 
     def resemblances(self) -> None:
-        """Add which known name a name that nothing declares is spelt like."""
+        """Add the known name that is most similar to each undeclared name."""
         declared = {name.text for name in self.configuration.modules}
         ends = {end for r in self.configuration.relationships for end in ends_of(r)}
         # `DataSplitter2` is not `DataSplitter1` misspelt.
@@ -427,18 +427,18 @@ class Compiler:
         return {name for name in names if self.configuration.node_kind(name) is None}
 
     def knots(self) -> None:
-        """Add what relationships of one kind lead back to itself, and the shortest way round."""
+        """Add the cycles of relationships of one kind, with a shortest cycle each."""
         self.take(closed_walks(self.numbered))
 
 
 def given(facts: Iterable[Fact]) -> Fragment:
-    """Return facts as a program has them beside its rules."""
+    """Return facts as a fragment of a program."""
     facts = tuple(facts)
     return fact_fragment(facts_text(facts), {fact.atom.name for fact in facts})
 
 
 def facts_text(facts: Iterable[Fact]) -> str:
-    """Return facts as clingo reads them, one a line."""
+    """Return facts in the syntax of clingo, one a line."""
     return "".join(f"{fact.atom}.\n" for fact in facts)
 
 

@@ -1,8 +1,7 @@
-"""Outputs and inputs as rules are told of them: by one name each.
+"""The names of outputs and inputs in facts.
 
-An output is called like its module, and where this has several, `MODULE.PORT`, as a line writes it.
-What lines name of a module that nothing describes is taken at its word; of any other it has to be
-there, which rules see.
+An output has the name of its module or, if the module has several, `MODULE.PORT`, as in a line.
+A port of an undescribed module is assumed to exist; rules check the ports of described modules.
 """
 
 from collections.abc import Iterable, Mapping, Sequence, Set
@@ -17,7 +16,7 @@ from mars_asp.model.remembered import remembered
 
 
 class Output(NamedTuple):
-    """An output: its module, its port, and the service that delivers it, if one is described."""
+    """An output: its module, its port, and the service that delivers it, or None if undescribed."""
 
     module: str
     port: str
@@ -25,7 +24,7 @@ class Output(NamedTuple):
 
 
 class InputEnd(NamedTuple):
-    """An input: its module, its port, and where that is described."""
+    """An input: its module, its port, and its description, or None if it has none."""
 
     module: str
     port: str
@@ -34,17 +33,17 @@ class InputEnd(NamedTuple):
 
 @dataclass(frozen=True)
 class Ends:
-    """What lines of a configuration name; `outputs` are those of modules with several.
+    """The names of the ports that a configuration uses; `outputs` only of modules with several.
 
-    `entries` are the inputs of clients that have several, or of which a line names one.
+    `entries` are the inputs of clients that have several inputs or are connected by a named port.
     """
 
     outputs: Mapping[str, Output]
     entries: Mapping[str, InputEnd]
-    #: By module and port, and by module alone, the name of an output.
+    #: The name of an output, by module and port, and by the module alone.
     _sources: Mapping[tuple[str, str | None], str]
     _clients: Mapping[tuple[str, str | None], str]
-    #: By the name of an output, the port that lines state.
+    #: The port that lines name, by the name of an output.
     _stated: Mapping[str, str]
 
     def source(self, data: Data) -> str:
@@ -54,7 +53,7 @@ class Ends:
         return self._sources.get((data.source, port), unknown)
 
     def entry(self, data: Data) -> str | None:
-        """Return the name of the input that a line names, if it names one."""
+        """Return the name of the input that a line uses, or None if it needs none."""
         port = data.client_port
         if port is None:
             return self._clients.get((data.client, None))
@@ -70,21 +69,21 @@ class Ends:
         return self._sources.get((module, port), module)
 
     def services(self, described: Mapping[str, Module]) -> dict[str, Service]:
-        """Return what delivers at each output, where that is described and the only one there."""
+        """Return the delivering service of each output, if exactly one is described."""
         delivering = ((name, _delivering(module)) for name, module in described.items())
         found = {name: services[0] for name, services in delivering if len(services) == 1}
         several = ((name, output.service) for name, output in self.outputs.items())
         return found | {name: service for name, service in several if service is not None}
 
     def written(self, name: str) -> tuple[str, str | None]:
-        """Return the module and the port that a line states for an output."""
+        """Return the module and, if lines name it, the port of an output."""
         found = self.outputs.get(name)
         return (name, self._stated.get(name)) if found is None else (found.module, found.port)
 
 
 @remembered
 def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> Ends:
-    """Return the ports that the data lines of a configuration name."""
+    """Return the names of the ports that the data lines of a configuration use."""
     lines = [each for each in configuration.relationships if isinstance(each, Data)]
     named: dict[str, dict[str, None]] = {}
     entered: dict[str, dict[str, None]] = {}
@@ -132,11 +131,11 @@ def _has_several_inputs(module: Module) -> bool:
 def ends_of_specification(
     configuration: Configuration, described: Mapping[str, Module], specification: Configuration
 ) -> Ends:
-    """Return the ends of a configuration, extended for the lines of a specification of it.
+    """Return the ends of a configuration, extended for the lines of its specification.
 
-    A port that only the specification names is the output of a source that has one, or the only
-    port that is named of a source that nothing describes. The only input of a client is the same
-    end with and without its name.
+    A port that only the specification names is the output of a source with a single output, or the
+    only named port of an undescribed source. The only input of a client is the same end with and
+    without its name.
     """
     ends = ends_in(configuration, described)
     named: dict[str, set[str]] = {}
@@ -166,7 +165,7 @@ def _delivering(module: Module) -> list[Service]:
 
 
 def _outputs(name: str, module: Module | None, named: Iterable[str]) -> Sequence[Output]:
-    """Return the outputs that a module has, and those that lines name."""
+    """Return the outputs that a module has, and the outputs that lines name."""
     known = {} if module is None else outputs(module)
     services: Sequence[Service] = () if module is None else module.services
     return [

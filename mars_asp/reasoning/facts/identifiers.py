@@ -1,4 +1,4 @@
-"""What facts identify things by: numbers of relationships and annotations, and terms of modes."""
+"""Identifiers in facts: numbers of relationships and annotations, and terms of modes."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
@@ -45,7 +45,7 @@ def numbered_annotations(
 def annotation_numbers(
     configuration: Configuration, described: Mapping[str, Module]
 ) -> Mapping[tuple[str, int], tuple[int, Span]]:
-    """Return the identifier and the place of each annotation, by its module and its `id`."""
+    """Return the identifier and the location of each annotation, by its module and its `id`."""
     return {
         (module.name, id(annotation)): (number, annotation.span)
         for number, module, annotation in numbered_annotations(configuration, described)
@@ -58,7 +58,7 @@ def annotations_of(module: Module) -> tuple[Service | Function, ...]:
 
 
 def mode_term(mode: Mode) -> Atom:
-    """Return mode(Name, Arguments); modes that mean the same give the same term."""
+    """Return mode(Name, Arguments); equal modes give equal terms, however they are written."""
     inside = [plain(number) for number in mode.arguments]
     if mode.of is not None:
         inside.append(f"of={mode.of}")
@@ -66,7 +66,7 @@ def mode_term(mode: Mode) -> Atom:
 
 
 def hold_term(hold: Hold) -> int | Atom:
-    """Return a number of milliseconds, or the constant `forever`, which is more than any."""
+    """Return a number of milliseconds, or the constant `forever`, which exceeds every number."""
     return Atom(FOREVER) if hold == FOREVER else hold
 
 
@@ -96,13 +96,13 @@ def numbered(
 ) -> tuple[tuple[int, Relationship], ...]:
     """Return relationships with their identifiers, integers from 1.
 
-    They are numbered by what they say, so that the order of the lines of a file, which means
-    nothing, cannot decide anything either.
+    The numbers depend on the content of relationships, so that the order of the lines of a file,
+    which has no meaning, cannot decide anything.
     """
     found: list[Relationship] = []
     for kind, ends in _ENDS.items():
         alike = sorted((each for each in relationships if type(each) is kind), key=ends)
-        # Few relate the same two modules, so little else is ever compared.
+        # Few relationships have the same two modules, so little else is ever compared.
         for _, group in groupby(alike, ends):
             first, *others = group
             found += sorted((first, *others), key=_content) if others else (first,)
@@ -118,7 +118,7 @@ _ENDS: Mapping[type[Relationship], Callable[[Relationship], tuple[str, str]]] = 
 
 
 def _content(relationship: Relationship) -> tuple[object, ...]:
-    """Return what a relationship says of its two modules, and where."""
+    """Return the attributes of a relationship besides its two modules, with its span last."""
     match relationship:
         case Data(_, _, span, mode, hz, client_port, source_port):
             ports = (client_port or "", source_port or "")

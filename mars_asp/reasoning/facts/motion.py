@@ -1,6 +1,6 @@
-"""What mounts do to motions: numbers turned into facts, and no decision.
+"""The effects of mounts on motions, as facts.
 
-What is inherited, emergent or in conflict is for `rules/physical.lp` to say.
+`rules/physical.lp` decides from these facts which functions are inherited, emergent or in conflict.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
@@ -37,11 +37,11 @@ def frame_facts(
     modules: Mapping[str, Module],
     asked: Iterable[tuple[str, str]] = (),
 ) -> tuple[Fact, ...]:
-    """Return how native functions of carriers show in the frames of those they carry.
+    """Return the motions that modules get from the native functions of their carriers, as facts.
 
-    Told of sensors, end-effectors, whatever is controlled, and what is `asked`, functions of
-    modules; see `rules/vocabulary.lp` for the predicates. The place of each fact is the mount of
-    the module that it is about.
+    The facts are about sensors, end-effectors, controlled modules, and the pairs of function and
+    module in `asked`; `rules/vocabulary.lp` has the predicates. The location of each fact is the
+    mount of its module.
     """
     mounts, known, heirs = scene(configuration, modules)
     functions: dict[str, list[str]] = {}
@@ -66,7 +66,7 @@ def frames(
 ) -> dict[str, tuple[str, Matrix]]:
     """Return each mounted or carrying module's root and its pose there at rest, 3x4 in mm.
 
-    Modules on a cycle of mounts have none.
+    Modules on a cycle of mounts are left out.
     """
     mounts, known, _ = scene(configuration, modules)
     robot = build_robot(mounts, known)
@@ -78,14 +78,14 @@ def frames(
 
 
 def postures(robot: KinematicTree) -> tuple[Posture, tuple[Posture, ...]]:
-    """Return a robot at rest, and in the generic postures that are tried."""
+    """Return a robot at rest and in several generic postures."""
     return take_posture(robot), tuple(generic_posture(robot, seed) for seed in _SEEDS)
 
 
 def scene(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> tuple[list[Mount], Mapping[str, Module], set[str]]:
-    """Return the mounts in the order of their identifiers, the described, and who may inherit."""
+    """Return the mounts by identifier, the described modules, and the possible heirs of motions."""
     known = described_modules(configuration, modules)
     numbers = [relationship for _, relationship in numbered(configuration.relationships)]
     mounts = [relationship for relationship in numbers if isinstance(relationship, Mount)]
@@ -103,7 +103,7 @@ def observations(
     generic: tuple[Posture, ...],
     asked: Sequence[str],
 ) -> Iterator[Atom]:
-    """Yield the atoms about the carriers of one mounted module, seen in its frame."""
+    """Yield the facts about the carriers of one mounted module, in the frame of this module."""
     ancestors = robot.ancestors(name)
     yield Atom("rooted", (name, ancestors[-1], len(ancestors)))
     providers = [ancestor for ancestor in ancestors if robot.joints[ancestor]]
@@ -141,7 +141,7 @@ def _matrix_rank(columns: Matrix) -> int:
 
 
 def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Iterator[Atom]:
-    """Add the fact of what one function appears: one signed function, or shares of several."""
+    """Yield the motion that a carrier's function gives a module: one axis, or shares of several."""
     turns = function.startswith("Rotn")
     direction = twist[:3] if turns else twist[3:]
     names = MOTION_FUNCTIONS[:3] if turns else MOTION_FUNCTIONS[3:]
@@ -156,7 +156,10 @@ def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Itera
 
 
 def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iterator[Atom]:
-    """Add how far the axes of a provider, which meet in its place, pass what they turn."""
+    """Yield the distances between a module's origin and the axes of a provider that turn it.
+
+    The axes of a provider meet in its origin, which is at `place` in the module's frame.
+    """
     turned = np.abs(twists[:3]).max(axis=1) > TOLERANCE
     for axis in np.flatnonzero(turned):
         micrometres = round(float(np.linalg.norm(np.delete(place, axis))) * 1000)
@@ -166,7 +169,10 @@ def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iter
 
 
 def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield what one provider's joints combine to, and the joints with a share: arcs count."""
+    """Yield the motions to which one provider's joints combine, with the joints that contribute.
+
+    Translations include those along an arc.
+    """
     for rows, functions in ((twists[:3], MOTION_FUNCTIONS[:3]), (twists, MOTION_FUNCTIONS)):
         for index in np.flatnonzero(spanned(rows)):
             if rows is twists and index < 3:
@@ -176,7 +182,7 @@ def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str
 
 
 def _supports(robot: KinematicTree, name: str, free: Matrix, alone: Set[str]) -> Iterator[Atom]:
-    """Add the sets of fewest and nearest carriers that give together what none does alone."""
+    """Yield the smallest, nearest sets of carriers that only together provide a function."""
     distance = {ancestor: n for n, ancestor in enumerate(robot.ancestors(name), 1)}
     providers = [ancestor for ancestor in distance if robot.joints[ancestor]]
     joints = [joint for provider in providers for joint in robot.joints[provider]]
@@ -201,7 +207,7 @@ def _supports(robot: KinematicTree, name: str, free: Matrix, alone: Set[str]) ->
 
 
 def _circuits(robot: KinematicTree, name: str, free: Matrix, function: str) -> Iterator[Atom]:
-    """Add which motions of several carriers together give a function, with none to spare."""
+    """Yield minimal sets of motions of several carriers that together give a function."""
     joints = [joint for ancestor in robot.ancestors(name) for joint in robot.joints[ancestor]]
     if function not in MOTION_FUNCTIONS:
         return

@@ -1,4 +1,4 @@
-"""Ports as facts: which there are, which lines name, and what is loose or misspelt."""
+"""Ports as facts: the outputs and inputs of modules, and the unconnected or misspelt ones."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -13,16 +13,16 @@ from mars_asp.reasoning.facts.ends import Ends
 from mars_asp.reasoning.facts.identifiers import annotation_numbers
 from mars_asp.reasoning.facts.loose_ends import PortEnd, nearest
 
-#: What describes modules, by their names.
+#: Described modules by their names, each with its description.
 Described: TypeAlias = Mapping[str, Module]
 Numbered: TypeAlias = Sequence[tuple[int, Relationship]]
-#: Yields the ports of a module: name, number of the service, place there, and representation.
+#: Yields the ports of a module: name, number of the service, index in it, and representation.
 _PortsOf: TypeAlias = Callable[[Module], Iterable[tuple[str, int, int, str | None]]]
 _Numbers: TypeAlias = Mapping[tuple[str, int], tuple[int, Span]]
 
 
 def output_facts(configuration: Configuration, ends: Ends) -> Iterator[Fact]:
-    """Yield which outputs modules with several have."""
+    """Yield the outputs of modules that have several."""
     places = _module_spans(configuration)
     for text, output in ends.outputs.items():
         place = places.get(output.module, configuration.span)
@@ -31,7 +31,7 @@ def output_facts(configuration: Configuration, ends: Ends) -> Iterator[Fact]:
 
 
 def named_inputs(ends: Ends, lines: Numbered) -> Iterator[Fact]:
-    """Yield which inputs lines name."""
+    """Yield the input that each line uses, if it has a name."""
     for number, line in lines:
         if isinstance(line, Data):
             named = ends.entry(line)
@@ -77,9 +77,9 @@ def loose_ends(
     lines: Numbered,
     canonical: Mapping[str, str],
 ) -> Iterator[Fact]:
-    """Yield what no line takes, and which inputs each of these outputs may be meant for.
+    """Yield the names of unconnected outputs, and the open inputs for which each may be meant.
 
-    `canonical` are representations in the form in which they are told.
+    `canonical` are the canonical names of representations.
     """
     data = [line for _, line in lines if isinstance(line, Data)]
     taken = {ends.source(line) for line in data}
@@ -100,7 +100,7 @@ def loose_ends(
 
 
 def unknown_ports(described: Described, ends: Ends) -> Mapping[str, Iterable[str]]:
-    """Return the ports that lines name and modules lack, with those that they have."""
+    """Return the ports that lines name and modules lack, with the actual ports of the modules."""
     found: dict[str, Iterable[str]] = {}
     for text, output in ends.outputs.items():
         if output.service is None and output.module in described:
@@ -124,7 +124,7 @@ def _module_spans(configuration: Configuration) -> Mapping[str, Span]:
 def _port_ends(
     described: Described, of: _PortsOf, numbers: _Numbers, canonical: Mapping[str, str]
 ) -> Iterator[PortEnd]:
-    """Yield ports of described modules."""
+    """Yield the ports of described modules."""
     for name, module in described.items():
         for called, service, place, representation in of(module):
             number, span = numbers[name, id(module.services[service])]

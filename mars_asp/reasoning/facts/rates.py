@@ -1,8 +1,8 @@
 """Exact rates as the whole millihertz that rules compare.
 
-A rate that is no whole number of millihertz is rounded, and moved further where another rate of the
-configuration would be told as the same number: rules see two rates in their exact order, and as
-equal only where they are.
+A rate of a fraction of a millihertz is rounded, and moved further if another rate of the
+configuration would get the same number. Thus the numbers have the exact order of the rates, and
+only equal rates get equal numbers.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
@@ -21,20 +21,20 @@ from mars_asp.reasoning.facts.ends import Ends
 
 @dataclass(frozen=True)
 class Rates:
-    """The rates that are told as other numbers than their millihertz, and these numbers."""
+    """The numbers of rates in facts, where these differ from the exact millihertz."""
 
     _told: Mapping[Fraction, int]
     _meant: Mapping[int, Fraction]
-    #: All numbers by which rates are told.
+    #: The numbers of all rates in facts.
     _taken: Set[int]
 
     @property
     def rounded(self) -> Sequence[int]:
-        """Return the numbers by which rates are told that they do not equal, in order."""
+        """Return the numbers that differ from the millihertz of their rates, in order."""
         return sorted(self._meant)
 
     def millihertz(self, hz: Fraction) -> int:
-        """Return the number by which a rate is told."""
+        """Return the number of a rate in facts."""
         result = self._told.get(hz)
         if result is not None:
             return result
@@ -42,14 +42,14 @@ class Rates:
         number = max(round(millihertz), 1)
         if number == millihertz and number not in self._meant:
             return number
-        # A rate that is none of these is told as none of them, on its own side of the nearest.
+        # An unknown rate gets an unused number, on its own side of the nearest known rate.
         step = 1 if self.hertz(number) < hz else -1
         while number in self._taken and 1 < number < MOST:
             number += step
         return number
 
     def hertz(self, millihertz: int) -> Rate:
-        """Return the rate that is told by a number."""
+        """Return the rate that a number in facts represents."""
         meant = self._meant.get(millihertz)
         if meant is None:
             return Rate(Decimal(millihertz) / 1000)
@@ -58,12 +58,12 @@ class Rates:
 
 @remembered
 def rates_in(configuration: Configuration, described: Mapping[str, Module]) -> Rates:
-    """Return how the rates that lines and annotations state are told."""
+    """Return the numbers of the rates that lines and annotations state."""
     return rates_of(_written_rates(configuration, described))
 
 
 def rates_of(stated: Iterable[Fraction]) -> Rates:
-    """Return how rates are told that are compared with each other."""
+    """Return the numbers of rates that are compared with each other."""
     every = {hz: hz for hz in stated}
     if all((hz * 1000).denominator == 1 for hz in every):
         return Rates({}, {}, {int(hz * 1000) for hz in every})
@@ -71,7 +71,7 @@ def rates_of(stated: Iterable[Fraction]) -> Rates:
     numbers: list[int] = []
     for hz in ordered:
         numbers.append(max(round(hz * 1000), numbers[-1] + 1 if numbers else 1))
-    # At the upper end there may be no room above.
+        # Numbers beyond the maximum move down again.
     for place, number in enumerate(numbers):
         numbers[place] = min(number, MOST - (len(numbers) - 1 - place))
     moved = {hz: number for hz, number in zip(ordered, numbers, strict=True) if hz * 1000 != number}
@@ -94,9 +94,9 @@ def _written_rates(
 def rounded_rates(
     configuration: Configuration, ends: Ends, services: Mapping[str, Service], rates: Rates
 ) -> Iterator[Fact]:
-    """Yield which rates are told rounded, and what only exact ones show.
+    """Yield the facts about rounded rates, with the comparisons that need the exact rates.
 
-    `services` are what delivers at outputs, by their names.
+    `services` are the delivering services of outputs, by the names of the outputs.
     """
     for rate in rates.rounded:
         yield Fact(Atom("rounded", (rate,)), configuration.span)

@@ -1,4 +1,4 @@
-"""What `rules/vocabulary.lp` and others declare of given predicates, for those who give facts."""
+"""The predicates of facts, as `rules/vocabulary.lp` and other rule files declare them."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mars_asp.asp.units import NUMBERS
 
 if TYPE_CHECKING:
-    # Who reads a configuration alone needs no rules.
+    # Reading a configuration needs no rules.
     from mars_asp.asp.lint.values import Form
     from mars_asp.asp.rules.declarations import Declaration, Docstring
     from mars_asp.asp.rules.rulebook import Rulebook
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 #: Sorts of numbers that users state, however large.
 UNBOUNDED = ("millihertz", "milliseconds", "priority", "cost")
-#: What the values of sorts are that are no measures; of others it is not known.
+#: The forms of the values of sorts other than measures; the forms of further sorts are unknown.
 FORMS: "Mapping[str, Form]" = {
     **dict.fromkeys(("relationship", "annotation", "index", "vertex", "walk", "sign"), "number"),
     **dict.fromkeys(("priority", "cost", "count", "line", "column"), "number"),
@@ -23,12 +23,12 @@ FORMS: "Mapping[str, Form]" = {
     **dict.fromkeys(("mode", "term"), "function"),
     "kind": "name",
 }
-#: Sorts of which a configuration has as many values as it is large.
+#: Sorts whose number of values grows with the configuration.
 THINGS = frozenset({"relationship", "annotation", "module", "representation"})
 
 
 def given_in(rulebook: "Rulebook", *stages: str) -> "tuple[Signature, ...]":
-    """Return the given predicates that files of some stages declare, from a table of the build."""
+    """Return the predicates that files of some stages declare as facts, from a table made once."""
     from mars_asp.asp.cache import memoized  # noqa: PLC0415 -- with rules alone
     from mars_asp.asp.rules import declarations  # noqa: PLC0415
 
@@ -50,9 +50,9 @@ def _given(docstrings: "tuple[Docstring, ...]") -> "tuple[Signature, ...]":
 
 
 def unbounded(declared: "Iterable[Declaration]") -> "Mapping[Signature, tuple[int, ...]]":
-    """Return the positions from 0 of numbers that a user states, however large."""
+    """Return the positions, from 0, of arguments that are numbers of any size stated by a user."""
     given = (each for each in declared if each.origin == "stated")
-    # Any number may be stated of an attribute of a pack.
+    # An attribute of a pack can be any number.
     return {
         each.signature: places
         for each in given

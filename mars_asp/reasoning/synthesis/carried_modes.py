@@ -58,9 +58,9 @@ def state_modes(
 
 
 class DirectLines(NamedTuple):
-    """The data lines of a specification without nodes, and what rules derive from these lines.
+    """The data lines of a specification without nodes, and the atoms that rules derive from them.
 
-    Each line has the line of the specification into its client.
+    Each line is paired with the line of the specification into its client.
     """
 
     configuration: Configuration
@@ -119,7 +119,7 @@ def _data_nodes(specification: Configuration, known: Mapping[str, Module]) -> fr
 
 
 def _from_sources(line: Data, feeds: Mapping[str, list[Data]]) -> Iterator[Data]:
-    """Yield a line of a module for each path from a source; of those that state the same, one."""
+    """Yield the line of a module for each path from a source, without duplicates."""
     waiting, seen = [line], set()
     while waiting:
         each = waiting.pop()

@@ -1,6 +1,6 @@
-"""The control lines of a specification in order, at the place of the first that they stand for.
+"""The control lines of a specification, in the order of the relationships that they represent.
 
-Which lines there are, and what they state, `rules/specify` says.
+`rules/specify` decides which lines there are, and their attributes.
 """
 
 from collections.abc import Iterator, Mapping
@@ -18,7 +18,7 @@ _ALLOCATIONS: Mapping[str, Allocation] = {each: each for each in get_args(Alloca
 
 
 class _ControlLine(NamedTuple):
-    """One control line and its place in the file."""
+    """One control line, and the index of its relationship in the file, or -1."""
 
     line: TermId
     controlled: TermId
@@ -27,12 +27,12 @@ class _ControlLine(NamedTuple):
 
 
 class ControlLines:
-    """Writes the lines into each module once, with all that leads there."""
+    """Writes the control lines into each module once, with all lines upstream of them."""
 
     def __init__(
         self, draft: SpecificationDraft, derived: SpecifiedAtoms, places: Mapping[TermId, int]
     ) -> None:
-        """Index the lines by their ends; `places` are those of lines in the file."""
+        """Index the lines by their ends; `places` are the indices of lines in the file."""
         self._draft, self._derived = draft, derived
         self._into: dict[TermId, list[_ControlLine]] = {}
         self._out_of: dict[TermId, list[_ControlLine]] = {}
@@ -43,15 +43,15 @@ class ControlLines:
         self._priorities = derived.of_each("spec_priority")
         self._holds = derived.of_each("spec_hold")
         self._allocations = derived.of_each("spec_allocation")
-        #: By modules, the InheritanceNodes that stand for them.
+        #: The InheritanceNode that represents each module.
         self._stand_ins = {module: node for node, module in derived.rows("spec_stands_for", 2)}
         self._written: set[TermId] = set()
         self._opened: set[TermId] = set()
 
     def write(self, control: Control) -> None:
-        """Write the lines into a relationship's module, and all that leads there.
+        """Write the lines into a relationship's controlled module, and all lines upstream.
 
-        Where an InheritanceNode stands for the module, its providers' lines follow its input.
+        The lines into an InheritanceNode that represents the module, and its providers, follow.
         """
         module = as_term(String(control.controlled))
         self._write_into(module)
@@ -62,7 +62,7 @@ class ControlLines:
                 self._write_into(provider)
 
     def _reached_modules(self, node: TermId) -> Iterator[TermId]:
-        """Yield the modules to which what a node says leads."""
+        """Yield the modules downstream of a node."""
         stack = [node]
         for each in stack:
             for line in self._out_of.get(each, ()):
@@ -85,16 +85,16 @@ class ControlLines:
                 stack += self._opened_by(each.controller)
 
     def _opened_by(self, node: TermId) -> list[_ControlLine]:
-        """Return the lines into a node that hands on what it hears, last first, once."""
+        """Return the lines into a forwarding node, last first; empty from the second call on."""
         if not self._hands_on(node) or node in self._opened:
             return []
         self._opened.add(node)
         return sorted(self._into.get(node, ()), reverse=True, key=lambda line: line.place)
 
     def _hands_on(self, node: TermId) -> bool:
-        """Whether something is a node that is written where what it says is heard.
+        """Whether something is a node that is written together with the lines out of it.
 
-        An InheritanceNode is written where the module is that it stands for.
+        An InheritanceNode is written with the module that it represents instead.
         """
         return self._derived.kinds.get(node, "inheritance_node") != "inheritance_node"
 
@@ -102,7 +102,7 @@ class ControlLines:
         return self._hands_on(node) and len(self._out_of.get(node, ())) > 1
 
     def _write_split(self, node: TermId) -> None:
-        """Write what a node hears and then all its outputs."""
+        """Write the inputs of a node and then all its outputs."""
         if node in self._opened:
             return
         self._opened.add(node)
@@ -112,7 +112,7 @@ class ControlLines:
             self._write_line(line)
 
     def _by_receiver(self, line: _ControlLine) -> tuple[int, bool, bool, str]:
-        """Return the order of outputs: of those at one place, lines to modules come first."""
+        """Return the sort key of outputs: at one index, lines to modules come first."""
         hands_on, is_node = self._hands_on(line.controlled), line.controlled in self._derived.kinds
         return line.place, hands_on, is_node, "" if hands_on else text(line.controlled)
 
@@ -127,7 +127,7 @@ class ControlLines:
         controlled = draft.name(line.controlled, derived)
         priority, hold = self._priorities.get(line.line), self._holds.get(line.line)
         allocation = self._allocations.get(line.line)
-        # A line to a splitter is placed as the first line from it is.
+        # A splitter's input takes the index of the first of its outputs.
         after = (line, *self._out_of.get(line.controlled, ()))
         place = next((each.place for each in after if each.place >= 0), None)
         relationship = None if place is None else draft.relationships[place]

@@ -1,6 +1,6 @@
-"""The data lines of a specification in order: each source's tree where its first relationship is.
+"""The data lines of a specification: the tree of each source at its first relationship.
 
-Which lines there are, and what they state, `rules/specify` says.
+`rules/specify` decides which lines there are, and their attributes.
 """
 
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ class DataLines:
     def __init__(
         self, draft: SpecificationDraft, derived: SpecifiedAtoms, places: Mapping[TermId, int]
     ) -> None:
-        """Index the lines by what feeds them; `places` are those of lines in the file."""
+        """Index the lines by their feeders; `places` are the indices of lines in the file."""
         self._draft, self._derived, self._places = draft, derived, places
         self._out_of: dict[TermId, list[_DataLine]] = {}
         for line, client, feeder in derived.rows("spec_uses_data_from", 3):
@@ -40,7 +40,7 @@ class DataLines:
         self._rates = derived.of_each("spec_required_rate")
         self._inputs = derived.of_each("spec_into")
         self._done: set[TermId] = set()
-        #: A node that takes several inputs is come to from each of them.
+        #: Prevents duplicates: a node with several inputs is reached from each of them.
         self._written: set[TermId] = set()
 
     def write(self, relationship: Data) -> None:
@@ -62,11 +62,11 @@ class DataLines:
                 stack += self._outputs(line.client, place)
 
     def _outputs(self, feeder: TermId, place: Mapping[TermId, int]) -> list[_DataLine]:
-        """Return what a source or node feeds, last first."""
+        """Return the lines out of a source or node, last first."""
         return sorted(self._out_of.get(feeder, ()), key=lambda line: place[line.line], reverse=True)
 
     def _places_behind(self, source: TermId) -> Mapping[TermId, int]:
-        """Return the place of each line behind a source: that of the first client it leads to."""
+        """Return the index of each line downstream of a source: the first of its clients."""
         lines = list(self._out_of.get(source, ()))
         for line in lines:
             if line.client in self._derived.kinds:
@@ -98,7 +98,7 @@ class DataLines:
             draft.place_of[id(draft.lines[-1])] = self._places[line.line]
 
     def _service(self, line: TermId) -> tuple[Mode | None, Fraction | None]:
-        """Return the mode and frequency that a line states, in the words of its relationship."""
+        """Return the mode and frequency of a line, in the text of its relationship if any."""
         if line not in self._modes:
             return None, None
         if line in self._places:

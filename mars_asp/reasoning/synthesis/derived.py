@@ -1,4 +1,4 @@
-"""What `rules/specify` derives of an answer: a specification whose nodes have no names yet."""
+"""The atoms that `rules/specify` derives from an answer: a specification with unnamed nodes."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache, cached_property
@@ -15,10 +15,10 @@ _NODE = Signature("spec_node", 2)
 
 
 class SpecifiedAtoms:
-    """The atoms that the rules of `STAGE` derive of what holds in an answer."""
+    """The atoms that the rules of `STAGE` derive from the true atoms of an answer."""
 
     def __init__(self, rulebook: Rulebook, answer: ChosenAnswer) -> None:
-        """Ground the rules over what they read: what follows from an answer needs no search.
+        """Ground the rules over the atoms that they read; no search is needed.
 
         Raises:
             MarsError: the rules are refused, or there is no such answer.
@@ -29,11 +29,11 @@ class SpecifiedAtoms:
         read = frozenset().union(*(rule.reads for rule in rules)) - self.predicates
         self._grounding = Grounding((), answer.true_of(sorted(read)))
         self._grounding.derive(rulebook.fragments(STAGE))
-        #: The text of a term, and of one that is a string; few terms stand in very many atoms.
+        #: The texts of terms and strings; cached, as few terms occur in very many atoms.
         self.text, self.string = cache(text), cache(_string)
 
     def hand_to(self, grounding: Grounding) -> None:
-        """State what was derived in the grounding of the answer, for it to be explained there."""
+        """Add the derived atoms to the grounding of the answer, to be explained there."""
         control = self._grounding.control
         found = sorted(self.predicates)
         grounding.state({signature: atoms(control, *signature) for signature in found})
@@ -47,7 +47,7 @@ class SpecifiedAtoms:
         return [arguments(atom) for atom in atoms(self._grounding.control, name, arity, True)]
 
     def of_each(self, name: str) -> dict[TermId, TermId]:
-        """Return what a predicate says of each thing."""
+        """Return the second argument of a binary predicate by the first."""
         return {thing: item for thing, item in self.rows(name, 2)}
 
     @cached_property
@@ -57,7 +57,7 @@ class SpecifiedAtoms:
 
     @cached_property
     def stands_for(self) -> Mapping[TermId, str]:
-        """Return for which module each InheritanceNode stands."""
+        """Return the module that each InheritanceNode represents."""
         return {node: self.string(module) for node, module in self.rows("spec_stands_for", 2)}
 
     @cached_property
@@ -68,7 +68,7 @@ class SpecifiedAtoms:
 
     @cached_property
     def annotations(self) -> Mapping[TermId, int]:
-        """Return the identifier of the annotation of what each transformer does."""
+        """Return the identifier of the annotation of each transformer's conversion."""
         rows = self.rows("does_conversion", 2)
         return {node: as_symbol(annotation).number for node, annotation in rows}
 

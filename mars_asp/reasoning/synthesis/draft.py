@@ -1,4 +1,4 @@
-"""A specification while it is written: nodes get names, lines get their order."""
+"""A specification under construction: its named nodes, and its lines in their order."""
 
 from dataclasses import dataclass, replace
 
@@ -21,7 +21,7 @@ from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
 class IntroducedNode:
     """An introduced module: its name, its kind and the term by which the rules know it.
 
-    An InheritanceNode stands for a module, a DataTransformer does a conversion.
+    An InheritanceNode represents a module, a DataTransformer performs a conversion.
     """
 
     name: str
@@ -35,13 +35,13 @@ class SpecificationDraft:
     """Collects nodes and lines in the order in which they are printed."""
 
     def __init__(self, project: Project) -> None:
-        """Index what the configuration says."""
+        """Index the relationships and annotations of the configuration."""
         configuration, modules = project.configuration, project.modules
         self.span = configuration.span
         self._names = node_names(configuration.kinds)
         self.relationships = configuration.relationships
         places = {id(r): place for place, r in enumerate(configuration.relationships)}
-        #: The place of each relationship in the file, by its identifier.
+        #: The index of each relationship in the file, by its identifier.
         self.place = {number: places[id(r)] for number, r in numbered(self.relationships)}
         described = project.described
         self.ends = ends_in(configuration, described)
@@ -52,7 +52,7 @@ class SpecificationDraft:
             if isinstance(annotation, Service)
         }
         self.lines: list[Relationship] = []
-        #: The place in the file of the relationship that each line to a client realises.
+        #: The index of the relationship that a line to a client realises, by the line's `id`.
         self.place_of: dict[int, int] = {}
         self.described = described.keys()
         #: The nodes in the order in which they were named.
@@ -62,7 +62,7 @@ class SpecificationDraft:
         self._next: dict[str, int] = {}
 
     def name(self, term: TermId, derived: SpecifiedAtoms) -> str:
-        """Return the name of a module or of a node, introducing this where it is new."""
+        """Return the name of a module or node; a new node gets its name here."""
         if term not in self.nodes:
             kind = derived.kinds.get(term)
             if kind is None:
@@ -74,7 +74,7 @@ class SpecificationDraft:
         return self.nodes[term].name
 
     def places(self, derived: SpecifiedAtoms) -> dict[TermId, int]:
-        """Return the place of each line that stands for relationships: that of the first."""
+        """Return the index of the first relationship that each line represents."""
         found: dict[TermId, int] = {}
         for line, relationship in derived.rows("written_at", 2):
             place = self.place[as_symbol(relationship).number]
@@ -83,7 +83,7 @@ class SpecificationDraft:
         return found
 
     def name_positions(self) -> None:
-        """Name the inputs of undescribed clients whose lines are in another order now."""
+        """Name the inputs of undescribed clients whose lines have changed their order."""
         lines: dict[str, list[Data]] = {}
         for line in self.lines:
             if isinstance(line, Data) and line.client not in self.described:
@@ -101,7 +101,7 @@ class SpecificationDraft:
         self.lines = [named.get(id(line), line) for line in self.lines]
 
     def _conversion(self, node: TermId, name: str, derived: SpecifiedAtoms) -> Conversion | None:
-        """Return what a transformer does: in the words of its annotation, where it has one."""
+        """Return the conversion of a transformer as annotated, or None for another node."""
         if node not in derived.converts:
             return None
         source, target = derived.converts[node]
@@ -113,7 +113,7 @@ class SpecificationDraft:
         return Conversion(name, converter, given, service.output or target, self.span)
 
     def _free_name(self, kind: str) -> str:
-        """Return the next name of a kind that no module has."""
+        """Return the next unused name for a node of a kind."""
         word = self._names.get(kind) or "".join(map(str.capitalize, kind.split("_")))
         while True:
             number = self._next.get(kind, 1)

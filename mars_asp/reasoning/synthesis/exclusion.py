@@ -1,9 +1,8 @@
-"""Which constraints of rule packs leave a configuration without a specification.
+"""The constraints of rule packs that leave a configuration without a specification.
 
-Each constraint that could be the reason is relaxed: it derives that it is broken instead of
-excluding the answer, and an answer is sought that breaks as few as possible. What it breaks is what
-no specification can meet. This costs a second grounding, and is done where there is nothing else to
-tell.
+Each constraint that could be the reason is relaxed: it derives its violation instead of excluding
+the answer, and the search minimises the violations. No specification satisfies the constraints that
+remain violated. This costs a second grounding, and is only done without a specification.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -22,9 +21,9 @@ from mars_asp.reasoning.facts.compile import given
 
 _STAGE = "resolve"
 _BROKEN = Signature("_broken", 3)
-#: Above all that is minimised otherwise.
+#: Higher than the levels of all other minimisation.
 _LEVEL = 1_000_000
-#: So many instances of what is broken are told.
+#: At most this many violated instances are reported.
 _MOST = 20
 
 
@@ -37,9 +36,9 @@ class NoSpecificationError(MarsError):
 def excluded(
     rulebook: Rulebook, facts: Iterable[Fact], wanted: str = ""
 ) -> NoSpecificationError | None:
-    """Return which constraints no specification meets, or None if that is not the reason.
+    """Return the constraints that no specification satisfies, or None if these are not the reason.
 
-    With `wanted`, an atom in which `_` is any value, which none meets that has such an atom.
+    `wanted` is an atom that specifications must have, with `_` for any value, or empty.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -71,7 +70,7 @@ def _is_constraint(rule: Rule) -> bool:
 
 
 def _relaxed(number: int, rule: Rule) -> str:
-    """Return a constraint as a rule that tells what breaks it, by what its message names."""
+    """Return a constraint as a rule that derives its violation, with the values in its message."""
     holes = rule.holes if rule.because else tuple(sorted(bound_variables(rule.text)))
     return f"_broken({number},none,v({','.join(holes)})) :- {rule.written[1] or '#true'}."
 

@@ -1,7 +1,7 @@
-"""For which module an InheritanceNode of a specification stands.
+"""The module that an InheritanceNode of a specification represents.
 
-A comment says it: `// InheritanceNode1: Camera`. Without one it is read from mounts and from who
-controls whom; where several modules fit, and would be moved in different ways, nobody can tell.
+A comment states it: `// InheritanceNode1: Camera`. Without one it is inferred from mounts and
+control; it stays open if several modules fit that would be moved differently.
 """
 
 import random
@@ -24,16 +24,16 @@ from mars_asp.model.declarations import (
 if TYPE_CHECKING:
     from mars_asp.kinematics.sharing import Carrying
 
-#: What of each function falls to whom: provider, native function, share.
+#: The share of each function that a provider has: provider, native function, share.
 _Effect: TypeAlias = Mapping[str, frozenset[tuple[str, str, float]]]
 _COPYING = ("arbitration_node", "control_splitter")
 
 
 class InheritanceNodes:
-    """The control and the mounts of a specification; `modules` are those that are described."""
+    """The control and mounts of a specification; `modules` are the described modules."""
 
     def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
-        """Index who controls whom and what carries what."""
+        """Index the control lines by their ends, and the mounts by the mounted module."""
         self.configuration, self.modules = configuration, modules
         self.mounts: dict[str, Mount] = {}
         self._into: defaultdict[str, list[Control]] = defaultdict(list)
@@ -49,7 +49,7 @@ class InheritanceNodes:
         self._effects: dict[tuple[str, tuple[str, ...], Allocation | None], _Effect] = {}
 
     def hands_on(self, name: str) -> bool:
-        """Whether a name is of a node that hands commands on as they are."""
+        """Whether a name is that of a node that forwards commands unchanged."""
         if name in self.modules:
             return False
         brought = self.configuration.pack_kind(name)
@@ -58,18 +58,18 @@ class InheritanceNodes:
         return self.configuration.node_kind(name) in _COPYING
 
     def chain(self, name: str) -> list[str]:
-        """Return the carriers of a module, itself first."""
+        """Return a module followed by its carriers."""
         chain = [name]
         while chain[-1] in self.mounts and self.mounts[chain[-1]].mounted not in chain:
             chain.append(self.mounts[chain[-1]].mounted)
         return chain
 
     def reached(self, name: str) -> list[str]:
-        """Return the modules that commands to a name end in, behind nodes."""
+        """Return the modules that commands to a name reach through forwarding nodes."""
         return self._past_copies(name, lambda n: [line.controlled for line in self._out_of[n]])
 
     def commanders(self, node: str) -> list[str]:
-        """Return who commands a module or node, before nodes."""
+        """Return the controllers of a module or node, upstream of forwarding nodes."""
 
         def heard(name: str) -> list[str]:
             return [line.controller for line in self._into[name]]
@@ -79,7 +79,7 @@ class InheritanceNodes:
     def _past_copies(
         self, name: str, onward: Callable[[str], list[str]], seen: frozenset[str] = frozenset()
     ) -> list[str]:
-        """Return where one comes from a name by a step, through nodes that hand commands on."""
+        """Return the nearest names from a name onward that are not forwarding nodes."""
         if name in seen:
             return []
         if not self.hands_on(name):
@@ -88,7 +88,7 @@ class InheritanceNodes:
         return [end for each in onward(name) for end in self._past_copies(each, onward, seen)]
 
     def allocation(self, node: str) -> Allocation | None:
-        """Return which of similar providers a node takes, `None` the nearest."""
+        """Return the choice of a node between similar providers; None is the nearest."""
         declared = (line.allocation for line in self._into[node])
         return next((allocation for allocation in declared if allocation is not None), None)
 
@@ -98,9 +98,9 @@ class InheritanceNodes:
         return list(dict.fromkeys(ends))
 
     def stands_for(self, node: str) -> tuple[str, ...]:
-        """Return the module that a node stands for; several where nothing tells which.
+        """Return the module that a node represents; several if it stays open.
 
-        Modules that are moved in the same way are one.
+        Of modules that are moved in the same way, one is returned.
         """
         if node in self.said:
             return (self.said[node],)
@@ -110,16 +110,16 @@ class InheritanceNodes:
         return self._different(node, fitting)
 
     def stands_alike(self, node: str, name: str) -> bool:
-        """Whether a node is read to move a module as it is to, without a comment."""
+        """Whether the module that a node is to represent can be inferred without a comment."""
         fitting = self._fitting(node, self.riders(node))
         if name not in fitting:
             return False
-        # It ends at the first that differs: many may ride on one module.
+        # `all` ends at the first difference: many modules may be on one carrier.
         others = (other for other in fitting if other != name)
         return all(self._effect(node, other) == self._effect(node, name) for other in others)
 
     def _different(self, node: str, fitting: Sequence[str]) -> tuple[str, ...]:
-        """Return one of the modules, the one on the fewest mounts, for each way to be moved."""
+        """Return one module for each distinct effect, the one with the fewest mounts."""
         if len(fitting) < 2:
             return tuple(fitting)
         ways: list[tuple[str, _Effect]] = []
@@ -130,16 +130,16 @@ class InheritanceNodes:
         return tuple(name for name, _ in ways)
 
     def way_down(self, node: str) -> list[str]:
-        """Return a module that a node stands for, and what carries it."""
+        """Return the module that a node represents, followed by its carriers."""
         for name in self.stands_for(node):
             return self.chain(name)
-        # What it feeds carries nobody: each is moved as it is told.
+        # If no module on all controlled modules fits, these are moved directly.
         fed = self.fed(node)
         through = [chain for name in fed if set(fed) <= set(chain := self.chain(name))]
         return max(through, key=len, default=fed)
 
     def riders(self, node: str) -> list[str]:
-        """Return the modules that all carry which a node feeds."""
+        """Return the modules that are mounted on all modules that a node controls."""
         fed = self.fed(node)
         if not fed:
             return []
@@ -154,17 +154,17 @@ class InheritanceNodes:
                 found[carrier][name] = None
         return found
 
-    # ---- who fits ----
+    # ---- candidates ----
 
     def _fitting(self, node: str, riders: Sequence[str]) -> list[str]:
-        """Return those of the riders that fit best: led as one is, and inheriting what is fed."""
+        """Return the riders that fit best, by their controllers and their providers."""
         led = [name for name in riders if self._is_led_so(node, name)]
         fed = set(self.fed(node))
         exact = [name for name in led if self._providers(node, name) == fed]
         return exact or led or list(riders)
 
     def _is_led_so(self, node: str, name: str) -> bool:
-        """Whether a module's own controllers are who also commands what it has itself."""
+        """Whether exactly the commanders with native functions of a module control it directly."""
         if any(service.kind == "ControlOut" for service in self._services(name)):
             return False
         native = self.functions(name)
@@ -175,7 +175,7 @@ class InheritanceNodes:
         return borrows and direct & commanders == own & commanders and direct <= own
 
     def _providers(self, node: str, name: str) -> set[str]:
-        """Return who carries out what a node's commanders say to a module and it only inherits."""
+        """Return the carriers that provide a node's commanded functions to a module."""
         if name not in self.modules:
             return set()
         allocation = self.allocation(node)
@@ -193,12 +193,12 @@ class InheritanceNodes:
         return self._given[key]
 
     def _wanted(self, node: str) -> frozenset[str]:
-        """Return the motions that a node's commanders name, all where one of them names none."""
+        """Return the motions that a node's commanders command, all if one of them names none."""
         entries = [self._commanded_functions(name) for name in self.commanders(node)]
         return frozenset(MOTION_FUNCTIONS if not all(entries) else set().union(*entries))
 
     def _effect(self, node: str, name: str) -> _Effect:
-        """Return what those whom a node feeds do for each function of a module."""
+        """Return the share in each function of a module that a node's providers have."""
         fed = [carrier for carrier in self.chain(name) if carrier in set(self.fed(node))]
         key = name, tuple(fed), self.allocation(node)
         if key not in self._effects:
@@ -220,9 +220,9 @@ class InheritanceNodes:
         providers: Sequence[str],
         position: Callable[[str], Mapping[str, float]],
     ) -> "Carrying | None":
-        """Return how providers move a module, none where nothing is mounted.
+        """Return how providers move a module, or None if it has no mounts.
 
-        `position` gives the present values of a module's motions in degrees and mm.
+        `position` returns the present values of a module's motions in degrees and mm.
         """
         mounts = [self.mounts[each] for each in self.chain(name)[:-1]]
         if not mounts:
@@ -233,7 +233,7 @@ class InheritanceNodes:
         modules = dict(self.modules)
         for each in providers:
             if each not in modules and len(providers) == 1:
-                # Who alone carries out what is inherited can do it, though nothing describes it.
+                # The only provider of an inherited motion has it, even if undescribed.
                 span = self.configuration.span
                 every = tuple(Function(function, span) for function in MOTION_FUNCTIONS)
                 modules[each] = Module(each, span, functions=every)
@@ -252,6 +252,6 @@ class InheritanceNodes:
 
 
 def _somewhere(name: str) -> Mapping[str, float]:
-    """Return a posture at which nothing is parallel or meets by chance."""
+    """Return a random posture, in which axes are not parallel and do not meet by chance."""
     rng = random.Random(name)
     return {function: rng.uniform(10, 80) for function in MOTION_FUNCTIONS}

@@ -1,7 +1,7 @@
-"""From what `rules/specify` derives to a specification.
+"""Builds a specification from the atoms that `rules/specify` derives.
 
-Which nodes and lines there are the rules have decided; here nodes get their names and lines their
-order, as in the figures of the paper.
+The rules have decided the nodes and lines; here nodes get their names and lines their order, as in
+the figures of the paper.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -28,7 +28,7 @@ from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
 @dataclass(frozen=True)
 class Specification:
-    """A configuration's resolution: the printed text, the nodes and what each resolves, by name."""
+    """A resolved configuration, its nodes, and the consequences that each resolves, by name."""
 
     nodes: tuple[IntroducedNode, ...]
     resolves: Mapping[str, tuple[str, ...]]
@@ -58,7 +58,7 @@ def specify(project: Project, derived: SpecifiedAtoms) -> Specification:
     draft.name_positions()
     nodes = tuple(draft.nodes.values())
     resolves = {node.name: derived.resolved.get(term, ()) for term, node in draft.nodes.items()}
-    # A specification that needs no more nodes stays in the order in which it is written.
+    # A specification that needs no more nodes keeps its order.
     stays = configuration.kind == "specification" and not nodes
     names = tuple(Name(node.name, configuration.span) for node in nodes)
     conversions = tuple(node.conversion for node in nodes if node.conversion is not None)
@@ -96,7 +96,7 @@ def _at_arbiters(
 def _stand_ins(
     nodes: Iterable[IntroducedNode], printed: Configuration, modules: Mapping[str, Module]
 ) -> Iterator[StandIn]:
-    """Yield the module that each new InheritanceNode stands for; a comment says what is open."""
+    """Yield the module that each new InheritanceNode represents, and whether it is evident."""
     read = InheritanceNodes(printed, modules)
     for node in nodes:
         if node.stands_for is not None:

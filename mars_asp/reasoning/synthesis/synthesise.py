@@ -23,13 +23,13 @@ from mars_asp.reasoning.synthesis.derived import STAGE
 from mars_asp.reasoning.synthesis.exclusion import excluded
 from mars_asp.reasoning.synthesis.preferences import Preference, preferences
 
-#: What the rules derive of each relationship that stands against every specification.
+#: Derived for each relationship that excludes every specification.
 UNRESOLVABLE = Signature("unresolvable", 1)
 
 
 @dataclass(frozen=True, slots=True)
 class Synthesis:
-    """The least specification found and what is known of its cost."""
+    """The cheapest specification found, and the bounds of its cost."""
 
     specification: Specification
     resolution: Resolution
@@ -41,16 +41,16 @@ class Synthesis:
         return self.resolution.cost.get(level, 0)
 
     def bound(self, level: int) -> int:
-        """Return what no specification can cost less than, at a level."""
+        """Return the lower bound of the cost of all specifications, at a level."""
         return self.resolution.bound.get(level, 0)
 
 
 def synthesise(
     project: Project, analysis: Analysis, rulebook: Rulebook, budget: Budget = ENDLESS
 ) -> Synthesis | None:
-    """Find the least specification, or `None` where a consequence cannot be resolved.
+    """Return a minimal specification, or `None` if a consequence cannot be resolved.
 
-    When the budget is spent the best found so far is taken, with a bound on what is least.
+    After the budget the cheapest one found so far is returned, with a lower bound of the cost.
 
     Raises:
         NoSpecificationError: constraints of rule packs exclude every specification.
@@ -68,7 +68,7 @@ def synthesise(
 def least_cost(
     analysis: Analysis, rulebook: Rulebook, budget: Budget = ENDLESS
 ) -> Mapping[int, int] | None:
-    """Return what `synthesise` would find the least specification to cost, by level.
+    """Return the cost of a minimal specification by level, or None if there is none.
 
     Raises:
         NoSpecificationError: constraints of rule packs exclude every specification.
@@ -84,10 +84,10 @@ def least_cost(
 
 @contextmanager
 def _reasons(analysis: Analysis, rulebook: Rulebook) -> Iterator[None]:
-    """Name the constraints that exclude every answer.
+    """Replace the error that there is no answer by the constraints that exclude every answer.
 
     Raises:
-        NoSpecificationError: where there is none.
+        NoSpecificationError: constraints of rule packs exclude every answer.
     """
     try:
         yield
@@ -104,10 +104,10 @@ def _resolve(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> Resoluti
 
 @contextmanager
 def costs_of(facts: Iterable[Fact]) -> Iterator[None]:
-    """Place costs that do not fit where the facts state the largest of them.
+    """Report costs that are too large at the largest one that the facts state.
 
     Raises:
-        MarsError: what could be chosen together in a component that is resolved costs too much.
+        MarsError: the sum of the costs in a component is too large.
     """
     try:
         yield
@@ -137,15 +137,15 @@ def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
 
 
 def is_unresolvable(analysis: Analysis) -> bool:
-    """Whether something can never be resolved, so that there is no specification."""
+    """Whether a consequence can never be resolved, so that there is no specification."""
     return any(True for _ in analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
 
 
 def is_resolved(rulebook: Rulebook, signature: Signature) -> bool:
-    """Whether the rules of the resolution, or of what it means, derive a predicate.
+    """Whether the rules of the stages `resolve` and `specify` derive a predicate.
 
-    Then no atom of it holds where nothing realises the configuration. Some may be derived all the
-    same, for what stands against a part does not stop the others.
+    Such atoms do not count in a configuration without a specification, although some may be
+    derived, as an unresolvable component does not stop the others.
     """
     stages = ("resolve", STAGE)
     resolving = (rule for rule in rulebook.rules if rule.stage in stages)
