@@ -1,4 +1,4 @@
-"""What a misspelt word was probably meant to be."""
+"""Suggestions for misspelt words: the most similar known words."""
 
 from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
@@ -63,10 +63,10 @@ def _matcher(word: str) -> "SequenceMatcher[str]":
 def resemblances(
     names: Iterable[str], known: Collection[str], likeness: float
 ) -> Iterator[tuple[str, str]]:
-    """Yield names with the known one that each is most like, where one is alike.
+    """Yield each name that resembles a known one, with the most similar known name.
 
-    Of very many names only the first are compared, for the time grows with the product of both,
-    and where most of them are unknown they are not misspelt.
+    Of very many names only the first are compared, as the time grows with the product of both
+    numbers, and very many unknown names are hardly misspelt.
     """
     if known:
         for name in islice(names, max(1, _MOST_COMPARED // len(known))):

@@ -1,8 +1,8 @@
-"""Canonical layout of a `.mars` text, with every comment where it stood.
+"""Canonical layout of a `.mars` text; comments keep their positions.
 
-Works on the tokens of each statement and on the lines between them, so that what no grammar keeps
-(comments, blank lines, module blocks) stays. Layout is all it changes: words and numbers stay as
-they are written, and so does the order of lines.
+It works on the tokens of each statement and on the lines between statements, so that text outside
+the grammar (comments, blank lines, module blocks) stays. Only the layout changes, neither the
+words, the numbers, nor the order of lines.
 """
 
 import re
@@ -26,7 +26,7 @@ Kind: TypeAlias = Literal["blank", "comment", "statement", "first", "block", "la
 
 @dataclass(frozen=True, slots=True)
 class FormattedLine:
-    """A line of output; those of a module block are `first`, `block` and `last`."""
+    """A line of output; the lines of a module block are `first`, `block` and `last`."""
 
     kind: Kind
     text: str = ""
@@ -52,7 +52,7 @@ def format_text(text: str, path: str) -> str:
 
 
 def meaning(value: object) -> object:
-    """Return a value of the model without places and without how it was spelt."""
+    """Return a value of the model without locations and without its original spelling."""
     if isinstance(value, tuple):
         return tuple(map(meaning, value))
     if is_dataclass(value) and not isinstance(value, type):
@@ -72,7 +72,7 @@ class _FormattedLines:
             self._kinds |= {first: "first", last: "last"}
 
     def all(self) -> Iterator[FormattedLine]:
-        """Yield every line, blank ones as they stand."""
+        """Yield every line, with all blank lines."""
         begin = 0
         for piece in self._layout.grammatical.removesuffix("\n").split("\n"):
             end = begin + len(piece)
@@ -85,7 +85,7 @@ class _FormattedLines:
             begin = end + 1
 
     def _between(self, begin: int, end: int) -> Iterator[FormattedLine]:
-        """Yield the lines of a stretch that holds no statement."""
+        """Yield the lines of a range without a statement."""
         number = self._layout.position(begin)[0]
         for count, text in enumerate(self._layout.text[begin:end].split("\n")):
             kind = self._kinds.get(number + count)
@@ -97,8 +97,8 @@ class _FormattedLines:
     def _statement(self, begin: int, end: int) -> Iterator[str]:
         """Yield the lines of one statement.
 
-        One without comments inside is laid out anew; one with some keeps its line breaks, for a
-        comment belongs to what stands beside it.
+        A statement with comments inside keeps its line breaks, as a comment belongs to the words
+        next to it; any other gets a new layout.
         """
         tokens = tokens_of(self._layout, begin, end)
         gaps = [list(self._gap(a.end, b.begin)) for a, b in pairwise(tokens)]
@@ -129,10 +129,10 @@ class _FormattedLines:
 
 
 def _spaces(tokens: list[Token]) -> list[str]:
-    """Return what stands before each token but the first, where the line goes on.
+    """Return the space before each token but the first, if both are on one line.
 
-    A mode's arguments stand behind its name and have blanks between them; the slots of a tuple
-    have none.
+    The arguments of a mode follow its name directly and have blanks between them; the slots of a
+    tuple have none.
     """
     mode = any(token.text == "uses_data_from" for token in tokens)
     spaces: list[str] = []
@@ -147,7 +147,7 @@ def _spaces(tokens: list[Token]) -> list[str]:
 
 
 def _filled(tokens: list[Token], spaces: list[str]) -> Iterator[str]:
-    """Yield the lines of a statement; only those of a list of names or paths can be several."""
+    """Yield the lines of a statement: several only for a list of names or paths."""
     words = [token.text for token in tokens]
     heads = 1 if words[0] in ("@modules", "@sources") else 2
     listed = heads == 1 or words[1:2] == ["is_controlled_by"]
@@ -168,7 +168,7 @@ def _with_comment(line: str, comment: str) -> str:
 
 
 def _block_line(text: str) -> str:
-    """Return a line of a module block: annotations are laid out, code keeps its indentation."""
+    """Return a line of a module block, with canonical annotations and unchanged code."""
     text = text.rstrip()
     if not text.lstrip().startswith("@"):
         return text

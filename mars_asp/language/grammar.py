@@ -1,4 +1,4 @@
-"""Statements by the grammar, as Lark reads it."""
+"""Statements parsed by Lark with the grammar of the language."""
 
 from collections.abc import Callable
 from functools import cache
@@ -14,7 +14,7 @@ from mars_asp.asp.cache import memoized
 from mars_asp.language.statements import Raw, Word
 from mars_asp.model.names import plain
 
-#: Lists, dicts, words and numbers.
+#: The tables of a parser: lists, dicts, words and numbers.
 _Tables: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 _RULES = (
     "header",
@@ -34,7 +34,7 @@ _RULES = (
 
 
 def parsed(text: str) -> list[Raw] | UnexpectedInput:
-    """Return the statements of a text, or what is wrong with the first that is none."""
+    """Return the statements of a text, or the first syntax error."""
     try:
         return cast("list[Raw]", _parser().parse(text))
     except UnexpectedInput as error:
@@ -42,7 +42,7 @@ def parsed(text: str) -> list[Raw] | UnexpectedInput:
 
 
 class _Statements(Transformer[Token, list[Raw]]):
-    """Keeps each statement as its rule's name and its children."""
+    """Turns each statement into the name of its rule and its children."""
 
     def start(self, children: list[Raw]) -> list[Raw]:
         """Return the statements of a text."""
@@ -75,13 +75,13 @@ def _parser() -> Lark:
     grammar = Path(__file__).with_name("grammar.lark")
     version = f"{lark.__version__} {grammar.read_text(encoding='utf-8')}"
     tables = memoized("grammar", (Path(__file__),), [version], lambda _: _tables(grammar))[version]
-    # Standalone parsers begin so, too; the transformer is no part of the tables.
+    # Lark's standalone parsers begin in the same way; the tables do not contain the transformer.
     begin: Callable[..., Lark] = Lark._load_from_dict
     return begin(*tables, transformer=_Statements())
 
 
 def _tables(grammar: Path) -> _Tables:
-    """Return the tables of a grammar as Lark's own standalone parsers have them."""
+    """Return the tables of a grammar, as in Lark's own standalone parsers."""
     made = Lark(grammar.read_text(encoding="utf-8"), parser="lalr", maybe_placeholders=True)
     tables: _Tables = made.memo_serialize([TerminalDef, Rule])
     return tables

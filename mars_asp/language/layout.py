@@ -1,4 +1,4 @@
-"""A `.mars` text with everything blanked that the grammar does not read, offsets kept."""
+"""A `.mars` text in which everything outside the grammar is blank, with all offsets unchanged."""
 
 import re
 from bisect import bisect_right
@@ -10,17 +10,17 @@ from mars_asp.diagnostic import Span
 from mars_asp.model.names import QUOTED
 
 COMMENT = re.compile(r"(?://|#)[^\n]*")
-#: Quotes keep what would begin a comment.
+#: Inside quotes, `//` and `#` do not begin a comment.
 QUOTED_OR_COMMENT = re.compile(f"(?P<quoted>{QUOTED})|{COMMENT.pattern}")
-#: A statement goes on behind a comma, before one, and before the tuple of a mount. The look-behind
-#: keeps this linear: of a run of blanks only the first is tried.
+#: A statement continues after a comma, before one, and before the tuple of a mount. The
+#: lookbehind keeps this linear: of several blanks only the first is tried.
 _CONTINUED = re.compile(r"(?=\s)(?<=\S)(?:(?<=,)[^\S\n]*+\n\s*+|[^\S\n]*+\n\s*+(?=[,(]))")
-#: What a text needs for that. Each is looked for by its first letter, which takes hardly any time.
+#: Necessary for a continued statement; faster to search, as each begins with a literal character.
 _GOES_ON = (re.compile(r",[^\S\n]*+\n"), re.compile(r"\n[^\S\n]*+[,(]"))
 
 
 class Layout(NamedTuple):
-    """The original text by lines, and the text that the grammar reads."""
+    """The original text, the text that the grammar reads, and the offsets of lines."""
 
     path: str
     text: str
@@ -33,9 +33,9 @@ class Layout(NamedTuple):
         return line, offset - self.starts[line - 1] + 1
 
     def span(self, begin: int, end: int) -> Span:
-        """Return the span of a stretch of offsets."""
+        """Return the span between two offsets."""
         line, column = self.position(begin)
-        # Most stretches end on the line where they begin.
+        # Most spans end on the line where they begin.
         if begin <= end < self.starts[line] if line < len(self.starts) else begin <= end:
             return Span(self.path, line, column, line, column + end - begin)
         return Span(self.path, line, column, *self.position(end))
@@ -47,7 +47,7 @@ class Layout(NamedTuple):
 
 
 def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
-    r"""Blank comments, the lines of module blocks and the line ends inside statements.
+    r"""Return the layout of a text: comments, module blocks and line ends in statements are blank.
 
     `text` has `\n` for every line end; `blocks` are (first, last) lines of module blocks.
     """

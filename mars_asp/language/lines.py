@@ -1,6 +1,6 @@
-"""Statements that stand in one line and look as most do, without the grammar.
+"""A fast reader of simple one-line statements, without the grammar.
 
-What is read here the grammar reads in the same way, which a test holds; all else is left to it.
+It returns the same values as the grammar, which a test checks; all other statements are left.
 """
 
 import re
@@ -10,7 +10,7 @@ from typing import TypeAlias
 from mars_asp.language.statements import Raw, Word
 from mars_asp.model.names import BARE
 
-#: Where a line's statement begins and ends, and the statement.
+#: The offsets at which a line's statement begins and ends, and the statement.
 Read: TypeAlias = tuple[int, int, Raw]
 _BLANK = r"[^\S\n]"
 _NAME = BARE
@@ -40,7 +40,7 @@ _RULES = (
     *(("data", 6), ("control", 5), ("mount", 4), ("header", 3)),
     *(("tag", 2), ("property", 3), ("modules", 1)),
 )
-#: By the last group that matched, the rule and its groups.
+#: The rule and its groups, by the last group that matched.
 _BY_GROUP = {
     first + number: (rule, range(first, first + count))
     for (rule, count), first in zip(
@@ -52,9 +52,9 @@ _NAMES = re.compile(_NAME)
 
 
 def read_lines(text: str) -> tuple[list[Read], str | None]:
-    """Return the statements that can be read, and the text with blanks for them.
+    """Return the readable statements, and the remaining text with blanks in place of them.
 
-    Offsets are those of the text, which is `None` where nothing is left of it.
+    Offsets refer to `text`; the remaining text is `None` if it would be blank.
     """
     read = [_read_match(match) for match in _LINE.finditer(text)]
     at = 0

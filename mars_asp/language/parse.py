@@ -1,4 +1,4 @@
-"""`.mars` text to plain values, with every syntax error of a file in one run."""
+"""Reads `.mars` text into plain values, and reports every syntax error of a file in one run."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Set
@@ -33,11 +33,11 @@ from mars_asp.spelling import suggestion
 
 #: Far above any robot; a larger file is a mistake that would only cost time.
 MOST_BYTES = 64 * 1024 * 1024
-#: Behind so many wrong statements a file is read no further: who mends them reads no more.
+#: The reading of a file ends after this many wrong statements.
 MOST_ERRORS = 500
-#: Stands for a converter where a transformer is the abstract one.
+#: Written in place of a converter if a transformer is abstract.
 ABSTRACT = "no converter declared"
-#: Those of Unicode that are no white space.
+#: The control characters of Unicode, without white space.
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1b\x7f-\x84\x86-\x9f]")
 _CONVERSION = (
     r"(?://|#)[ \t]*(?P<node>DataTransformer[0-9]+):[ \t]*"
@@ -47,7 +47,7 @@ _STAND_IN = (
     rf"(?m)(?://|#)[ \t]*(?P<node>InheritanceNode[0-9]+):"
     rf"[ \t]*(?P<module>{BARE}|{QUOTED})[ \t]*(?= -- |$)"
 )
-#: Behind the name of a node in a comment, before that of its rule pack.
+#: In a comment, between the name of a node and that of its rule pack.
 OF_PACK = "node of the pack"
 _PACK_NODE = (
     rf"(?m)(?://|#)[ \t]*(?P<node>{BARE}|{QUOTED}):[ \t]*{OF_PACK}[ \t]+(?P<pack>[a-z][a-z0-9_-]*)"
@@ -57,9 +57,9 @@ _PACK_NODE = (
 
 #: In a comment, before the format of the files that a configuration was imported from.
 IMPORTED = "imported from"
-#: Behind the name of a node in a comment: some of its topics could not be read.
+#: In a comment, after the name of a node with topics that could not be read.
 NOT_ALL_READ = "not all topics read"
-#: Behind the name of a module in a comment, before which mux its commands pass.
+#: In a comment, between the name of a module and that of the mux on its commands.
 OF_MUX = "commands pass a"
 _END = r"[ \t]*(?= -- |$)"
 _IMPORTED = rf"(?m)^[ \t]*(?://|#)[ \t]*{IMPORTED}[ \t]+(?P<format>{'|'.join(FOREIGN)}){_END}"
@@ -71,10 +71,10 @@ _ABOUT_IMPORTED = (
 
 
 class Parsed(NamedTuple):
-    """A file that could be read, with its warnings and notes.
+    """The values in a readable file, with its warnings and notes.
 
-    `blocks` are the texts of its module blocks, as they are written; `included` the texts of the
-    files that it includes, by path; `trees` those of launch files.
+    `blocks` are the original texts of its module blocks; `included` the texts of the files that it
+    includes, by path; `trees` its launch trees.
     """
 
     configuration: Configuration
@@ -97,15 +97,15 @@ def read_text(path: Path) -> str:
     r"""Return the text of a `.mars` file, with `\n` for every line end.
 
     Raises:
-        MarsError: the file cannot be read, or is no text.
+        MarsError: the file cannot be read, or is not text.
     """
     return plain_lines(decode(read_bytes(path), str(path)))
 
 
 def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) -> bytes:
-    """Read what a file holds, of one that is too large `most` bytes and one.
+    """Return the content of a file, cut off after `most` bytes and one more.
 
-    `named_in` is the file that names it, where that is not the user.
+    `named_in` is the file that refers to it, or None if the user names it.
 
     Raises:
         MarsError: the file cannot be read, or must not be.
@@ -128,7 +128,7 @@ def decode(raw: bytes, shown: str, most: int = MOST_BYTES) -> str:
     """Return the text of a file's bytes.
 
     Raises:
-        MarsError: the bytes are too many, or no text.
+        MarsError: the bytes are too many, or not text.
     """
     if len(raw) > most:
         raise MarsError((unreadable(shown, f"is larger than {most} bytes"),))
@@ -153,7 +153,7 @@ def plain_lines(text: str) -> str:
 
 
 def parse_text(text: str, path: str) -> Parsed:
-    """Read the text of a `.mars` file; `path` is the name that places carry.
+    """Return the content of a `.mars` text; `path` is the file name in locations.
 
     Raises:
         MarsError: every syntax error of the text.
@@ -193,7 +193,7 @@ def parse_text(text: str, path: str) -> Parsed:
 
 
 def _control_characters(text: str, path: str, wrong: Set[int]) -> Iterator[Diagnostic]:
-    """Yield the first control character of each line that is in order but for it."""
+    """Yield the first control character of each line without other errors."""
     if not _CONTROL.search(text):
         return
     for number, line in enumerate(text.split("\n"), 1):
@@ -210,16 +210,16 @@ def _control_characters(text: str, path: str, wrong: Set[int]) -> Iterator[Diagn
 
 
 def _statements(layout: Layout, problems: list[Diagnostic]) -> Iterator[tuple[int, Raw]]:
-    """Yield statements with the offset that theirs are relative to, in the order of the file.
+    """Yield statements in the order of the file, each with the base of its offsets.
 
-    Common lines are read one by one. All others are parsed together; only where that fails, each
-    by itself, so that one error hides no other.
+    Simple lines are read one by one. The remaining text is parsed as a whole; only if that fails,
+    each statement by itself, so that no error hides another.
     """
     read, rest = read_lines(layout.grammatical)
     if rest is None:
         yield from ((0, raw) for _, _, raw in read)
         return
-    # Lark is loaded where it is needed, which takes as long as to read a small file.
+    # Loading Lark takes as long as reading a small file, and is often unnecessary.
     from mars_asp.language.grammar import parsed  # noqa: PLC0415
 
     found = parsed(rest)
@@ -268,7 +268,7 @@ def _given_up(layout: Layout, base: int) -> Diagnostic:
 
 
 def _read_conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
-    """Return the conversions in comments of transformers, outside of module blocks."""
+    """Return the conversions of transformers, in comments outside of module blocks."""
     return tuple(
         Conversion(
             match["node"],
@@ -282,7 +282,7 @@ def _read_conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
 
 
 def _stand_ins(layout: Layout, blocks: Blocks) -> Iterator[StandIn]:
-    """Yield the values of comments of InheritanceNodes, outside of module blocks."""
+    """Yield the modules that InheritanceNodes represent, in comments outside of module blocks."""
     for match in _outside("InheritanceNode", _STAND_IN, layout, blocks):
         span = layout.span(match.start("node"), match.end("module"))
         yield StandIn(match["node"], plain(match["module"]), span)
@@ -296,7 +296,7 @@ def _pack_nodes(layout: Layout, blocks: Blocks) -> Iterator[PackNode]:
 
 
 def _with_origin(configuration: Configuration, layout: Layout, blocks: Blocks) -> Configuration:
-    """Return a configuration with what comments tell of the files that it was imported from."""
+    """Return a configuration with the information in comments about imported files."""
     imported = next(_outside(IMPORTED, _IMPORTED, layout, blocks), None)
     if imported is None:
         return configuration
@@ -316,9 +316,9 @@ def _with_origin(configuration: Configuration, layout: Layout, blocks: Blocks) -
 
 
 def _outside(words: str, pattern: str, layout: Layout, blocks: Blocks) -> Iterator[re.Match[str]]:
-    """Yield the matches of a comment, in which are some words, that are not in module blocks."""
+    """Yield the matches of a pattern outside of module blocks, if the text contains `words`."""
     if words not in layout.text:
-        return  # as in most files: the pattern need not be compiled
+        return  # as in most files, so that the pattern is not compiled
     inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
     for match in re.finditer(pattern, layout.text):
         if layout.position(match.start())[0] not in inside:
@@ -326,7 +326,7 @@ def _outside(words: str, pattern: str, layout: Layout, blocks: Blocks) -> Iterat
 
 
 def _contrary(stand_ins: Iterable[StandIn]) -> Iterator[Diagnostic]:
-    """Yield an error for each node that is said to stand for two modules."""
+    """Yield an error for each node that two comments assign to different modules."""
     first: dict[str, str] = {}
     for each in stand_ins:
         module = first.setdefault(each.node, each.module)
@@ -339,7 +339,7 @@ def _contrary(stand_ins: Iterable[StandIn]) -> Iterator[Diagnostic]:
 def _about_nobody(
     configuration: Configuration, stand_ins: Iterable[StandIn]
 ) -> Iterator[Diagnostic]:
-    """Yield a warning for each comment about a node or module that is not there."""
+    """Yield a warning for each comment about an unknown node or module."""
     known = {name.text for name in configuration.modules}
     known.update(name for each in configuration.relationships for name in ends_of(each))
     named = [
@@ -362,5 +362,5 @@ def _about_nobody(
 def unreadable(shown: str, reason: str, advice: str | None = None) -> Diagnostic:
     """Return the error that a file cannot be read, with the reason."""
     place = whole_file(shown)
-    # To quote a line all of it would be read.
+    # An excerpt would read the whole file.
     return Diagnostic("unreadable", "error", reason, place, help=advice, excerpt="")

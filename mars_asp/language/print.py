@@ -24,7 +24,7 @@ from mars_asp.model.ports import parameter_names
 from mars_asp.model.rates import as_written
 
 WIDTH = 72
-#: Words of C++ types, which no parameter is called.
+#: Words of C++ types, which are never names of parameters.
 _TYPE_WORDS = frozenset(
     "auto bool char class const double enum float inline int long mutable register short signed"
     " static struct this typename union unsigned void volatile self".split()
@@ -32,12 +32,12 @@ _TYPE_WORDS = frozenset(
 
 
 def print_configuration(configuration: Configuration) -> str:
-    """Return a configuration or specification as text, the modules it declares at its end."""
+    """Return a configuration or specification as text, with its module blocks at the end."""
     return "".join(f"{line}\n" for line in _configuration_lines(configuration))
 
 
 def print_module(module: Module) -> str:
-    """Return the block of a module, without a line end behind it."""
+    """Return the block of a module, without a final line end."""
     return "\n".join(_block(module))
 
 
@@ -78,7 +78,7 @@ def print_attribute(attribute: Attribute) -> str:
 
 
 def print_mode(mode: Mode) -> str:
-    """Return a delivery mode as it was written, or as one would write it."""
+    """Return a delivery mode in its original spelling, else in the canonical one."""
     arguments = [print_number(argument) for argument in mode.arguments]
     if mode.of is not None:
         arguments.append(f"of={mode.of}")
@@ -86,7 +86,7 @@ def print_mode(mode: Mode) -> str:
 
 
 def print_transformation(transformation: Transformation) -> str:
-    """Return a tuple of seven slots, `_` for what does nothing."""
+    """Return a tuple of seven slots, with `_` for each rotation or shift of zero."""
     turns = [slot for axis, turn in transformation.rotations for slot in (axis, print_number(turn))]
     shift = [print_number(length) if length else "_" for length in transformation.translation]
     return f"({','.join([*turns, *'____'[len(turns) :], *shift])})"
@@ -99,7 +99,7 @@ def print_number(number: Decimal) -> str:
 
 
 def fill(head: str, parts: Iterable[str]) -> Iterator[str]:
-    """Yield the lines of a list, broken behind parts; none begins with `@`, as a block does."""
+    """Yield the lines of a list, broken between parts; no line begins with `@`, as in a block."""
     line = head
     for part in parts:
         if len(line) + 1 + len(part) > WIDTH and line != head and not part.startswith("@"):
@@ -151,7 +151,7 @@ def _configuration_lines(configuration: Configuration) -> Iterator[str]:
 
 
 def _origins(configuration: Configuration) -> Iterator[str]:
-    """Yield what is known of the files of others that it was imported from, for our reader."""
+    """Yield comments about the foreign files of an imported configuration, which `parse` reads."""
     if configuration.origin is None:
         return
     yield f"// {IMPORTED} {configuration.origin}"
@@ -163,7 +163,7 @@ def _origins(configuration: Configuration) -> Iterator[str]:
 
 
 def _packs(configuration: Configuration) -> dict[str, str]:
-    """Return the packs of the nodes of a specification that rule packs bring."""
+    """Return the rule packs that provide the nodes of a specification, by node."""
     if configuration.kind != "specification":
         return {}
     kinds = {name.text: configuration.pack_kind(name.text) for name in configuration.modules}
@@ -206,7 +206,7 @@ def _function_line(function: Function) -> str:
 
 
 def _service(service: Service) -> Iterator[str]:
-    """Yield an annotation and a declaration; what the declaration would say, overrides say."""
+    """Yield an annotation and a declaration; annotations override the types of the declaration."""
     modes = [print_mode(mode) for mode in service.modes]
     if service.hz is not None:
         periodic = [mode.name for mode in service.modes].index("NotifyAtFrequency")

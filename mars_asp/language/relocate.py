@@ -1,7 +1,7 @@
-"""The sources of a specification: those of its configuration, as it names them from its own folder.
+"""The sources of a specification: those of its configuration, relative to another folder.
 
-Paths are moved as the system resolves them: what `..` leads up to behind a symbolic link is the
-folder that holds what the link points at.
+Paths are resolved as the system does it: `..` after a symbolic link is the parent folder of the
+link's target.
 """
 
 import glob
@@ -19,12 +19,12 @@ _UP = os.pardir
 def sources_seen_from(
     folder: Path, configuration: Configuration, arguments: Iterable[str] = ()
 ) -> tuple[Name, ...]:
-    """Return the sources of a configuration and those of `--sources`, relative to a folder.
+    """Return the sources of a configuration and of `--sources`, relative to a folder.
 
-    Absolute paths stay as they are, and each path is named once.
+    Absolute paths remain unchanged, and duplicates are removed.
 
     Raises:
-        MarsError: a path from there has a character that `@sources` cannot say.
+        MarsError: a resulting path has a character that `@sources` cannot contain.
     """
     declared = [(Path(name.span.path).parent, name) for name in configuration.sources]
     given = [(Path(), Name(path, whole_file(path))) for path in arguments]
@@ -46,13 +46,13 @@ def relocated(written: str, origin: Path, folder: Path) -> str:
     here, there = os.path.realpath(folder), os.path.realpath(origin)
     if here == there or Path(written).is_absolute():
         return written
-    # What stands before the pattern of a glob is no pattern.
+    # In a glob, the folders added before the pattern are escaped.
     literal = not glob.has_magic(written) or (origin / written).exists()
     parts = [part for part in Path(written).parts if part != os.curdir]
     while parts[:1] == [_UP]:
         there, parts = str(Path(there).parent), parts[1:]
     if _UP in parts or not parts:
-        # Behind a link `..` leads elsewhere than it seems to, so it is left where it stands.
+        # After a symbolic link `..` is the parent of its target, so it is not shortened.
         start = os.path.relpath(there, here)
         return str(Path(start if literal else glob.escape(start), *parts))
     whole = Path(os.path.relpath(Path(there, *parts), here))

@@ -9,7 +9,7 @@ from mars_asp.language.tokens import Token
 
 @dataclass(eq=False, slots=True)
 class Member:
-    """One name of a list with the words behind it, and what is to become of it."""
+    """One name of a list with the words after it, and the edits of it."""
 
     tokens: tuple[Token, ...]
     comma: Token | None
@@ -25,12 +25,12 @@ class Member:
 
     @property
     def priority(self) -> Token | None:
-        """Return the token of the priority that is stated."""
+        """Return the token of the stated priority, or None."""
         second = self.tokens[1:2]
         return second[0] if second and second[0].text.lstrip("+-").isdigit() else None
 
     def written(self, place: int | None = None, name: str | None = None) -> str:
-        """Return the member as it is to read; with its `place`, with the priority that it has."""
+        """Return the edited text of the member; its `place`, if passed, is the default priority."""
         priority = self.priority
         rest = [token.text for token in self.tokens[1:] if token is not priority]
         declared = place if self.rank is None else self.rank
@@ -43,7 +43,7 @@ class Member:
 
 @dataclass
 class ListEdit:
-    """A statement that lists names, while it is edited."""
+    """The edits of a statement that lists names."""
 
     tokens: tuple[Token, ...]
     indent: str
@@ -70,32 +70,32 @@ class ListEdit:
         return 1 if self.tokens[0].text == "@modules" else 2
 
     def rename(self, member: Member, name: str) -> None:
-        """Put another name in the place of one."""
+        """Replace the name of a member."""
         member.new = name
 
     def drop(self, member: Member) -> None:
-        """Leave a member out."""
+        """Remove a member."""
         member.gone = True
 
     def rank(self, member: Member, priority: int) -> None:
-        """Give a controller another priority; a list that would say it becomes lines."""
+        """Set the priority of a controller; a list with such a controller is split into lines."""
         member.rank = priority
 
     def unrank(self, member: Member) -> None:
-        """Leave out the priority that a controller states."""
+        """Remove the stated priority of a controller."""
         member.plain = True
 
     def add(self, name: str, width: int) -> None:
-        """Write a name behind the others, on a new line where the last one is too long for it."""
+        """Append a name, on a new line if the last one would exceed `width`."""
         if name not in self._added:
             self._added.append(name)
         self._width = width
 
     def write(self, draft: Draft, keep_ranks: bool) -> None:
-        """Put what has changed into a draft.
+        """Write the edits into a draft.
 
-        With `keep_ranks` no place of a list may shift, because others are compared with it: then,
-        and where a place gets another priority, each controller gets a line of its own.
+        With `keep_ranks` no rank in a list may change, because others are compared with it: then,
+        and if a member gets another priority, each controller gets a line of its own.
         """
         kept = [member for member in self.members if not member.gone]
         left = [*(member.written() for member in kept), *self._added]
@@ -125,7 +125,7 @@ class ListEdit:
     def _rendered(
         self, draft: Draft, members: Sequence[Member], apart: bool, more: bool = False
     ) -> dict[int, str]:
-        """Return the text of each line that holds members, by line number.
+        """Return the text of each line that contains members, by line number.
 
         With `apart` each member has a whole statement; with `more` a comma follows the last one.
         """
@@ -145,7 +145,7 @@ class ListEdit:
         return lines
 
     def _append(self, draft: Draft, kept: Sequence[Member]) -> None:
-        """Write names behind the last that is left, in the way in which the list is laid out."""
+        """Append the added names after the last remaining member, in the layout of the list."""
         if not kept:
             line = draft.line_at(self.tokens[0].begin)
             end = self._tokens_by_line(draft)[line][-1].end

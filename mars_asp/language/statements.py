@@ -1,4 +1,4 @@
-"""Parsed statements to model values, with the checks that need no more than one statement."""
+"""Converts parsed statements to model values, and checks each statement by itself."""
 
 import re
 from dataclasses import replace
@@ -44,11 +44,11 @@ from mars_asp.model.ranges import (
 from mars_asp.model.rates import every, read_frequency
 from mars_asp.model.transformation import read_transformation
 
-#: The name of a statement's rule and what stands in it: words, absences, statements within.
+#: The name of a statement's rule and its children: words, absent ones as None, and statements.
 Raw: TypeAlias = tuple[str, list["Word | Raw | None"]]
 PERIODIC = "NotifyAtFrequency"
-#: A path, and the name that what it holds stands behind: after the last `as` before a name, else
-#: what stands there instead of one.
+#: A path, and the prefix of the included names: after the last `as` before a valid name, else the
+#: text after `as`.
 _AS = (
     rf"(?P<path>.*\S)\s+as\s+(?P<name>{BARE}|{QUOTED})",
     r"(?P<path>.*?\S)\s+as\s+(?P<name>.*)",
@@ -64,7 +64,7 @@ class Word(str):
     end: int
 
     def __new__(cls, text: str, begin: int, end: int) -> "Word":
-        """Return a text at its place."""
+        """Return a text with its offsets."""
         word = str.__new__(cls, text)
         word.begin, word.end = begin, end
         return word
@@ -80,7 +80,7 @@ def begin_of(raw: Raw) -> int:
 
 
 def _instance(child: "Word | Raw") -> tuple[Word, Word | None]:
-    """Return a name of `@modules` and that of the module which describes it, if that is stated."""
+    """Return a name of `@modules`, and the name of the module that describes it, or None."""
     if isinstance(child, Word):
         return child, None
     word, described = child[1]
@@ -98,7 +98,7 @@ class Builder:
     """Collects the statements of one file."""
 
     def __init__(self, layout: Layout) -> None:
-        """Start with nothing."""
+        """Begin without statements."""
         self.layout = layout
         self.problems: list[Diagnostic] = []
         self._base = 0
@@ -118,7 +118,7 @@ class Builder:
         getattr(self, f"_add_{rule}")(children)
 
     def configuration(self, complete: bool) -> Configuration:
-        """Return what was added; note what is missing, where all statements could be read."""
+        """Return the configuration; if it is `complete`, note its missing statements."""
         if self._header is None and not complete:
             return Configuration(self.layout.path, self._header_span)
         if self._header is None:
@@ -308,7 +308,7 @@ class Builder:
         self._relationships.append(Data(str(client), str(source), span, mode, hz, *ports))
 
     def _check_port(self, name: Word, port: "Word | Raw | None") -> None:
-        """Note a port that does not stand right behind the `.` behind its module."""
+        """Note a port that is separated from its module by blanks."""
         if isinstance(port, Word) and self.layout.grammatical[self._base + name.end] != ".":
             begin, end = self._base + name.end, self._base + port.end
             self._note_problem(
@@ -316,7 +316,7 @@ class Builder:
             )
 
     def _read_rate(self, child: "Word | Raw | None") -> tuple[Fraction | None, Word | None]:
-        """Return the rate that is stated, and the number that stands there."""
+        """Return the stated rate, and the word of its number."""
         if isinstance(child, tuple):
             number, unit = child[1]
             assert isinstance(number, Word)
@@ -331,7 +331,7 @@ class Builder:
         return found, child
 
     def _read_number(self, word: "Word | Raw | None", wanted: NumberRange) -> Decimal | None:
-        """Return the number that a word writes; note what is wrong with it."""
+        """Return the number in a word; note the error if it is invalid."""
         if not isinstance(word, Word):
             return None
         found = wanted.read(str(word))

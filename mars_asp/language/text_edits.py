@@ -1,4 +1,4 @@
-r"""Edits of a text: stretches put otherwise, lines inserted; each said by lines of the original.
+r"""Edits of a text: replaced ranges and inserted lines, reported by lines of the original.
 
 >>> draft = Draft("robot.mars", "@modules A, Sonr\n")
 >>> draft.put(12, 16, "Sonar")
@@ -17,7 +17,7 @@ from mars_asp.diagnostic import Span
 Where: TypeAlias = Literal["before", "behind"]
 #: A line and its end; the last one may have none.
 _LINE = re.compile(r"(?=.)([^\r\n]*)(\r\n|\r|\n|\Z)", re.DOTALL)
-#: A line that holds no more than a comment.
+#: A line with at most a comment.
 _NO_STATEMENT = re.compile(r"\s*(?:(?://|#).*)?")
 
 
@@ -25,9 +25,9 @@ _NO_STATEMENT = re.compile(r"\s*(?:(?://|#).*)?")
 class LineEdit:
     """A line of a file that is replaced, deleted or inserted.
 
-    `old` is the whole line as it stands, without line end, and `None` where lines are inserted:
-    then `where` says on which side of line `line`, and `new` may hold several lines. `new` is
-    `None` where the line is deleted. Lines and columns are those of the original text.
+    `old` is the whole original line, without line end, or `None` for inserted lines: then `where`
+    is the side of line `line` on which they are inserted, and `new` may contain several lines.
+    `new` is `None` for a deleted line. Lines and columns are those of the original text.
     """
 
     path: str
@@ -39,7 +39,7 @@ class LineEdit:
 
 
 class ConflictError(Exception):
-    """Two edits put the same stretch of a text in different ways."""
+    """Two edits replace overlapping ranges of a text."""
 
 
 class Draft:
@@ -68,11 +68,11 @@ class Draft:
         return self._written[number - 1]
 
     def offset(self, line: int, column: int) -> int:
-        """Return the offset of a place."""
+        """Return the offset of a line and column."""
         return self._starts[line - 1] + column - 1
 
     def line_at(self, offset: int) -> int:
-        """Return the number of the line in which an offset is."""
+        """Return the number of the line that contains an offset."""
         return bisect_right(self._starts, offset)
 
     def blanks(self, line: int) -> str:
@@ -85,11 +85,11 @@ class Draft:
         return self.offset(span.line, span.column)
 
     def put(self, begin: int, end: int, text: str) -> None:
-        """Put a text in the place of a stretch; what was put there before is forgotten."""
+        """Replace a range by a text, in place of an earlier replacement of the same range."""
         self._stretches[begin, end] = text
 
     def delete(self, line: int) -> None:
-        """Leave out a line with all that stands in it."""
+        """Delete a line."""
         self._deleted.add(line)
 
     def insert(self, line: int, where: Where, lines: Iterable[str]) -> None:
@@ -103,12 +103,12 @@ class Draft:
             self._inserted.setdefault((line, where), []).extend(added)
 
     def lines(self) -> tuple[LineEdit, ...]:
-        """Return the edits line by line, at most one for each line and each side of it.
+        """Return the edits line by line, at most one for each line and each side of a line.
 
-        A line of which no more than a comment is left goes with what it was about.
+        A line with nothing left but a comment is deleted.
 
         Raises:
-            ConflictError: two stretches overlap.
+            ConflictError: two ranges overlap.
         """
         edits: dict[int, LineEdit] = {}
         after: dict[int, list[str]] = {}
@@ -136,7 +136,7 @@ class Draft:
         return tuple(sorted(edited, key=lambda edit: (edit.line, sides.index(edit.where))))
 
     def _pieces(self) -> dict[int, list[tuple[int, int, str]]]:
-        """Return for each line the columns, from 0, that are put otherwise, in their order."""
+        """Return the replaced columns of each line, from 0, in their order."""
         pieces: dict[int, list[tuple[int, int, str]]] = {}
         for (begin, end), text in sorted(self._stretches.items()):
             first = self.line_at(begin)
@@ -162,7 +162,7 @@ class Draft:
 
 
 def apply_lines(text: str, edits: Iterable[LineEdit]) -> str:
-    r"""Return a text, whose lines end with `\n`, as the edits of its lines make it."""
+    r"""Return the edited text; lines end with `\n`."""
     lines: list[str | None] = list(text.removesuffix("\n").split("\n"))
     before: dict[int, str] = {}
     after: dict[int, str] = {}
@@ -182,10 +182,10 @@ def apply_lines(text: str, edits: Iterable[LineEdit]) -> str:
 
 
 def edited_bytes(raw: bytes, edits: Iterable[LineEdit]) -> bytes:
-    """Return a file as the edits of its lines make it, with its encoding and its line ends.
+    """Return the edited bytes of a file, with its encoding and its line ends.
 
     Raises:
-        ConflictError: a line is not what an edit replaces.
+        ConflictError: an edit does not match the line that it replaces.
     """
     codec = _codec(raw)
     whole = raw.decode(codec)
@@ -201,7 +201,7 @@ def edited_bytes(raw: bytes, edits: Iterable[LineEdit]) -> bytes:
             raise ConflictError
         else:
             replaced[edit.line] = edit.new
-    # A line that is inserted at the end needs one before it that is ended.
+    # Before a line inserted at the end, the last line needs a line end.
     if lines and not lines[-1][1] and (len(lines), "behind") in inserted:
         lines[-1] = (lines[-1][0], usual)
     written = [mark]
@@ -215,7 +215,7 @@ def edited_bytes(raw: bytes, edits: Iterable[LineEdit]) -> bytes:
 
 
 def _codec(raw: bytes) -> str:
-    """Return by which encoding a file is read, with its byte order mark as a character."""
+    """Return the encoding of a file, with which the byte order mark is read as a character."""
     if raw.startswith(b"\xff\xfe"):
         return "utf-16-le"
     if raw.startswith(b"\xfe\xff"):

@@ -1,4 +1,4 @@
-"""The statements of a `.mars` text as tokens, each with its place in the file."""
+"""The statements of a `.mars` text as tokens with their offsets."""
 
 import re
 from collections.abc import Iterator
@@ -38,12 +38,12 @@ def statements(layout: Layout) -> Iterator[tuple[Token, ...]]:
 
 
 def tokens_of(layout: Layout, begin: int, end: int) -> list[Token]:
-    """Return the tokens of the statement that stands between two offsets."""
+    """Return the tokens of the statement between two offsets."""
     text = layout.grammatical
     head = _LIST.match(text, begin, end)
     spans = [] if head is None else [head.span(1)]
     names = _PATH if head is not None and head[1] != "@modules" else _TOKEN
     rest = names.finditer(text, head.end() if head else begin, end)
     spans += (match.span() for match in rest)
-    # A path may hold blanks, where the file may have a line end and even a comment.
+    # In the grammar's text a line end or a comment inside a path is blank, so use the original.
     return [Token(layout.text[begin:end], begin, end) for begin, end in spans]
