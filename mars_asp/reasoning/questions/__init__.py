@@ -1,1 +1,1 @@
-"""What people ask about a configuration, and what answers it."""
+"""Questions about a configuration, and their answers."""

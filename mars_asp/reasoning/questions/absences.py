@@ -1,7 +1,7 @@
-"""Why there is no node or consequence of each kind for each of some modules: all asked at once.
+"""Why modules lack nodes and consequences of each kind, in one query.
 
-The sentences are those of `why_not`. What would give one, and what that costs, is not looked for:
-each change would have to be tried by itself.
+The sentences are those of `why_not`. Changes that would give one, and their costs, are not
+searched, as each change would need a trial of its own.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -32,15 +32,15 @@ from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
-#: Of larger robots there would be more answers than anybody reads, and pages too large to open.
+#: Answers about larger robots are more than users read, in HTML reports too large to open.
 MOST_MODULES = 2_000
 
 
 @dataclass(frozen=True, slots=True)
 class Absence:
-    """Why there is nothing of a kind for a module, or that there is.
+    """Why a module lacks a node or consequence of a kind, or that it has one.
 
-    `evidence` are the lines that the answer speaks of; `present` is the name of what there is.
+    `evidence` are the lines that the answer cites; `present` is the name of an existing one.
     """
 
     kind: str
@@ -58,11 +58,11 @@ class Absence:
 def absences(
     reasoner: Reasoner, modules: Sequence[str], only: Sort | None = None
 ) -> Iterator[Absence]:
-    """Yield for modules why there is no node, and why no consequence, of each kind, or `only` one.
+    """Yield the absent nodes and consequences of modules, or only one sort, with the reasons.
 
-    Left out is what no rule of `rules/absence` speaks of, such as kinds of rule packs; of some
-    modules, what only the whole configuration decides; and all of more than `MOST_MODULES`.
-    For consequences alone nothing is resolved.
+    Kinds without a rule in `rules/absence`, such as those of rule packs, are left out; for a subset
+    of the modules, also kinds that depend on the whole configuration; above `MOST_MODULES`, all.
+    For consequences alone no specification is searched.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -112,7 +112,7 @@ def absences(
 
 def _consequences(evidence: Evidence) -> Iterator[tuple[tuple[str, str], Absence]]:
     found = read_consequences(evidence.analysis, participants=False)
-    # Of several the last stays, which is the one that `why_not` finds first.
+    # Of equal keys the last remains, which is the one that `why_not` finds first.
     for each in sorted(found, key=lambda each: each.atom, reverse=True):
         title = f"{each.kind}({each.subject})"
         answer = holds(title, each.message)
@@ -125,7 +125,7 @@ def _consequences(evidence: Evidence) -> Iterator[tuple[tuple[str, str], Absence
 def _nodes(
     evidence: Evidence, synthesis: Synthesis, words: Mapping[str, str], modules: Sequence[str]
 ) -> Iterator[tuple[tuple[str, str], Absence]]:
-    """Yield the nodes at modules, or that resolve what is theirs, by kind and module."""
+    """Yield the nodes at modules, or that resolve their consequences, by kind and module."""
     specification = synthesis.specification
     resolving: dict[tuple[str, str], IntroducedNode] = {}
     for node in specification.nodes:
@@ -155,7 +155,7 @@ def _nodes(
 def _true_nodes(
     evidence: Evidence, synthesis: Synthesis, kinds: Iterable[str]
 ) -> Mapping[tuple[str, clingo.Symbol], Sequence[clingo.Symbol]]:
-    """Return the true atoms that stand for nodes, by name and first argument."""
+    """Return the true atoms that represent nodes, by name and first argument."""
     grounding, taken = evidence.analysis.grounding, synthesis.resolution.taken
     held: dict[tuple[str, clingo.Symbol], list[clingo.Symbol]] = {}
     patterns = [pattern for kind in kinds for pattern in at_module(kind, clingo.String(""))]

@@ -1,7 +1,7 @@
 """Explanations of consequences and nodes: a sentence, the user's lines, and further sentences.
 
-What is told `rules/account` decides, words included; here it is read, and what its terms stand for
-is written as users write it.
+`rules/account` decides the sentences and their wording; this module reads them, and replaces their
+terms by the text that users write.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
@@ -33,28 +33,28 @@ from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.derived import decided_by
 
-#: The stage whose rules tell accounts.
+#: The stage whose rules derive explanations.
 STAGE = "account"
-#: Kind, subject and case of what is told of, which part of that is told, its order and its thing.
+#: Kind, subject and case of the explained thing, the component of its explanation, order and thing.
 ACCOUNT = Signature("account", 6)
-#: What something is ordered by: numbers first, then modules, then others.
+#: The sort key of a term: numbers first, then modules, then other terms.
 _Order: TypeAlias = tuple[tuple[int, int, str], ...]
-#: How functions would be made up without a motion or mount, and the modules that have them.
+#: How functions would be combined without a motion or mount, and the modules with such functions.
 OTHERWISE = Signature("made_otherwise", 3)
 _BORROWS, _EMERGENT = Signature("borrows", 4), Signature("emergent", 2)
 #: A node of a rule pack, and its kind.
 INSERTED = Signature("inserted", 2)
 #: The atoms of predicates, as far as they are true.
 Atoms: TypeAlias = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
-#: The name under which rules that decide are heard.
+#: The name under which the messages of deciding rules are read.
 _DECIDING = "deciding"
-#: What a node has for the case of a consequence.
+#: The case of a node, in place of that of a consequence.
 _NODE = clingo.Function("node")
 
 
 @dataclass(frozen=True, slots=True)
 class Cited:
-    """A line of the user, its location in words, and the label beside it."""
+    """A line of the user, the text of its location, and its label."""
 
     span: Span
     place: str
@@ -65,7 +65,7 @@ class Cited:
 class Account:
     """The explanation of a consequence or node: a sentence, lines, and further sentences.
 
-    `rules` are the ids of the rules that tell it.
+    `rules` are the ids of the rules that derive it.
     """
 
     answer: str | None
@@ -76,11 +76,11 @@ class Account:
 
 @dataclass(frozen=True)
 class TermNames:
-    """What terms in sentences stand for: the places of things, and the names of nodes.
+    """The texts of terms in sentences: locations of things, names of nodes, and rates.
 
-    Things are relationships and annotations by their numbers, modules by their names, attributes by
-    their texts; nodes are known by the texts of their terms. `modules` are in the order of the
-    configuration. `rates` are how numbers stand for rates.
+    `places` has relationships and annotations by their numbers, modules by their names, attributes
+    by their texts; `nodes` has names by the texts of terms. `modules` are in the order of the
+    configuration. `rates` converts numbers to rates.
     """
 
     places: Mapping[int | str | tuple[str], Span]
@@ -88,10 +88,10 @@ class TermNames:
     nodes: Mapping[str, str]
     modules: Mapping[str, int]
     rates: Rates
-    #: What was found out of terms, of which few stand in very many accounts.
+    #: Results for terms; few terms occur in very many explanations.
     _orders: dict[TermId, "_Order"] = field(default_factory=dict)
     _written: dict[TermId, str] = field(default_factory=dict)
-    #: How the paths of files begin places.
+    #: The text before the line number in a location, by path.
     _shown: dict[str, str] = field(default_factory=dict)
 
     def written(self, term: TermId) -> str:
@@ -110,11 +110,11 @@ class TermNames:
         return shown(symbol)
 
     def place(self, thing: TermId) -> Span:
-        """Return where a relationship, annotation or module is, or the configuration."""
+        """Return the location of a relationship, annotation or module, or the configuration."""
         return self._place(as_symbol(thing))
 
     def order(self, term: TermId) -> "_Order":
-        """Return the sort key of a term: modules are in the order of the file."""
+        """Return the sort key of a term: modules are in the order of the configuration."""
         found = self._orders.get(term)
         if found is None:
             found = self._orders[term] = tuple(map(self._place_of, _flatten(as_symbol(term))))
@@ -138,7 +138,7 @@ class TermNames:
         return self.where(self._place(thing))
 
     def where(self, span: Span) -> str:
-        """Return a line as `config.mars:3`, its path seen from the folder of the configuration.
+        """Return a location as `config.mars:3`, relative to the folder of the configuration.
 
         A folder that was read as one robot has no lines: `workspace/`.
         """
@@ -158,7 +158,7 @@ class TermNames:
         return f"; splitter{'s' * several} for {self.word(controllers)}"
 
     def _hz(self, number: clingo.Symbol) -> str:
-        """Return a rate in Hertz; what is stated as a period in both ways."""
+        """Return a rate in Hertz, with the period after it if the user states one."""
         rate = self.rates.hertz(number.number)
         words = as_written(rate)
         if words[0].isdigit():
@@ -170,7 +170,7 @@ class TermNames:
         return self.nodes[str(node)]
 
 
-#: How terms of one argument are written, by their names.
+#: The writers of terms with one argument, by their names.
 _WORDS: Mapping[str, Callable[[TermNames, clingo.Symbol], str]] = {
     "at": TermNames._at,
     "node": TermNames._node,
@@ -195,7 +195,7 @@ def _flatten(symbol: clingo.Symbol) -> Iterator[clingo.Symbol]:
 
 
 def speakers(rulebook: Rulebook, kinds: Iterable[str] | None = None) -> tuple[Rule, ...]:
-    """Return the rules that tell accounts of some kinds of things, with what these rules need."""
+    """Return the rules that explain things of some kinds, with the rules on which these depend."""
     wanted = None if kinds is None else frozenset(kinds)
     return telling(
         rulebook,
@@ -211,7 +211,7 @@ def speakers(rulebook: Rulebook, kinds: Iterable[str] | None = None) -> tuple[Ru
 
 
 def telling(rulebook: Rulebook, tells: Callable[[Rule], bool]) -> tuple[Rule, ...]:
-    """Return the rules of the stage that tell something, with what these rules need of it."""
+    """Return the rules of the stage that `tells` accepts, with the rules on which these depend."""
     own = [rule for rule in rulebook.rules if rule.stage == STAGE]
     found = {rule.text for rule in own if tells(rule)}
     while True:
@@ -235,7 +235,7 @@ def reads(rules: Iterable[Rule]) -> frozenset[Signature]:
 
 @dataclass(frozen=True)
 class Explanations:
-    """Accounts by their things, the rule that forces each node, and its author's sentence.
+    """Explanations by their things, the rule that forces each node, and the sentence of its pack.
 
     Only nodes of rule packs have such a sentence.
     """
@@ -252,10 +252,10 @@ def told(
     names: TermNames,
     wanted: Set[Key],
 ) -> Explanations:
-    """Return what rules tell of the things that are `wanted`.
+    """Return the explanations of the things that are `wanted`.
 
-    `deciding` are rules of other stages: of the atoms that these force, the first of them is told.
-    `atoms_of` gives the true atoms of what all these rules read.
+    `deciding` are rules of other stages that force nodes; the first such rule of a node counts.
+    `atoms_of` returns the true atoms of the predicates that all these rules read.
 
     Raises:
         MarsError: clingo refuses a rule.
@@ -263,7 +263,7 @@ def told(
     telling = [rule for rule in rules if ACCOUNT in rule.heads]
     read = reads(rules).union(*(rule.reads | rule.heads for rule in deciding))
     grounding = Grounding((), atoms_of(sorted(read)))
-    # No rule reads accounts, so it is enough to ground what is said of them.
+    # No rule reads explanations, so only their messages are grounded.
     program = (fragment_of(rule) for rule in rules if ACCOUNT not in rule.heads)
     sayings = (*saying(STAGE, telling, instead=True), *saying(_DECIDING, deciding))
     grounding.derive([*program, *sayings])
@@ -307,8 +307,8 @@ def _account(parts: Mapping[str, Sequence[RenderedMessage]], names: TermNames) -
 
 
 def _cited(cites: Sequence[RenderedMessage], names: TermNames) -> Iterator[Cited]:
-    """Yield the lines in their order, each once, with all of its labels."""
-    # Two things may be on one line.
+    """Yield the cited lines in order, each once with all of its labels."""
+    # Two things can be on one line.
     lines: dict[tuple[str, int], tuple[_Order, Span]] = {}
     labels: dict[tuple[str, int], dict[str, None]] = {}
     for each in _sorted_messages(cites, names):
@@ -338,7 +338,7 @@ def _sorted_messages(
 
 
 def key_of(thing: Consequence | IntroducedNode) -> Key:
-    """Return by what an account is found of a consequence or node."""
+    """Return the key of the explanation of a consequence or node."""
     if isinstance(thing, IntroducedNode):
         term = as_term(clingo.parse_term(thing.term))
         return as_term(clingo.Function(thing.kind)), term, as_term(_NODE)
@@ -352,12 +352,12 @@ def told_of(
     nodes: Iterable[IntroducedNode],
     things: Sequence[Consequence | IntroducedNode],
 ) -> list[tuple[Account, str | None]]:
-    """Return the accounts of consequences and nodes in their order, and the rule that gives each.
+    """Return the explanations of consequences and nodes in their order, each with its rule's id.
 
-    `nodes` are all that have names.
+    `nodes` are all named nodes.
 
-    A consequence of which no rule tells has its message and places. No rule is named for a node
-    that several rules or none could have given: it was chosen.
+    A consequence without an explaining rule has its message and locations. A node has no rule
+    if it was chosen, or if several rules could force it.
 
     Raises:
         MarsError: clingo refuses a rule.
@@ -368,7 +368,7 @@ def told_of(
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
     names = names_of(project, nodes)
     atoms_of = partial(true_atoms, evidence)
-    # Of one node alone, for it takes a search of its own.
+    # Only if the question is about one node, as the price takes a search of its own.
     price = None
     if len(things) == 1 and isinstance(things[0], IntroducedNode):
         price = apart(project, evidence, things[0], atoms_of)
@@ -383,7 +383,7 @@ def told_of(
 
 
 def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence[TermId]]:
-    """Return how several motions would make up functions without one of them or of the mounts."""
+    """Return the ways to combine functions without one of the motions, or without the mounts."""
     true = atoms_of([_BORROWS, _EMERGENT])
     if not has_mounts(project):
         return {}
@@ -424,7 +424,7 @@ def _account_and_rule(
 def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:
     """Return the rules with a message that force nodes of some kinds, or introduce one of a pack.
 
-    A choice of a pack is taken apart: its atoms, where they are chosen, have its message.
+    A choice of a pack becomes one rule for each of its atoms, with its message.
     """
     predicates = {decided_by(rulebook, kind) or INSERTED for kind in kinds}
     deciding: list[Rule] = []
@@ -439,7 +439,7 @@ def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:
 
 
 def _chosen(rule: Rule) -> Iterator[Rule]:
-    """Yield a rule for each node that a choice offers: it holds where the node was chosen."""
+    """Yield a rule for each node that a choice offers, which holds if the node was chosen."""
     body = rule.written[1]
     for statement in rule.statements:
         for head in statement.heads:
@@ -452,7 +452,7 @@ def _chosen(rule: Rule) -> Iterator[Rule]:
 def true_atoms(
     evidence: Evidence, read: Sequence[Signature]
 ) -> Mapping[Signature, Sequence[TermId]]:
-    """Return the true atoms of predicates: what follows from an answer, the answer, or facts."""
+    """Return the true atoms of predicates: facts, chosen atoms, and their consequences."""
     control = evidence.analysis.grounding.control
     derived = evidence.derived
     opened = {} if evidence.resolution is None else evidence.resolution.answer.true
@@ -461,7 +461,7 @@ def true_atoms(
         if derived is not None and signature in derived.predicates:
             found[signature] = derived.atoms(signature)
         else:
-            # Of what could be chosen, none may have been.
+            # A choice may have left all atoms of a predicate false.
             true = opened.get(signature)
             found[signature] = atoms(control, *signature) if true is None else true
     return found

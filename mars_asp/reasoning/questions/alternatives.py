@@ -1,4 +1,4 @@
-"""What else would realise a configuration, what it costs more, and why nothing costs less.
+"""Other specifications of a configuration, their additional cost, and lower bounds of the cost.
 
 >>> found = alternatives(Reasoner(load_project("config.mars"), load_rulebook()))
 >>> [other.extra for other in found.others]
@@ -30,20 +30,20 @@ from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Specification, SpecifiedAtoms, specify
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
-#: The levels that are a cost, highest first.
+#: The levels of the cost, highest first.
 _LEVELS = tuple(level for level in COSTS.values() if level >= COST_LEVEL)
-#: What the rules derive of each relationship of data or control that counts.
+#: Derived for each relationship of data or control that counts.
 _COUNTED = (("link", 3), ("commanded", 3))
-#: So many conversions are named at most.
+#: At most this many conversions are named.
 MOST_CONVERSIONS = 5
-#: For each part that another answer is chosen of, in order, its number and that of the answer.
+#: For each component with another answer, in order, its number and that of the answer.
 _Places: TypeAlias = tuple[tuple[int, int], ...]
 _RELATES = re.compile(r"^//|\b(?:is_mounted_on|is_controlled_by|uses_data_from)\b")
 
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """Another realisation: what it costs more, by level, and its lines that differ."""
+    """Another specification, its additional cost by level, and its differing lines."""
 
     extra: Mapping[int, int]
     specification: Specification
@@ -53,10 +53,10 @@ class Alternative:
 
 @dataclass(frozen=True, slots=True)
 class CertificateEntry:
-    """Every realisation has one of these nodes: `names` are those of ours among them.
+    """A set of nodes of which each specification has one: `names` are those of the minimal one.
 
-    `nodes` are told by their terms; `reasons` say of each what it is, and of ours why. They are
-    empty where it was not asked.
+    `nodes` are terms; `reasons` explain each node, and why the minimal specification needs it; they
+    are empty unless requested.
     """
 
     nodes: tuple[str, ...]
@@ -66,7 +66,7 @@ class CertificateEntry:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """What is spent on a level of the cost; needs add up to `bound`, so nothing costs less."""
+    """The cost on a level; the certificate entries prove that it is at least `bound`."""
 
     cost: int
     bound: int
@@ -74,13 +74,13 @@ class Level:
 
 @dataclass(frozen=True)
 class Alternatives:
-    """The least specification, others in the order of their cost, and needs that bound the cost.
+    """The minimal specification, others in the order of their cost, and entries of a certificate.
 
-    `forced` are the nodes that the rules leave no choice about. `needs` have no node in common;
-    where there are fewer than nodes, that fewer do not suffice was found by search among so many
-    `candidates`. Relationships of data and control are so many `written`, of which so many count as
-    `declared`. `levels` are told of the whole alone, `conversions` are what the first transformers
-    apply. `complete` is whether there are no further alternatives.
+    `forced` are the nodes without an alternative. `needs` have no node in common; if they are fewer
+    than the nodes, a search among the `candidates` proved that fewer nodes do not suffice. Of the
+    `written` relationships of data and control, `declared` count. `levels` and `conversions`, those
+    of the first transformers, are only filled for the whole. `complete` is whether there are no
+    further alternatives.
     """
 
     synthesis: Synthesis
@@ -100,13 +100,13 @@ class Alternatives:
 def alternatives(
     reasoner: Reasoner, subject: str | None = None, most: int = 5, shown: int | None = None
 ) -> Alternatives | None:
-    """Return other realisations of all, or of the component of a node, or None if there is none.
+    """Return alternatives to the whole or a node, or None if no specification exists.
 
-    Reasons are told of the first needs alone, of so many as are `shown`; of `None`, of all. The
-    rulebook of `reasoner` holds the stages `resolve` and `account`.
+    The first `shown` certificate entries have reasons, all if it is `None`. The rulebook of
+    `reasoner` contains the stages `resolve` and `account`.
 
-    In each component in which one differs from the least specification, it lacks a decision of all
-    that are less there, so mere additions are left out.
+    In each component that differs from the minimal specification, an alternative lacks a
+    decision of every cheaper answer, so that mere additions are left out.
 
     Raises:
         MarsError: the subject is not a node of the specification.
@@ -121,7 +121,7 @@ def alternatives(
 
 
 class _OpenChoice(NamedTuple):
-    """Another answer of one component, and what it costs more at each of `_LEVELS`."""
+    """Another answer of one component, and its additional cost at each of `_LEVELS`."""
 
     extra: tuple[int, ...]
     part: Part
@@ -177,14 +177,14 @@ class _AlternativesSearch:
         )
 
     def _declared(self) -> int:
-        """Return how many relationships of data and control count: repeated ones do not."""
+        """Return the number of relationships of data and control, without repetitions."""
         grounding = self.analysis.grounding
         return sum(1 for each in _COUNTED for _ in grounding.symbols(*each))
 
     def _cores_by_level(
         self, parts: Iterable[Part]
     ) -> Mapping[tuple[int, int], Sequence[AtomNeed]]:
-        """Return the needs of each component at each level; equal components have equal ones."""
+        """Return the unsatisfiable cores of each component at each level."""
         found: dict[tuple[int, int], Sequence[AtomNeed]] = {}
         for part in parts:
             for level in _LEVELS:
@@ -196,7 +196,7 @@ class _AlternativesSearch:
     def _levels(
         self, parts: Sequence[Part], bounds: Mapping[tuple[int, int], Sequence[AtomNeed]]
     ) -> Mapping[int, Level]:
-        """Return what each level costs, and to how much of it needs add up."""
+        """Return the cost of each level, with its lower bound."""
         found = {}
         for level in _LEVELS:
             cost = self.synthesis.cost(level)
@@ -210,12 +210,12 @@ class _AlternativesSearch:
         found = self._reasons(asked)
         for need in needs:
             entries = [found[node] for node in need.nodes if node in found]
-            # Ours come first, of which it is told why they are needed.
+            # Nodes of the minimal specification come first, with the reason why they are needed.
             entries.sort(key=lambda reason: reason.why is None)
             yield replace(need, reasons=tuple(entries))
 
     def _first_conversions(self) -> tuple[str, ...]:
-        """Return what is applied by the first transformers of the specification, and its cost."""
+        """Return the conversions of the first transformers, with their costs."""
         nodes = self.synthesis.specification.nodes
         applying = [node.term for node in nodes if node.conversion and node.conversion.converter]
         found = self._reasons(applying[:MOST_CONVERSIONS])
@@ -229,7 +229,7 @@ class _AlternativesSearch:
         return {node: found[node] for node in asked if node in found}
 
     def _choices(self, part: Part, most: int) -> list[_OpenChoice]:
-        """Return other answers of a component in the order of what they cost more."""
+        """Return other answers of a component in the order of their additional cost."""
         return [
             _OpenChoice(
                 tuple(other.cost.get(level, 0) - part.best.cost.get(level, 0) for level in _LEVELS),
@@ -271,11 +271,12 @@ class _AlternativesSearch:
 def _combined(
     parts: Sequence[Sequence[_OpenChoice]],
 ) -> Iterator[tuple[tuple[int, ...], tuple[_OpenChoice, ...]]]:
-    """Yield what choices cost together and the choices, one at most of each part, cheapest first.
+    """Yield the costs and choices of all combinations, at most one choice a component, by cost.
 
-    Each part's choices are in the order of their cost. A combination is found from one other alone:
-    that in which its last choice was the one before, or the first one of the part before, or was
-    not made (Lawler, A procedure for computing the K best solutions, Management Science 1972).
+     The choices of each component are ordered by cost. Each combination is reached from one
+    other only: the one with the previous choice in its last component, or the first choice of
+    the component before, or without it (Lawler, A procedure for computing the K best solutions,
+    Management Science 1972).
     """
     ordered = sorted((part for part in parts if part), key=lambda part: part[0].extra)
     none = (0,) * len(_LEVELS)
@@ -298,11 +299,11 @@ def _combined(
 
 
 def _lines(specification: Specification) -> list[str]:
-    """Return the relationships and the comments of transformers, as they are printed."""
+    """Return the printed relationships, and the comments of transformers."""
     printed = print_configuration(specification.configuration).splitlines()
     return [line for line in printed if _RELATES.search(line)]
 
 
 def _costly(part: Part) -> set[int]:
-    """Return the atoms that cost a node and are open."""
+    """Return the open atoms with a cost on the level of nodes."""
     return {atom for at, _, atom in part.component.costs if at == NODES and atom > 0}

@@ -1,4 +1,4 @@
-"""Annotations added, changed and taken out in the text in which they stand."""
+"""Edits of annotations in their sources: additions, changes and removals."""
 
 import re
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from mars_asp.language.text_edits import Draft
 from mars_asp.model.declarations import SERVICE_KINDS, Function, Mode, Module, Service
 from mars_asp.model.rates import as_written
 
-#: What begins a comment in a language, where no other comment shows how its author does.
+#: The start of a comment in a language, if no other comment shows the style of its author.
 _MARKS = {"python": "# ", "matlab": "% "}
 _LINE_MARK = re.compile(r"\s*(?://[/!]?|#+|%+|\*)?\s*")
 _BLOCK_MARK = re.compile(r"(\s*)/\*[*!]?\s*")
@@ -26,7 +26,7 @@ _PLAIN = re.compile(r"[A-Za-z_]\w*(?:::\w+)*")
 
 
 class NoPlaceError(Exception):
-    """There is no place for an annotation at which it would mean what it is to mean."""
+    """An annotation has no location at which it would have the intended meaning."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class _Marks:
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """A source, its annotations, and which of them begins at a line and column."""
+    """A source, its annotations, and the index of the annotation at each line and column."""
 
     source: Source
     directives: list[Directive]
@@ -47,7 +47,7 @@ class Read:
 
 
 def read(source: Source) -> Read:
-    """Read the annotations of a source in which nothing is wrong."""
+    """Read the annotations of a source without errors."""
     found = [found for found in directives(source) if isinstance(found, Directive)]
     return Read(source, found, {source.position(d.offset): n for n, d in enumerate(found)})
 
@@ -56,14 +56,14 @@ class Annotations:
     """The annotations of one source, and a draft of its text in which they are edited."""
 
     def __init__(self, read: Read, draft: Draft) -> None:
-        """Take what was read of a source, and the draft that edits go to."""
+        """Begin with the annotations of a source, and the draft for its edits."""
         self._source = read.source
         self._found = read.directives
         self._places = read.places
         self._draft = draft
 
     def offer(self, service: Service, mode: Mode, hz: Fraction | None) -> None:
-        """Let an annotation state a mode, too, or another frequency."""
+        """Add a mode to an annotation, or replace its frequency."""
         directive = self._found[self._index(service.span)]
         if mode not in service.modes:
             rate = "" if hz is None else f" {as_written(hz)}"
@@ -79,7 +79,7 @@ class Annotations:
                     )
 
     def remove(self, annotation: Service | Function) -> None:
-        """Take an annotation out, and its overrides where no other one has them."""
+        """Remove an annotation, with its overrides unless another annotation shares them."""
         index = self._index(annotation.span)
         group = self._group(index)
         gone = [self._found[index]]
@@ -91,7 +91,7 @@ class Annotations:
     def give(self, module: Module, word: str, output: str | None = None) -> None:
         """Annotate a module with a motion function, `DataOut` or `ControlOut`.
 
-        `output` is what a `DataOut` is to deliver where its declaration does not say it.
+        `output` is the representation of a `DataOut` whose declaration does not state it.
 
         Raises:
             NoPlaceError: no function of the module can carry the annotation.
@@ -117,7 +117,7 @@ class Annotations:
             mark = indent + self._mark(name) if not indent.strip() else self._mark(name)
             self._draft.insert(line, "before", [mark + text for text in lines])
         elif self._source.is_configuration:
-            # What a block says is all there is of a module, so it may say one function more.
+            # A block is the whole description of a module, so it may declare another function.
             kind = output or "void"
             lines += [f"@Output {output}"] if output and not _PLAIN.fullmatch(output) else []
             declared = kind if _PLAIN.fullmatch(kind) else "void"
@@ -147,7 +147,7 @@ class Annotations:
         """Return the annotations that belong to the same declaration as one of them."""
         words = (*SERVICE_KINDS, *OVERRIDES)
         first = last = index
-        # A module begins before them and ends behind them.
+        # The annotations of other kinds at both ends of a module stop the loops.
         while self._found[first - 1].word in words and self._adjoin(first - 1):
             first -= 1
         while self._found[last + 1].word in words and self._adjoin(last):
@@ -181,7 +181,7 @@ class Annotations:
         return _Marks(before, " */" if after.startswith("*/") else "")
 
     def _mark(self, like: Directive) -> str:
-        """Return the start of a comment of its own, copied from another annotation."""
+        """Return the start of a new comment, copied from another annotation."""
         marks = self._marks(like)
         if marks is not None and "*" not in marks.before:
             return marks.before.lstrip()
@@ -220,10 +220,10 @@ class Annotations:
 
 
 def _output(word: str, declared: str | None, output: str | None) -> list[str]:
-    """Return the override that a declaration needs in order to deliver something.
+    """Return the override with which a declaration delivers something.
 
     Raises:
-        NoPlaceError: it delivers nothing and nothing is known that it could, or it does already.
+        NoPlaceError: nothing to deliver is known, or the declaration delivers already.
     """
     if word != "DataOut":
         return []

@@ -1,4 +1,4 @@
-"""Questions about an absence, and the errors of such a question."""
+"""Parses questions about absences, and reports errors in them."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -21,7 +21,7 @@ from mars_asp.reasoning.questions.subject import wrong_question
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.spelling import nearest
 
-#: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
+#: The atoms of `rules/resolve` that represent a node at a module, by its kind.
 _AT_MODULE: dict[str, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
     "data_splitter": lambda name: (clingo.Function("splitter", [name, hole()]),),
     "data_transformer": lambda name: (clingo.Function("transformer", [name, hole()]),),
@@ -36,7 +36,7 @@ _AT_MODULE: dict[str, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
     ),
     "inheritance_node": lambda name: (clingo.Function("inheritance_node", [name]),),
 }
-#: The places of the two modules among all that facts state of a relationship.
+#: Which arguments of the facts of a relationship are its two modules.
 RELATIONSHIPS = {
     "uses_data_from": (False, True, True),
     "is_controlled_by": (False, True, True),
@@ -46,14 +46,14 @@ _CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
 
 
 def at_module(kind: str, name: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
-    """Return the atoms that stand for a node of a kind at a module, one that packs bring too."""
+    """Return the atoms that represent a node of a kind at a module, also for kinds of packs."""
     if kind in _AT_MODULE:
         return _AT_MODULE[kind](name)
     return (clingo.Function("inserted_at", [clingo.Function(kind), name, hole()]),)
 
 
 class AbsenceQuestion(NamedTuple):
-    """A question: a kind of consequence or node of a module or any, or an atom."""
+    """A question about a kind of consequence or node, at one module or any, or about an atom."""
 
     shown: str
     patterns: tuple[clingo.Symbol, ...]
@@ -67,7 +67,7 @@ class AbsenceQuestion(NamedTuple):
 
 
 class Vocabulary:
-    """What a subject may name."""
+    """The names that can occur in a question."""
 
     def __init__(self, reasoner: Reasoner) -> None:
         self._reasoner, rulebook = reasoner, reasoner.rulebook
@@ -82,7 +82,7 @@ class Vocabulary:
 
     @cached_property
     def _predicates(self) -> set[Signature]:
-        """Return the predicates of the rules and of what they are given."""
+        """Return the predicates of the rules and of their facts."""
         rulebook = self._reasoner.rulebook
         given = (defined(text) for _, text in rulebook.texts)
         return {head for rule in rulebook.rules for head in rule.heads}.union(*given)
@@ -106,7 +106,7 @@ class Vocabulary:
 
     @cached_property
     def _other_names(self) -> set[str]:
-        """Return the names of what is described, and of what it delivers and accepts."""
+        """Return the names of described modules, their representations and functions."""
         project = self._reasoner.project
         every = (*project.modules.values(), *project.configuration.declared)
         services = [service for module in every for service in module.services]
@@ -151,15 +151,15 @@ class Vocabulary:
         return AbsenceQuestion(subject, (self._known_atom(subject),))
 
     def _module_term(self, name: str | None, word: str) -> tuple[clingo.Symbol, str]:
-        """Return the term of a name, or of any, and the name of the thing in the answer."""
+        """Return the term of a name, or of any name, and the text of the subject in the answer."""
         if name in (None, "", "_"):
             return hole(), word
-        # What rules of the base say is about modules.
+        # The rules of the base are only about modules.
         names = self._strings if self._reasoner.rulebook.packs else self._modules
         return self._string(name or "", names), f"{word}({name})"
 
     def _is_kind(self, name: str) -> bool:
-        """Return whether rules that derive any kind could mean one of this name."""
+        """Whether rules that derive any kind could derive one of this name."""
         return self._any_kind and name in self._constants and not self._is_predicate(name)
 
     def _is_predicate(self, name: str) -> bool:
@@ -179,7 +179,7 @@ class Vocabulary:
         return clingo.Function(found.name, list(map(self._known, found.arguments)), found.positive)
 
     def _relationship(self, asked: clingo.Symbol) -> clingo.Symbol | None:
-        """Return a relationship of which its two modules alone are named, with all else open."""
+        """Return the pattern of a relationship from its two modules, or None for another atom."""
         shape = RELATIONSHIPS.get(asked.name)
         if shape is None or len(asked.arguments) != 2:
             return None
@@ -187,7 +187,7 @@ class Vocabulary:
         return clingo.Function(asked.name, [next(ends) if end else hole() for end in shape])
 
     def _relationship_end(self, term: clingo.Symbol) -> clingo.Symbol:
-        """Return the module at an end of a relationship, whatever its name is written like."""
+        """Return the module at an end of a relationship, however its name is written."""
         if is_hole(term):
             name = term.arguments[0].string
             return term if name == "_" else self._string(name, self._modules)
@@ -198,7 +198,7 @@ class Vocabulary:
         """Check the constants of a term; a variable with the name of a module is that module."""
         if is_hole(term):
             name = term.arguments[0].string
-            # To make all facts takes long, and what is asked about is a module most of the time.
+            # Making all facts takes long, and most questions are about modules.
             is_name = name in self._modules or (name != "_" and name in self._other_names)
             return clingo.String(name) if is_name else term
         if term.type == clingo.SymbolType.String:

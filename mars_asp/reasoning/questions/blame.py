@@ -1,7 +1,7 @@
-"""Why there is no consequence or node of a kind for a module, and the least change that gives one.
+"""Why a module has no consequence or node of a kind, and the smallest change that gives one.
 
-The rules of `rules/absence` say why and propose changes; each is made to the configuration, from
-which all follows anew, before it is told.
+The rules of `rules/absence` state reasons and propose changes; a change is reported only if the
+rules give the consequence or node after it.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -29,16 +29,16 @@ from mars_asp.reasoning.rules import load_rulebook
 
 _STAGE = "absence"
 _CHANGE, _RELATED_EDGE = Signature("change", 4), Signature("related_edge", 3)
-#: Of the changes that rules propose so many are tried.
+#: At most this many of the proposed changes are tried.
 MOST_TRIED = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Blame:
-    """Why there is none, as a clause; `evidence` are the lines that it speaks of.
+    """The reason of an absence, as a clause; `evidence` are the lines that it cites.
 
-    `to_get` is what would give one, and `beside` what may have been looked for, each a clause or
-    `None`.
+    `to_get` is the change that gives one, and `beside` an existing one that the user may mean, each
+    a clause or `None`.
     """
 
     because: str
@@ -54,9 +54,9 @@ def blame(
     module: str | None,
     gives: Callable[[Project], bool],
 ) -> Blame | None:
-    """Return why there is nothing of a kind for a module, or for any; None if no rule states it.
+    """Return the reason why a module, or each, lacks a kind; None if no rule states one.
 
-    `gives` is whether there is one in a project.
+    `gives` returns whether a project has one.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -89,10 +89,10 @@ def blame(
 def reasons(
     project: Project, rulebook: Rulebook, kinds: Iterable[str], modules: Iterable[str]
 ) -> Iterator[tuple[str, str, Blame]]:
-    """Yield why there is nothing of each kind for each module, if a rule states it, in any order.
+    """Yield the reason why each module lacks each kind, if a rule states one, in any order.
 
-    One grounding answers all; no change is proposed or tried. The reason of a consequence or node
-    that is there is to be ignored.
+     One grounding answers all; no change is proposed or tried. The reason of a consequence or
+    node that exists is to be ignored.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -125,7 +125,7 @@ def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]
 
 
 def _helps(change: RenderedMessage, project: Project, gives: Callable[[Project], bool]) -> bool:
-    """Return whether a change is valid and gives the consequence or node."""
+    """Whether a change is valid and gives the consequence or node."""
     term = as_symbol(change.head).arguments[2]
     try:
         return term.match("anywhere", 0) or gives(changed(project, term))
@@ -217,7 +217,7 @@ class _Messages:
         return shown(value)
 
     def _in_line(self, value: clingo.Symbol) -> str:
-        """Return a term as a line of a configuration writes it; ports are called so already."""
+        """Return a term in the syntax of a configuration; ports have this syntax already."""
         if value.type != clingo.SymbolType.String or value.string in self._ports:
             return shown(value)
         return written(value.string)

@@ -1,6 +1,6 @@
-"""Capability queries: what a robot is able to do at one time, decided by `rules/can`.
+"""Capability queries: the functions that a robot can perform at one time, decided by `rules/can`.
 
-What is told of each demand `rules/account/capability.lp` decides.
+`rules/account/capability.lp` derives the explanation of each demand.
 
 >>> answer = capability(load_project("config.mars"), rulebook, "Rotn_Y of Camera")
 >>> answer.able
@@ -29,22 +29,22 @@ from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 from mars_asp.spelling import nearest
 
-#: What places in a query are shown under.
+#: The shown file name of locations in a query.
 QUERY = "<query>"
 MOST_DEMANDS = 64
 _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
-#: A function and a module, which is written as in a configuration.
+#: A function and a module, in the syntax of a configuration.
 _DEMAND = re.compile(r"\s*(\w+)\s+of\s+(\S.*?)\s*", re.DOTALL)
 #: Between demands, outside of quotes.
 _WHILE = re.compile(r'(?<!\S)while(?!\S)(?=(?:[^"]*"[^"]*")*[^"]*$)')
-#: What accounts are told of here.
+#: The kind and case of explanations of demands.
 _KIND, _CASE = as_term(clingo.Function("capability")), as_term(clingo.Function("demand"))
 _VERDICTS = (("able", 3), ("lacking", 3), ("busy", 5))
 
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """One function of one module that a query asks for, and where in the query."""
+    """One function of one module in a query, and its location in the query."""
 
     function: str
     module: str
@@ -53,7 +53,7 @@ class Demand:
 
 @dataclass(frozen=True, slots=True)
 class CapabilityVerdict:
-    """Whether a demand can be met, and why or why not: in words, and step by step."""
+    """Whether a demand can be met, with the reason as a sentence and as traces."""
 
     demand: Demand
     able: bool
@@ -62,12 +62,12 @@ class CapabilityVerdict:
 
     @property
     def rule(self) -> str | None:
-        """Return the id of the rule that decides."""
+        """Return the id of the deciding rule."""
         return next((t.rule.id for t in self.traces if isinstance(t, Derived)), None)
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Return what would make it possible, by the help of the rules that deny it."""
+        """Return the missing conditions, from the help of the rules that deny the demand."""
         if self.able:
             return ()
         told = (fill(t.rule.help, t.bindings, shown) for t in self.traces if isinstance(t, Derived))
@@ -88,13 +88,13 @@ class CapabilityAnswer:
 
 
 def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAnswer:
-    """Whether a robot can do what a query asks, all at one time.
+    """Return whether a robot can meet all demands of a query at one time.
 
-    A query is `FUNCTION of MODULE`, more of them joined by `while`; `rulebook` holds the stages
-    `can` and `account`.
+     A query is `FUNCTION of MODULE`, several of them joined by `while`; `rulebook` contains the
+    stages `can` and `account`.
 
     Raises:
-        MarsError: the query cannot be read, or names what does not exist.
+        MarsError: the query cannot be read, or names unknown functions or modules.
     """
     demands = tuple(_demands(query, project))
     asked = [
@@ -130,7 +130,7 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAn
 
 
 def _accounts(project: Project, evidence: Evidence, count: int) -> Sequence[Account]:
-    """Return the answer about each demand."""
+    """Return the explanation of each demand."""
     keys: list[Key] = [(_KIND, as_term(clingo.Number(i)), _CASE) for i in range(1, count + 1)]
     rules, atoms_of = speakers(evidence.rulebook, ["capability"]), partial(true_atoms, evidence)
     accounts = told(rules, (), atoms_of, names_of(project, ()), set(keys)).accounts

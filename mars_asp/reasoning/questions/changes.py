@@ -1,7 +1,7 @@
-"""Changes of a configuration, as the rules of `rules/absence` propose them, made to its values.
+"""Changes of the values of a configuration, as the rules of `rules/absence` propose them.
 
-A change is a term such as `control("Base",new(1))`; `docs/how-to/what-if.md` lists them. They are
-made to see what follows: nobody writes them into a file, as they leave open which module is meant.
+A change is a term such as `control("Base",new(1))`; `docs/how-to/what-if.md` lists them. Changes
+only serve to see their effects: they leave modules open, so they are not written to a file.
 """
 
 from collections.abc import Mapping

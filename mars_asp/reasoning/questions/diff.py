@@ -1,10 +1,9 @@
-"""What changed between two configurations, and the lines that caused it.
+"""Changes between two configurations, and the lines that caused them.
 
-A line means something else when the facts it gives, apart from their identifiers, are not given by
-any line of the other configuration; so order, comments and layout change nothing. What a line
-states for runs and pictures alone, such as bounds, counts as well. It is added or removed if its
-text, or that of the declaration after it, differs as well; else it is unchanged, but applies now,
-or did before.
+A line has changed if its facts, apart from identifiers, are not those of any line of the other
+configuration; so order, comments and layout do not matter. Values that only runs and diagrams use,
+such as bounds, count as well. The line is added or removed if its text, or that of the declaration
+after it, differs as well; otherwise the same text has another effect in each configuration.
 """
 
 import re
@@ -38,15 +37,15 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.reasoning.verification import mount_tuples
 
 How: TypeAlias = Literal["appeared", "vanished", "changed"]
-#: What a line says, without the identifiers of one file.
+#: The facts of a line, without the identifiers of one file.
 _Said: TypeAlias = tuple[str, ...]
 #: Returns the lines of a file by its path, or none if they are not known.
 LinesOf: TypeAlias = Callable[[str], Sequence[str]]
 Item = TypeVar("Item")
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
-#: Those whose last argument is a rate, told by a number that depends on the other rates of a file.
+#: Predicates whose last argument is a rate, as a number that depends on the other rates of a file.
 _RATES = frozenset({"required_rate", "offered_rate"})
-#: Facts about the whole configuration, which stand at lines that do not say them.
+#: Facts about the whole configuration, located at lines that do not state them.
 _OBSERVED = frozenset(
     {"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"}
     | {"near", "takes_in", "input_of", "output_of", "port_name", "rounded", "multiple"}
@@ -57,10 +56,10 @@ _OBSERVED = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Change(Generic[Item]):
-    """A consequence or node that is in one configuration only, or in both and not the same.
+    """A consequence or node that is in one configuration only, or differs in both.
 
-    `added` and `removed` are the lines that caused it: those that only the new and only the old
-    configuration has. `unchanged` are lines that both have, and that mean another thing in each.
+    `added` and `removed` are the lines that caused it, which only the new or only the old
+    configuration has. `unchanged` are lines of both whose effect differs.
     """
 
     how: How
@@ -72,22 +71,22 @@ class Change(Generic[Item]):
 
     @property
     def item(self) -> Item:
-        """Return the changed thing as it is now, or as it was if it is gone."""
+        """Return the changed thing in the new configuration, else in the old one."""
         item = self.old if self.new is None else self.new
         assert item is not None
         return item
 
     @property
     def cited(self) -> tuple[Span, ...]:
-        """Return the lines that caused it and that differ."""
+        """Return the differing lines that caused it."""
         return (*self.added, *self.removed)
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """All that changed; a synthesis is `None` where nothing realises that configuration.
+    """All changes; a synthesis is `None` if nothing realises that configuration.
 
-    Nodes are compared where both are realised: those of one alone would say no more than that.
+    Nodes are only compared if both configurations have a specification.
     """
 
     added: tuple[Span, ...]
@@ -101,12 +100,12 @@ class Difference:
 
     @property
     def is_empty(self) -> bool:
-        """Return whether no consequence and no node changed."""
+        """Whether no consequence and no node changed."""
         return not self.consequences and not self.nodes
 
     @property
     def has_new_errors(self) -> bool:
-        """Return whether an error appeared."""
+        """Whether an error appeared."""
         return any(
             change.how == "appeared" and change.item.severity == "error"
             for change in self.consequences
@@ -147,7 +146,7 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
 
 @dataclass(frozen=True, slots=True)
 class _DiffEntry(Generic[Item]):
-    """An item; equal values are the same, equal keys may be the same one changed."""
+    """A consequence or node; an equal key with another value is a changed thing."""
 
     key: tuple[str, ...]
     value: tuple[str, ...]
@@ -172,13 +171,13 @@ class _Side:
         self.lines = _facts_by_span((*reasoner.facts, *_stated_besides(project)), project.rates)
         self.texts = _Texts(self.lines, lines_of)
         self.changed: frozenset[Span] = frozenset()
-        #: Lines of both sides that mean another thing here.
+        #: Lines of both sides with another effect here.
         self.unchanged: frozenset[Span] = frozenset()
-        #: Where a changed annotation is the same as text, the line after it that is not.
+        #: For a changed annotation with equal text, the first line after it that differs.
         self.shown: dict[Span, Span] = {}
 
     def compare(self, other: "_Side") -> None:
-        """Find the lines that the other side does not have, repetitions counted."""
+        """Find the lines that the other side does not have, with their repetitions."""
         left = Counter(other.lines.values())
         changed = []
         for span, item in sorted(self.lines.items()):
@@ -191,7 +190,7 @@ class _Side:
         self.unchanged = frozenset(changed) - self.changed
 
     def cited(self, spans: Iterable[Span]) -> set[Span]:
-        """Return where changed lines differ from those of the other side."""
+        """Return the locations at which changed lines differ from the other side."""
         return {self.shown[span] for span in spans if span in self.shown}
 
     def consequences(self) -> Iterator[_DiffEntry[Consequence]]:
@@ -200,7 +199,7 @@ class _Side:
             yield _DiffEntry(key, (*key, c.message, *c.participants), c.atom, c)
 
     def launch_findings(self) -> Iterator[_DiffEntry[Consequence]]:
-        """Yield the findings in launch trees; paths count from the folder of the robot."""
+        """Yield the findings in launch trees; paths are relative to the folder of the robot."""
         folder = f"{self.project.configuration.path.rstrip('/')}/"
         for c in self.findings:
             value = (c.kind, c.subject, c.severity, c.message, *c.participants)
@@ -220,9 +219,9 @@ class _Side:
         return atom is not None and (atom.is_fact or as_term(symbol) in taken)
 
     def matching(self, pattern: str) -> Iterator[clingo.Symbol]:
-        """Yield the true atoms that match a text with `_` for anything.
+        """Yield the true atoms that match a text with `_` for any argument.
 
-        An atom with a number may speak of an identifier, which belongs to one file alone.
+        An atom with a number is skipped, as identifiers belong to one file only.
         """
         try:
             wanted = clingo.parse_term(_ANYTHING.sub("_any", pattern))
@@ -238,7 +237,7 @@ class _Side:
 
 
 class _Texts:
-    """The text of what lines state: from each place to the next."""
+    """The texts of statements: from each location to the next."""
 
     def __init__(self, spans: Iterable[Span], lines_of: LinesOf) -> None:
         starts: dict[str, set[int]] = {}
@@ -252,9 +251,9 @@ class _Texts:
             self._ends.update(((path, n), end) for n, end in zip(ordered, ends, strict=True))
 
     def differing(self, spans: Iterable[Span], other: "_Texts") -> dict[Span, Span]:
-        """Return of places the first line that the other side lacks, repetitions counted.
+        """Return the first line of each statement that the other side lacks, with repetitions.
 
-        Left out are places whose text the other side has.
+        Statements with all lines on the other side are left out.
         """
         left = Counter(line for lines in self._facts_by_span.values() for line in lines)
         left.subtract(line for lines in other._facts_by_span.values() for line in lines)
@@ -280,7 +279,7 @@ class _Texts:
 
 
 def _stated_besides(project: Project) -> Iterator[Fact]:
-    """Yield the values of lines that are facts of no rule of analysis."""
+    """Yield facts of values that no rule of the analysis reads."""
     yield from mount_tuples("mount_tuple", project.configuration)
     for module in project.described.values():
         for each in module.functions:
@@ -292,7 +291,7 @@ def _stated_besides(project: Project) -> Iterator[Fact]:
 
 
 def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
-    """Return for each place the facts that it gives, without identifiers and with exact rates."""
+    """Return the facts at each location, without identifiers and with exact rates."""
     facts = tuple(facts)
     identifiers = {f.atom.arguments[0] for f in facts if f.atom.name == "place"}
     entries: dict[Span, list[str]] = {}
@@ -311,7 +310,7 @@ def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
 def _changes(
     before: _Side, after: _Side, old: Iterable[_DiffEntry[Item]], new: Iterable[_DiffEntry[Item]]
 ) -> Iterator[Change[Item]]:
-    """Leave out what is the same, pair the rest by its keys, and find what caused each."""
+    """Yield the changes between two lists of entries, paired by their keys, with their causes."""
     old, new = tuple(old), tuple(new)
     was, now = _others(old, new), _others(new, old)
     old_traces = before.explainer.why([e.atom for entries in was.values() for e in entries])
@@ -339,7 +338,7 @@ def _changes(
 
 
 def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequence]]:
-    """Yield the findings in launch trees that differ, each with its own places as lines."""
+    """Yield the differing findings in launch trees, each with its own locations as lines."""
     old, new = tuple(before.launch_findings()), tuple(after.launch_findings())
     was, now = _others(old, new), _others(new, old)
     for key in dict.fromkeys((*was, *now)):
@@ -353,7 +352,7 @@ def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequenc
 def _blamed(
     changes: Sequence[Change[Consequence]], before: _Side, after: _Side
 ) -> tuple[Change[Consequence], ...]:
-    """Return changes with the lines for which the other side lacks what no changed line states."""
+    """Return changes; those without lines get the lines that prevent them on the other side."""
     prevented: dict[tuple[How, str, str], tuple[Span, ...]] = {}
     others: tuple[tuple[How, _Side], ...] = (("appeared", before), ("vanished", after))
     for how, side in others:
@@ -377,7 +376,7 @@ def _with_lines(
 def _others(
     entries: Iterable[_DiffEntry[Item]], known: Iterable[_DiffEntry[Item]]
 ) -> dict[tuple[str, ...], list[_DiffEntry[Item]]]:
-    """Return by their keys the entries that are not among those known, repetitions counted."""
+    """Return the entries that are not among the known ones, by their keys, with repetitions."""
     left = Counter(entry.value for entry in known)
     found: dict[tuple[str, ...], list[_DiffEntry[Item]]] = {}
     for entry in entries:
@@ -401,12 +400,12 @@ def _steps(trace: Trace) -> Iterator[Trace]:
 
 
 def _given(trace: Trace) -> set[Span]:
-    """Return the places of the facts that a trace rests on."""
+    """Return the locations of the facts on which a trace rests."""
     return {s.span for s in _steps(trace) if isinstance(s, Given) and s.span is not None}
 
 
 def _preventing(trace: Trace, other: _Side) -> set[Span]:
-    """Return the lines by which the other side has what this trace needs to be absent."""
+    """Return the lines by which the other side has atoms that are absent in a trace."""
     patterns = {step.atom for step in _steps(trace) if isinstance(step, Absent)}
     atoms = {symbol for pattern in sorted(patterns) for symbol in other.matching(pattern)}
     found: set[Span] = set()

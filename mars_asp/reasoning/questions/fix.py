@@ -1,4 +1,4 @@
-"""Repairs that can be applied without a choice: those of findings that have exactly one."""
+"""Repairs that need no choice: those of findings with exactly one repair."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ from mars_asp.reasoning.questions.repair import (
 
 @dataclass(frozen=True, slots=True)
 class AppliedFix:
-    """Repairs that were applied together, and what they made of a project.
+    """Repairs that were applied together, and the resulting project.
 
-    `lines` are those of the files as they were, `texts` the files as they are then, by their paths.
+    `lines` are the edits of the original files, `texts` the resulting files by their paths.
     """
 
     repairs: tuple[Repair, ...]
@@ -38,11 +38,11 @@ def sole_repairs(
     progress: Callable[[int, int], None] | None = None,
     most_facts: int = MOST_FACTS,
 ) -> tuple[Repair, ...]:
-    """Return the repairs of those findings that have exactly one: nobody has to choose.
+    """Return the repairs of findings with exactly one repair, which need no choice.
 
-    Where the search ended before all was tried, there may be another. A line of a file that is
-    included several times has one repair only if each instance has. Other arguments are those of
-    `repairs`.
+    If a search ended early, another repair could exist, so the finding is left out. A line of a
+    file that is included several times has one repair only if each instance has. Other arguments
+    are those of `repairs`.
 
     Raises:
         MarsError: rules that clingo refuses.
@@ -65,10 +65,9 @@ def _line_of(repair: Repair) -> tuple[str, tuple[Span, ...]]:
 
 
 def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> AppliedFix | None:
-    """Apply repairs, each of which has one mend; return what was applied, if anything could be.
+    """Return the result of repairs with one set of edits each, or None if none is possible.
 
-    The result was parsed and analysed again. Where repairs do not go together, those that come
-    later are left out.
+    The result was parsed and analysed again. Of incompatible repairs, the first is applied.
 
     Raises:
         MarsError: rules that clingo refuses.
@@ -92,7 +91,7 @@ def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Applied
 def _applied(
     texts: EditedTexts, before: FindingCounts, rulebook: Rulebook, chosen: Sequence[Repair]
 ) -> AppliedFix | None:
-    """Try repairs together; return None if a finding stays, or one comes unannounced."""
+    """Return the result of repairs, or None if a finding remains or is new and unannounced."""
     mends = [repair.mends[0] for repair in chosen]
     terms = dict.fromkeys(part for mend in mends for edit in mend.edits for part in edit.parts)
     trial = try_edits(texts, list(terms), rulebook, before) if terms else None

@@ -1,7 +1,7 @@
-"""Why an atom does not hold for which no rule of `rules/absence` speaks, and what would give it.
+"""Why an atom does not hold without a rule in `rules/absence`, and the changes that give it.
 
-The rule that comes nearest is followed through what it lacks down to lines: one that is not there,
-or those that stand against it. A change that mends this is made, and the question asked anew.
+The rule that comes nearest is followed through its failed premises to a missing line, or to the
+lines that prevent the atom. A change is made to these, and the question is answered again.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
@@ -25,11 +25,11 @@ from mars_asp.reasoning.questions.failed_value import failed_value
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.synthesise import is_resolved
 
-#: So many premises are followed into each other, and so many changes are made one after another.
+#: Limits of the depth of failed premises, and of the number of successive changes.
 MOST_LEVELS, MOST_CHANGES = 12, 3
-#: Of the lines that stand against an atom so many are shown.
+#: At most this many of the lines that prevent an atom are shown.
 MOST_LINES = 8
-#: By the predicate of a line, the change that adds one and the places of its modules.
+#: By the predicate of a line, the change that adds one and the positions of its modules.
 _LINES: Mapping[str, tuple[str, tuple[int, int]]] = {
     "uses_data_from": ("data", (1, 2)),
     "is_controlled_by": ("control", (1, 2)),
@@ -39,7 +39,7 @@ _LINES: Mapping[str, tuple[str, tuple[int, int]]] = {
 
 @dataclass(frozen=True, slots=True)
 class _Lack:
-    """What is lacking, the lines that show it, and a change that may mend it."""
+    """A failed premise, the lines that show it, and a change that may satisfy it."""
 
     because: str
     evidence: tuple[Span, ...] = ()
@@ -51,9 +51,9 @@ class _Lack:
 def near_miss(
     reasoner: Reasoner, pattern: clingo.Symbol, gives: Callable[[Project], bool]
 ) -> Blame:
-    """Return what the nearest rule lacks, and what would mend it where that was found.
+    """Return the failed premise of the nearest rule, with the changes that give the atom if found.
 
-    `gives` is whether an atom of the pattern holds in a project.
+    `gives` returns whether an atom of the pattern holds in a project.
     """
     first = lack = _lack(reasoner, pattern)
     project, steps = reasoner.project, list[str]()
@@ -62,7 +62,7 @@ def near_miss(
             break
         wider = lack.wider
         if wider is not None and wider.change and gives(changed(project, wider.change)):
-            # Which module it is does not matter.
+            # Any module in place of the named one suffices.
             first, lack = (wider if first is lack else first), wider
         assert lack.change is not None
         project = changed(project, lack.change)
@@ -104,7 +104,7 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
 
 
 def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
-    """Return that no atom of a given predicate fits; names of the question are `kept`."""
+    """Return the lack of an atom that matches a fact; `kept` are the names in the question."""
     found = pattern_in(trace.atom)
     if found is not None and found.name in _LINES and len(found.arguments) > 2:
         ends = [found.arguments[place] for place in _LINES[found.name][1]]
@@ -121,7 +121,7 @@ def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
 
 
 def _missing_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]) -> _Lack:
-    """Return that there is no line of two ends; an end that is not kept is any module."""
+    """Return the lack of a line between two ends; an end that is not kept is any module."""
     change, line = _new_line(name, ends, kept)
     return _Lack(f"there is no line {line}", (), change, f"a line {line}")
 
@@ -162,7 +162,7 @@ def _excluded(trace: Trace) -> _Lack:
 def _insufficient(
     attempt: NearMiss, pattern: clingo.Symbol, declared: Mapping[Signature, Declaration]
 ) -> _Lack:
-    """Return that the satisfied premises do not suffice, or that an atom may be chosen."""
+    """Return the lack of further premises, or that the atom could have been chosen."""
     if attempt.fails is None:
         return _Lack("it is possible, but the minimal specification does without it")
     leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]
@@ -179,7 +179,7 @@ def _insufficient(
 def _further_line(
     leaves: Sequence[Given], pattern: clingo.Symbol
 ) -> tuple[clingo.Symbol | None, str]:
-    """Return a further line like one of some, which keeps the names of the pattern."""
+    """Return the change that adds a line like one of these, with the names of the pattern."""
     kept = set(strings_in(pattern))
     for leaf in leaves:
         symbol = symbol_in(leaf.atom)

@@ -1,6 +1,6 @@
-"""Why nodes are needed, in words: what each is, which clause would not hold, and for which lines.
+"""Why nodes are needed: what each is, the clause that it satisfies, and for which lines.
 
-The words are those of `rules/account/needs.lp`.
+The sentences are those of `rules/account/needs.lp`.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,22 +19,23 @@ from mars_asp.reasoning.questions.account import TermNames, names_of, reads, tel
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import IntroducedNode
 
-#: A node, a part of what is told of it, a clause or cost, an order and a thing.
+#: A node, a component of its reason, a clause or cost, an order and a thing.
 NEED = Signature("need", 5)
-#: The nodes that are asked about.
+#: The nodes in question.
 _ASKED = Signature("asked_node", 1)
-#: The name under which the rules are heard.
+#: The name under which the messages of the rules are read.
 _STAGE = "needs"
-#: So many who are on lines are named, and so many stretches of lines are written out.
+#: Limits of the number of names, and of the ranges of lines, in a sentence.
 _MOST_NAMED, _MOST_STRETCHES = 2, 4
 
 
 @dataclass(frozen=True, slots=True)
 class NodeReason:
-    """What a node is, and why it is needed: the clause that would not hold, and lines.
+    """The description of a node, the clause that would fail without it, and lines.
 
-    `why` is `None`, and there are no lines, where the specification does not have the node; `cost`
-    says what a transformer applies and what that costs. `rules` are the ids of those that tell it.
+     `why` is `None`, and there are no lines, if the specification does not have the node;
+    `cost` is a sentence on the conversion of a transformer. `rules` are the ids of the rules
+    that derive it.
     """
 
     what: str
@@ -48,7 +49,7 @@ class NodeReason:
 def reasons(
     project: Project, evidence: Evidence, nodes: Iterable[IntroducedNode], asked: Iterable[str]
 ) -> Mapping[str, NodeReason]:
-    """Return why nodes are needed, by the texts of their terms; nothing of what no rule tells.
+    """Return why nodes are needed, by the texts of their terms, if a rule derives a reason.
 
     `nodes` are those of the specification, `asked` the terms of nodes that it has or may have.
 
@@ -99,7 +100,7 @@ def _order(each: RenderedMessage, names: TermNames) -> tuple[object, ...]:
 
 
 def _term_text(term: TermId, names: TermNames, lines: Mapping[Span, Iterable[str]]) -> str:
-    """Return a term as a sentence shows it; members(W) are those on the lines."""
+    """Return a term as a sentence shows it; members(W) are the modules on the lines."""
     symbol = as_symbol(term)
     if not symbol.match("members", 1):
         return names.written(term)
@@ -117,7 +118,7 @@ def _term_text(term: TermId, names: TermNames, lines: Mapping[Span, Iterable[str
 
 
 def places(spans: Iterable[Span], path: str) -> str:
-    """Return the lines of places, `:3, :5-7`, each with its file where not all are in `path`."""
+    """Return line numbers as `:3, :5-7`, with their files unless all are in `path`."""
     numbers = sorted({span[:2] for span in spans})
     stretches: list[tuple[str, int, int]] = []
     for file, line in numbers:

@@ -35,16 +35,16 @@ from mars_asp.reasoning.questions.subject import wrong_subject
 from mars_asp.reasoning.synthesis.synthesise import least_cost
 from mars_asp.spelling import nearest
 
-#: What the rulebook of a repair holds.
+#: The stages in the rulebook of a repair.
 STAGES = ("resolve", "repair")
-#: For a finding mends are looked for until so many are found, or so many sets of edits were tried.
+#: Limits for a finding: found repairs, tried sets of edits, and edits in a set.
 MOST_MENDS, MOST_TRIED, MOST_EDITS = 5, 60, 3
-#: For all findings together, until so many facts were solved; a try costs as much as so many facts.
+#: Limits for all findings: solved facts, the cost of a try in facts, and the minimal tries.
 MOST_FACTS, FACTS_OF_A_TRY, LEAST_TRIED = 200_000, 500, 10
-#: Where more edits are proposed than one in so many tries could try, edits that change much at once
-#: come first, and of the tries one in so many is left once all findings have a mend.
+#: If the proposed edits exceed this fraction of the tries, the heaviest edits come first; once all
+#: findings have a repair, only this other fraction of the tries remains.
 ONE_IN_FOR_EACH, ONE_IN_FOR_FURTHER = 4, 10
-#: Up to this weight an edit may stand beside others; a heavier one is tried alone, and last.
+#: Up to this weight edits can be combined; a heavier one is tried alone, and last.
 HEAVIEST = 3
 _STAGE = "repair"
 _EDIT = Signature("edit", 5)
@@ -52,9 +52,9 @@ _EDIT = Signature("edit", 5)
 
 @dataclass(frozen=True, slots=True)
 class RepairEdit:
-    """One edit that a rule proposes; `weight` is how much it changes, from 1.
+    """One edit that a rule proposes; `weight` is the size of the change, from 1.
 
-    `parts` are the edits that it consists of, itself where it has no parts.
+    `parts` are its component edits, or the edit itself.
     """
 
     term: clingo.Symbol
@@ -66,11 +66,11 @@ class RepairEdit:
 
 @dataclass(frozen=True, slots=True)
 class Mend:
-    """Edits that together remove a finding, and what the result was when it was solved.
+    """Edits that together remove a finding, with the result of solving with them.
 
-    `others` counts the other findings that are gone, too; `warnings` are warnings that were not
-    there before, `remarks` those of reading the files; `errors` counts the errors that are left;
-    `spent` is the cost of the least specification by level, `None` while errors are left.
+     `others` counts further removed findings; `warnings` are new warnings of the rules,
+    `remarks` new ones of reading the files; `errors` counts the remaining errors; `spent` is
+    the cost of a minimal specification by level, `None` while errors remain.
     """
 
     edits: tuple[RepairEdit, ...]
@@ -83,18 +83,18 @@ class Mend:
 
     @property
     def cost(self) -> tuple[int, int, int]:
-        """Return by what mends are ranked: edits, their weight, new warnings."""
+        """Return the rank of the edits: their number, their weight, new warnings."""
         warnings = len(self.warnings) + len(self.remarks)
         return len(self.edits), sum(edit.weight for edit in self.edits), warnings
 
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A finding and the smallest mends of it, best first.
+    """A finding and the smallest sets of edits that remove it, best first.
 
-    Of as many edits as rules `proposed`, `tried` sets were written and solved; `complete` is
-    whether no smaller or equally small one was left; `late` is whether the time was over before
-    that.
+     `proposed` is the number of edits from rules, `tried` the number of solved sets; `complete`
+    is whether no smaller or equal set was left out; `late` is whether the time ended the
+    search.
     """
 
     consequence: Consequence
@@ -114,17 +114,16 @@ def repairs(
     with_warnings: bool = False,
     most_facts: int | None = None,
 ) -> tuple[Repair, ...]:
-    """Look for mends of every error, or of every warning where there is no error.
+    """Return repairs of every error, or of every warning if there is no error.
 
-    `subject` chooses findings by kind, subject or `kind(subject)` instead; `with_warnings`, mends
-    of warnings are looked for beside those of errors. The search ends when so many facts were
-    solved: `most_facts`, or `MOST_FACTS`. `rulebook` holds the stages `STAGES`. After `seconds`
-    what was found so far is returned. `progress` is told how many sets of edits were tried, and how
-    many will be at most.
+     `subject` selects findings by kind, subject or `kind(subject)` instead; `with_warnings`
+    includes warnings beside errors. The search ends after `most_facts` solved facts, by default
+    `MOST_FACTS`, or after `seconds`. `rulebook` contains the stages `STAGES`. `progress` is
+    called with the number of tried sets of edits, and with its maximum.
 
     Raises:
-        MarsError: rules that clingo refuses; the subject is no module,
-            and no kind of consequence.
+        MarsError: rules that clingo refuses; the subject is neither a module
+            nor a kind of consequence.
     """
     began = time.monotonic()
     deadline = None if seconds is None else began + seconds
@@ -183,7 +182,7 @@ def _findings_to_repair(
 
 
 def _check_subject(subject: str, project: Project, rulebook: Rulebook) -> None:
-    """Tell a subject that is sound from one that nothing could be found for."""
+    """Raise an error if a subject is neither a module nor a kind of consequence."""
     names = {name.text for name in project.configuration.modules}
     kinds = consequence_kinds(rulebook)
     kind, _, rest = subject.partition("(")
@@ -204,7 +203,7 @@ def _check_subject(subject: str, project: Project, rulebook: Rulebook) -> None:
 def _proposals(
     analysis: Analysis, rulebook: Rulebook
 ) -> dict[tuple[clingo.Symbol, ...], list[RepairEdit]]:
-    """Return the edits that the rules propose for each finding and do not withhold, least first."""
+    """Return the edits that the rules propose for each finding, lightest first."""
     speakers = [rule for rule in rulebook.rules if _EDIT in rule.heads]
     grounding = analysis.grounding
     grounding.derive([*rulebook.fragments("repair"), *saying(_STAGE, speakers)])
@@ -230,7 +229,7 @@ def _proposals(
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A project with edits, analysed: its lines that differ, and findings that were not there."""
+    """An edited and analysed project: its edited lines, and its new findings."""
 
     lines: tuple[LineEdit, ...]
     texts: Mapping[str, str]
@@ -247,7 +246,7 @@ def try_edits(
     rulebook: Rulebook,
     before: "FindingCounts",
 ) -> Trial | None:
-    """Write, read and analyse edits; return None if that fails or turns the order of controllers.
+    """Return the result of edits, or None if they fail or change the order of controllers.
 
     `before` are the findings without the edits.
     """
@@ -266,7 +265,7 @@ def try_edits(
 
 
 class _EditSearch:
-    """Tries sets of edits on one project, each once for all findings that it could mend."""
+    """Tries sets of edits on one project, each once for all findings that it could remove."""
 
     def __init__(
         self,
@@ -289,22 +288,21 @@ class _EditSearch:
         longest: float,
         progress: Callable[[int, int], None] | None,
     ) -> tuple[Repair, ...]:
-        """Look for mends by their size, and then by weight for each finding that they may mend.
+        """Return repairs, searched by the number of edits, then by weight for each finding.
 
-        `proposed` are the edits for each finding, least first; `most` is how many sets are tried;
-        `longest` is how many seconds a try may take, before one was made.
+        `proposed` are the edits for each finding, lightest first; `most` limits the tried sets;
+        `longest` is the assumed duration of a try in seconds, before the first one.
         """
         mends: list[list[Mend]] = [[] for _ in self._findings]
         tried = [0] * len(self._findings)
-        #: The findings for which a set was passed over, and for which that was for want of time.
+        #: The findings for which a set was skipped, and those for which it was for lack of time.
         left: set[int] = set()
         hurried: set[int] = set()
         solved = 0
         singles = len(_shared(dict(enumerate(proposed)), 1))
         crowded = singles > max(LEAST_TRIED, most // ONE_IN_FOR_EACH)
         further = max(LEAST_TRIED, most // ONE_IN_FOR_FURTHER)
-        # Behind sets of all sizes, the edits that stand alone because they change so much; before
-        # them, where to try each edit would take long.
+        # Heavy edits come last, alone; but first if trying each edit would take too long.
         sizes = tuple(range(1, MOST_EDITS + 1))
         for size in (None, *sizes) if crowded else (*sizes, None):
             wanting = [number for number, found in enumerate(mends) if not found or size == 1]
@@ -347,9 +345,9 @@ class _EditSearch:
         )
 
     def _try(self, edits: tuple[RepairEdit, ...]) -> tuple[frozenset[int], Mend] | None:
-        """Try edits; return the findings that are gone and the mend, None if it is none.
+        """Return the removed findings and the repair, or None if the edits are no repair.
 
-        Findings that read alike are all gone if one is. A mend brings no error.
+        Equal findings are all removed if one is. A repair causes no error.
         """
         terms = [part for edit in edits for part in edit.parts]
         trial = try_edits(self._texts, terms, self._rulebook, self._before)
@@ -381,9 +379,9 @@ class _EditSearch:
 def _shared(
     proposed: Mapping[int, Sequence[RepairEdit]], size: int | None
 ) -> list[dict[int, tuple[RepairEdit, ...]]]:
-    """Return the sets of edits of a size, each with the findings that it is proposed for.
+    """Return the sets of edits of a size, each with the findings for which it is proposed.
 
-    Those of least weight for each finding come first, then those that stand first for one.
+    The order is by weight for each finding, then by the rank for a finding.
     """
     found: dict[frozenset[clingo.Symbol], dict[int, tuple[RepairEdit, ...]]] = {}
     rank: dict[frozenset[clingo.Symbol], int] = {}
@@ -402,7 +400,7 @@ def _shared(
 
 
 def _by_weight(edits: Sequence[RepairEdit], size: int | None) -> Iterator[tuple[RepairEdit, ...]]:
-    """Yield the sets of a size, those of least weight first; without a size, the heaviest edits."""
+    """Yield the sets of a size, lightest first; without a size, the edits that are tried alone."""
     if size is None:
         yield from ((edit,) for edit in edits if edit.weight > HEAVIEST)
         return
@@ -410,18 +408,18 @@ def _by_weight(edits: Sequence[RepairEdit], size: int | None) -> Iterator[tuple[
     if size == 1:
         yield from combinations(edits, size)
     else:
-        # Of more than a screenful of edits sets would be too many to try anyway.
+        # Sets of more edits would be too many to try anyway.
         groups = combinations(edits[:20], size)
         by_weight = sorted(groups, key=lambda group: sum(edit.weight for edit in group))
-        # Single edits were tried before, so these are more than are tried.
+        # Single edits use up tries before, so this is more than enough.
         yield from by_weight[:MOST_TRIED]
 
 
 class FindingCounts:
-    """Consequences as they can be found again in another analysis, counted."""
+    """Counts of consequences, comparable between analyses."""
 
     def __init__(self, consequences: Iterable[Consequence]) -> None:
-        """Count by kind and subject, and by what else tells two of them apart."""
+        """Count by kind and subject, with the participants, and with the message."""
         self._consequences = tuple(consequences)
         self._kind_and_subject = Counter(map(_kind_and_subject, self._consequences))
         self._taking_part = Counter(map(_taking_part, self._consequences))
@@ -436,14 +434,14 @@ class FindingCounts:
         )
 
     def fewer(self, findings: Iterable[Consequence], before: "FindingCounts") -> int:
-        """Return how many there are less of the kinds and subjects of findings of `before`."""
+        """Return the decrease of findings, over the kinds and subjects of findings of `before`."""
         return sum(
             max(0, before._kind_and_subject[about] - self._kind_and_subject[about])
             for about in set(map(_kind_and_subject, findings))
         )
 
     def beyond(self, before: "FindingCounts") -> list[Consequence]:
-        """Return what was not there before, or with others taking part, or said otherwise."""
+        """Return the findings that are new, also by their participants or warning text."""
         return [
             c
             for c in self._consequences
@@ -468,7 +466,7 @@ def _message(consequence: Consequence) -> tuple[str, ...]:
 
 
 def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Yield the warnings about files that were not there before, wherever they stand."""
+    """Yield the warnings about files that are new, whatever their locations."""
     known = Counter((remark.code, remark.message) for remark in before)
     for remark in after:
         name = remark.code, remark.message
@@ -479,10 +477,10 @@ def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> It
 
 
 def order_kept(before: EditedTexts, after: Configuration, edits: Iterable[clingo.Symbol]) -> bool:
-    """Return whether controllers that ranked strictly above others of a module still do.
+    """Whether controllers that ranked strictly above others of a module still do.
 
-    A controller that is renamed keeps its rank; where an edit takes a priority away, that of all
-    controllers of its module may change.
+     A renamed controller keeps its rank; an edit that removes a priority may change the ranks
+    of all controllers of its module.
     """
     terms = list(edits)
     declared = before.project.configuration
@@ -512,13 +510,13 @@ def _is_kept(
 
 
 def _levels(ranks: Mapping[str, int], now: Mapping[str, int]) -> list[list[int]]:
-    """Return what those that ranked alike rank `now`, from those that ranked lowest."""
+    """Return the ranks `now` of controllers, grouped by their equal ranks before, lowest first."""
     kept = sorted(ranks.keys() & now.keys(), key=ranks.__getitem__)
     return [[now[name] for name in same] for _, same in groupby(kept, ranks.__getitem__)]
 
 
 def _ranks(configuration: Configuration, renamed: Mapping[str, str]) -> dict[str, dict[str, int]]:
-    """Return the priority of each controller of each module, the highest that is stated."""
+    """Return the highest stated priority of each controller of each module."""
     ranks: dict[str, dict[str, int]] = {}
     for declared in configuration.relationships:
         if isinstance(declared, Control):

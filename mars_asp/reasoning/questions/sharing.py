@@ -1,8 +1,8 @@
-"""What it would cost if modules with the same controllers did not share their arbiter.
+"""The cost if modules with the same controllers did not share their arbiter.
 
-Arbiters whose inputs are held for different times are not the same, so a `hold` of its own at each
-of the modules forbids the sharing and changes nothing else. What is connected to them by control is
-resolved once as it is and once with these, each by search.
+Arbiters whose inputs have different hold times differ, so a `hold` of its own at each module
+prevents the sharing and changes nothing else. The component that control connects with the modules
+is resolved once unchanged and once with these holds, each by search.
 """
 
 import time
@@ -23,9 +23,9 @@ from mars_asp.reasoning.rules import NODES
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import IntroducedNode
 
-#: What is told of a node: how many there are, how many there would be apart, and which these are.
+#: A node, the number of nodes, the number without sharing, the arbiters and splitters of that.
 APART = Signature("apart", 5)
-#: More lines than these, or more seconds, are not spent on a sentence.
+#: Limits of the lines and seconds that are spent on a sentence.
 _MOST_LINES, _MOST_SECONDS = 60, 0.1
 _CONTROL_INPUT, _WEIGHS, _HOLD = (
     Signature("control_input", 3),
@@ -35,15 +35,15 @@ _CONTROL_INPUT, _WEIGHS, _HOLD = (
 _RECEIVES, _ARCHITECTURE = Signature("receives", 2), Signature("architecture", 1)
 _ARBITER, _SPLITTER = Signature("arbiter", 1), Signature("control_splitter", 1)
 
-#: The atoms of predicates, as far as they are true.
+#: Returns the true atoms of predicates.
 _Atoms = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
 
 
 @dataclass(frozen=True)
 class _Heard:
-    """Who hears whom over which relationships, of what control connects."""
+    """The control inputs of a component that control connects."""
 
-    #: Relationships by the module that hears them.
+    #: Relationships by the controlled module.
     of: Mapping[str, Sequence[TermId]]
     stated: Mapping[Signature, Sequence[TermId]]
 
@@ -51,11 +51,11 @@ class _Heard:
 def apart(
     project: Project, evidence: Evidence, node: IntroducedNode, atoms_of: _Atoms
 ) -> TermId | None:
-    """Return `apart(N, X, Y, K, L)` of a shared arbiter N, or None if that is not told.
+    """Return `apart(N, X, Y, K, L)` of a shared arbiter N, or None if it is not computed.
 
-    Of what control connects with them there are X nodes, and Y where they share none: K arbiters
-    and splitters for the controllers in the list L. It is told where each module receives what the
-    arbiter says as it is, nothing is commanded that is only inherited, and a short search decides.
+     The component that control connects has X nodes, and Y without sharing: K arbiters, and
+    splitters for the controllers in the list L. It is computed if each module receives the
+    arbiter's commands unchanged, no command is only inherited, and a short search decides.
     """
     if node.kind != "arbitration_node" or evidence.rulebook.packs:
         return None
@@ -82,12 +82,12 @@ def apart(
 def _connected(
     modules: Sequence[str], found: Mapping[Signature, Sequence[TermId]]
 ) -> _Heard | None:
-    """Return what control connects with modules, or None if that is much, or is inherited."""
+    """Return the component that control connects with modules; None if large or inherited."""
     lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_CONTROL_INPUT])]
     reached, waiting = set(modules), list(modules)
     beside: dict[str, list[str]] = defaultdict(list)
     for module, controller in lines:
-        # A name that controls and is controlled is two things.
+        # A name that controls and is controlled is two vertices.
         beside[module].append(f"by {controller}")
         beside[f"by {controller}"].append(module)
     while waiting:
@@ -113,7 +113,7 @@ def _connected(
 
 
 def _parted(sharing: Sequence[str], heard: _Heard) -> Sequence[TermId]:
-    """Return holds by which each of some modules but the first differs from all others."""
+    """Return holds, different for each module but the first, and from all others."""
     declared = {arguments(atom)[0]: atom for atom in heard.stated[_HOLD]}
     taken = {as_symbol(arguments(atom)[1]) for atom in declared.values()}
     free = (each for each in map(clingo.Number, count(1)) if each not in taken)

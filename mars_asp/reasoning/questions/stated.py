@@ -1,4 +1,4 @@
-"""Questions about lines: a relationship as a configuration states it, or a place."""
+"""Questions about lines: a relationship as a configuration states it, or a location."""
 
 import re
 from collections.abc import Iterator
@@ -30,12 +30,12 @@ class StatedRelationship(NamedTuple):
 
     @property
     def line(self) -> str:
-        """Return the line that states it."""
+        """Return the text of the line."""
         return f"{self.left} {self.keyword} {self.right}"
 
     @property
     def atom(self) -> str:
-        """Return the atom that says the same: of a client, which input it is is not part of it."""
+        """Return the atom of the relationship, without the input of the client."""
         client = (read_end(self.left) or (self.left, None))[0]
         source = ".".join(filter(None, read_end(self.right) or (self.right, None)))
         return f"{self.keyword}({_quoted_name(client)},{_quoted_name(source)})"
@@ -46,10 +46,10 @@ def _quoted_name(name: str) -> str:
 
 
 def stated(subject: str, project: Project) -> StatedRelationship | None:
-    """Return the relationship that a subject names in the words of a configuration, if it does.
+    """Return the relationship that a subject states in the syntax of a configuration, or None.
 
     Raises:
-        MarsError: the word between two ends is like a relationship, and is none.
+        MarsError: the word between two ends resembles a relationship, but is not one.
     """
     atom, words = _ATOM.fullmatch(subject), _STATED.fullmatch(subject)
     if atom is not None:
@@ -66,10 +66,10 @@ def stated(subject: str, project: Project) -> StatedRelationship | None:
 
 
 def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
-    """Return the lines that a subject names by what they state, or as `FILE:LINE`; none if neither.
+    """Return the lines that a subject means, as a relationship or as `FILE:LINE`; none if neither.
 
     Raises:
-        MarsError: no line states that, or nothing is stated in that line.
+        MarsError: no line states that, or the location has no statement.
     """
     place = _PLACE.fullmatch(subject)
     if place is not None:
@@ -106,7 +106,7 @@ def _end_text(text: str) -> str:
 
 
 def _said(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
-    """Yield the statements of a relationship, also without ports."""
+    """Yield the forms of a relationship, with and without its ports."""
     match line:
         case Mount():
             yield StatedRelationship("is_mounted_on", written(line.mounting), written(line.mounted))

@@ -1,4 +1,4 @@
-"""The things that a question names, and the errors of a name without a thing."""
+"""The things that a question names, and the errors of names without a thing."""
 
 import re
 from collections.abc import Iterable, Sequence, Set
@@ -11,14 +11,14 @@ from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
 from mars_asp.spelling import nearest
 
-#: So many names are listed where none is alike.
+#: At most this many names are listed if none is similar.
 _MOST_NAMES = 5
 _PREDICATE = re.compile(r"(-?)([a-z_]\w*'*)(?=\()")
 _STRING_OR_VARIABLE = re.compile(r'"(?:[^"\\]|\\.)*"|\b[A-Z_]\w*')
 
 
 class NothingToExplainError(MarsError):
-    """A subject is named rightly, and nothing is there to explain: an answer, and no mistake."""
+    """A correctly named subject without anything to explain: an answer rather than a mistake."""
 
     @property
     def sentence(self) -> str:
@@ -28,7 +28,7 @@ class NothingToExplainError(MarsError):
 
 
 def quoted(subject: str, names: Set[str]) -> str:
-    """Write names of modules as strings where they would be variables."""
+    """Return a text in which names of modules that look like variables are strings."""
 
     def quote(word: re.Match[str]) -> str:
         return f'"{word[0]}"' if word[0] in names else word[0]
@@ -37,9 +37,9 @@ def quoted(subject: str, names: Set[str]) -> str:
 
 
 def spaced_subjects(subject: str, rulebook: Rulebook) -> list[str]:
-    """Return what an atom may mean: a predicate of ours, or of a pack with a name space.
+    """Return the possible meanings of an atom, in built-in rules and in packs.
 
-    A subject that is no atom means itself.
+    A subject that is not an atom is returned unchanged.
     """
     match = _PREDICATE.match(subject)
     if match is None or not rulebook.packs or SPACE in subject:
@@ -54,7 +54,7 @@ def spaced_subjects(subject: str, rulebook: Rulebook) -> list[str]:
 def absent_subject(
     subject: str, project: Project, rulebook: Rulebook, known: Iterable[str]
 ) -> MarsError:
-    """Return the error that a subject names nothing that is there, with what it may mean.
+    """Return the error that a subject names no existing thing, with a suggestion.
 
     `known` are the names that it may be meant for.
     """
@@ -85,7 +85,7 @@ def absent_subject(
 
 
 def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:
-    """Return the error that a name is not one of the nodes of the specification."""
+    """Return the error that a name is not a node of the specification."""
     near = nearest(subject, nodes)
     more = f" and {len(nodes) - _MOST_NAMES} more" if len(nodes) > _MOST_NAMES else ""
     known = f"the nodes are {', '.join(nodes[:_MOST_NAMES])}{more}" if nodes else "there are none"
@@ -104,7 +104,7 @@ def unconcerned(subject: str, project: Project) -> MarsError:
 
 
 def unapplied(converter: str, project: Project) -> MarsError:
-    """Return the answer that a converter is declared, and no DataTransformer applies it."""
+    """Return the answer that no DataTransformer applies a declared converter."""
     message = f"no DataTransformer of the minimal specification applies `{converter}`"
     help_text = "`--alternatives` shows other specifications, which may apply it"
     return _nothing_to_explain(project, message, help_text)
@@ -115,11 +115,11 @@ def _nothing_to_explain(project: Project, message: str, help_text: str) -> MarsE
 
 
 def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:
-    """Return the error that a question is about nothing that could be answered."""
+    """Return the error that a question has no valid subject."""
     return wrong_question(project.configuration.path, message, help_text)
 
 
 def wrong_question(path: str, message: str, help_text: str) -> MarsError:
-    """Return an error of a question about a file; no line is quoted, for none shows it."""
+    """Return an error of a question about a file, without an excerpt of the file."""
     place = whole_file(path)
     return MarsError((Diagnostic("subject", "error", message, place, help=help_text, excerpt=""),))

@@ -1,4 +1,4 @@
-"""Why an atom, node or consequence is not there, what would give it, and what it would cost.
+"""Why an atom, node or consequence is absent, the changes that give it, and their cost.
 
 >>> reasoner = Reasoner(load_project("config.mars"), load_rulebook())
 >>> why_not(reasoner, "ArbitrationNode(Turn)").answer
@@ -40,11 +40,11 @@ from mars_asp.reasoning.synthesis.synthesise import (
 )
 
 _INSERTED = Signature("inserted", 2)
-#: What a node of a kind may be there for, where its atom names no module.
+#: The consequence that a node of a kind resolves, if its atom names no module.
 RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "control_divergence"}
-#: The relationships of circles, which are reported for the module that they begin with alone.
+#: The relationships of cycles, which are reported for the first module only.
 _CIRCLES = {"data_cycle": "data", "control_cycle": "control"}
-#: The kinds of consequences and nodes that atoms of rules are about, by their first argument.
+#: The kinds of the consequences and nodes that atoms of rules are about, by predicate.
 _ABOUT = {
     "diverges": "data_divergence",
     "converges": "control_convergence",
@@ -57,9 +57,9 @@ _ABOUT = {
     "control_splitter": "control_splitter",
     "inheritance_node": "inheritance_node",
 }
-#: Of many atoms that would do, so many are tried for the cheapest realisation.
+#: At most this many possible atoms are tried for the cheapest realisation.
 MOST_TRIED = 100
-#: Of the nodes of a kind so many are named.
+#: At most this many nodes of a kind are named.
 _MOST_NAMED = 4
 
 
@@ -70,8 +70,8 @@ class WhyNot:
     `evidence` are the lines that the answer cites. `to_get` is the smallest change found that makes
     it hold, which was tried, or None. `see` is the subject whose explanation shows why it holds.
     `extra` is the additional cost, by level, of the cheapest realisation with `offered`. It is None
-    if no realisation has such an atom, or if the atom is not chosen; `choosable` tells these two
-    apart. `obstacles` are the traces of the errors that prevent every specification.
+    if no realisation has such an atom, or if the atom is not chosen; `choosable` distinguishes
+    these. `obstacles` are the traces of the errors that prevent every specification.
 
     >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
     >>> why_not(reasoner, "DataSplitter(Turn)").present
@@ -95,14 +95,14 @@ class WhyNot:
 
     @cached_property
     def trace(self) -> Trace:
-        """Return why it holds, or which rules come near and what each lacks."""
+        """Return the trace of an existing atom, or the nearest rules and their failed premises."""
         return self.find_trace()
 
 
 def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     """Explain an absence: of an atom, `KIND(NAME)` of a consequence, or `NODE(NAME)` of a node.
 
-    Variables of an atom, and `_` for a name, stand for any value. A node may be named as well.
+    Variables of an atom, and `_` for a name, match any value. A node may be named as well.
 
     Raises:
         MarsError: the subject names no predicate, kind, node or constant that there is.
@@ -120,16 +120,17 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     near = _near(reasoner, question)
     found = _answer(near, question, depth)
     is_local = found.present and question.is_node and near is not reasoner
-    # Something elsewhere may stand against every specification.
+    # An error elsewhere may prevent every specification.
     if is_local and is_unresolvable(reasoner.analysis):
         found = _answer(reasoner, question, depth)
     return replace(found, subject=plain(subject), answer=plain(found.answer))
 
 
 def _near(reasoner: Reasoner, question: AbsenceQuestion) -> Reasoner:
-    """Return a reasoner about the part of the project that a question needs.
+    """Return a reasoner about the connected component that a question needs.
 
-    Packs may bring together what no relationship does, and numbers are those of the whole.
+     With packs it is the whole project, as packs may relate unconnected modules, and for
+    questions with numbers, which identify lines of the whole.
     """
     names = frozenset(name for each in question.patterns for name in strings_in(each))
     numbered = question.kind is None and any(map(_has_numbers, question.patterns))
@@ -191,7 +192,7 @@ def _answer(reasoner: Reasoner, question: AbsenceQuestion, depth: int) -> WhyNot
 def _excluded(
     question: AbsenceQuestion, against: NoSpecificationError, evidence: Evidence
 ) -> WhyNot:
-    """Return that constraints of rule packs keep every specification from having it."""
+    """Return the answer that constraints of rule packs exclude it from every specification."""
     first = against.diagnostics[0]
     return WhyNot(
         subject=question.shown,
@@ -204,7 +205,7 @@ def _excluded(
 
 
 def _sentences(found: Blame) -> str | None:
-    """Return what would give it, and what may have been looked for."""
+    """Return the change that gives it, and an existing thing that may be meant, or None."""
     if found.to_get is None:
         return None
     return ". ".join(filter(None, (found.to_get, found.beside))) + "."
@@ -213,7 +214,7 @@ def _sentences(found: Blame) -> str | None:
 def _true_atom(
     question: AbsenceQuestion, evidence: Evidence, synthesis: Synthesis | None
 ) -> clingo.Symbol | None:
-    """Return a true atom that a question asks for."""
+    """Return a true atom that matches a question, or None."""
     grounding = evidence.analysis.grounding
     if synthesis is not None and signature_of(question.patterns[0]) in synthesis.derived.predicates:
         synthesis.derived.hand_to(grounding)
@@ -235,9 +236,9 @@ def _true_atom(
 def _present(
     question: AbsenceQuestion, held: clingo.Symbol, evidence: Evidence, synthesis: Synthesis | None
 ) -> WhyNot:
-    """Return that it holds, and where to see why."""
+    """Return the answer that it holds, with the subject that explains why."""
     spans: tuple[Span, ...] = ()
-    # Who explains takes no variables.
+    # `explain` takes no variables.
     open_atom = question.kind is None and any(map(has_holes, question.patterns))
     see = None if open_atom else question.shown
     if synthesis is not None and question.is_node:
@@ -285,7 +286,7 @@ def holds(shown: str, message: str = "") -> str:
 
 
 def _is_meant(term: str, held: clingo.Symbol, question: AbsenceQuestion) -> bool:
-    """Whether a node is the one that was found, or another that a module asks for."""
+    """Whether a node is the one that was found, or another one at the module of the question."""
     if term == node_term(held, question.kind):
         return True
     node = clingo.parse_term(term)
@@ -302,7 +303,7 @@ def node_term(held: clingo.Symbol, kind: str | None) -> str:
 
 
 def unrealised_answer(title: str, evidence: Evidence, whole: Analysis) -> WhyNot:
-    """Return that nothing realises the configuration, so that nothing of the kind is there."""
+    """Return the answer that nothing realises the configuration."""
     analysis = evidence.analysis
     against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
     obstacles = tuple(evidence.explainer.why(against).values())
@@ -321,7 +322,7 @@ def unrealised_answer(title: str, evidence: Evidence, whole: Analysis) -> WhyNot
 def _blame(reasoner: Reasoner, question: AbsenceQuestion, evidence: Evidence) -> Blame:
     project, rulebook = reasoner.project, reasoner.rulebook
 
-    # A circle that is reported for another module needs no change.
+    # A cycle that is reported for another module needs no change.
     goes_round = question.kind in _CIRCLES and _goes_round(question, evidence.analysis)
 
     def gives(revised: Project) -> bool:
@@ -345,17 +346,17 @@ def _blame(reasoner: Reasoner, question: AbsenceQuestion, evidence: Evidence) ->
             return found
     pattern = question.patterns[0]
     if pattern.match("inserted_at", 3):
-        # Whatever node there were, the pack would have to bring it for this module.
+        # Any node of the kind would need a pack that introduces it for this module.
         node = _node_of(pattern.arguments[0].name, rulebook)
         pattern = clingo.Function("inserted_for", [node, hole(), pattern.arguments[1]])
     elif pattern.match("spec_node", 2) and not is_hole(pattern.arguments[0]):
-        # A node is called by the atom that decides that it is there.
+        # The term of a node is the atom that decides it.
         pattern = pattern.arguments[0]
     return near_miss(reasoner, pattern, gives)
 
 
 def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
-    """Return what nodes of a pack's kind are called by, with holes; a hole where that differs."""
+    """Return the pattern of the terms of a pack's kind of nodes; a hole if they differ."""
     called: set[clingo.Symbol] = set()
     for rule in rulebook.of_packs:
         if not rule.derives(_INSERTED):
@@ -372,7 +373,7 @@ def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
 def _meant(
     pattern: clingo.Symbol, evidence: Evidence, reasoner: Reasoner
 ) -> tuple[str | None, str | None]:
-    """Return the kind and module that an atom is about, if there is none of that kind there."""
+    """Return the kind and module that an absent atom is about, or None for both."""
     if pattern.match("spec_node", 2) and not is_hole(pattern.arguments[0]):
         pattern = pattern.arguments[0]
     kind = _ABOUT.get(pattern.name)
@@ -397,12 +398,12 @@ def _meant(
 
 
 def _goes_round(question: AbsenceQuestion, analysis: Analysis) -> bool:
-    """Return whether a module is part of a circle, wherever that begins."""
+    """Whether a module is on a cycle, wherever the cycle begins."""
     return (question.kind, question.module) in set(circles(analysis))
 
 
 def circles(analysis: Analysis) -> Iterator[tuple[str, str]]:
-    """Yield which modules are part of a circle of which kind, wherever that begins."""
+    """Yield the modules on cycles, with the kind of the cycle."""
     kinds = {relationship: kind for kind, relationship in _CIRCLES.items()}
     for each in analysis.grounding.symbols("entangled", 3):
         if each.arguments[0].name in kinds:
@@ -410,7 +411,7 @@ def circles(analysis: Analysis) -> Iterator[tuple[str, str]]:
 
 
 def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
-    """Return why there is no node of a name, which only counts nodes of its kind."""
+    """Return why there is no node of a name, or that there is one."""
     kind = reasoner.project.configuration.node_kind(name)
     assert kind is not None
     word = node_names(reasoner.project.configuration.kinds)[kind]
@@ -442,7 +443,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
 
 
 def _first_words(words: Sequence[str]) -> Sequence[str]:
-    """Return the first of some words, and how many more there are."""
+    """Return the first of some words, with the number of further ones."""
     rest = len(words) - _MOST_NAMED
     return [*words[:_MOST_NAMED], f"{rest} more"] if rest > 0 else words
 
@@ -451,7 +452,7 @@ def _cheapest(
     analysis: Analysis, patterns: Sequence[clingo.Symbol], deadline: float | None
 ) -> tuple[str | None, Mapping[int, int] | None]:
     """Return the atom of some patterns that costs least to have, and its additional cost."""
-    # A node that follows from an answer is called by the atom that decides that it is there.
+    # The atom that decides a node is the first argument of `spec_node`.
     decided = [each.arguments[0] if each.name == "spec_node" else each for each in patterns]
     atoms = [
         atom

@@ -1,4 +1,4 @@
-"""What breaks without a node: `rules/verify` judges what is left of a specification.
+"""The violations without a node: `rules/verify` judges the remaining specification.
 
 >>> reasoner = Reasoner(load_project("config.mars"), load_rulebook(stages=("resolve", "verify")))
 >>> [broken.violation.message for broken in without("DataSplitter1", reasoner)]
@@ -30,23 +30,23 @@ from mars_asp.reasoning.verification import (
     specification_facts,
 )
 
-#: Lines of what is left have places of their own, in no file.
+#: The file name in the locations of remaining lines, which are in no file.
 _LEFT = "<left>"
 
 
 @dataclass(frozen=True, slots=True)
 class ViolatedClause:
-    """A violation of what is left, and the relationships of the configuration that it rests on."""
+    """A violation without a node, and the relationships of the configuration on which it rests."""
 
     violation: Violation
     relationships: tuple[Relationship, ...]
 
 
 def without(name: str, reasoner: Reasoner) -> tuple[ViolatedClause, ...] | None:
-    """Return what is broken in the least specification without a node of it.
+    """Return the violated clauses of the minimal specification without one of its nodes.
 
-    `None` where nothing realises the configuration. The rulebook of `reasoner` holds the stages
-    `resolve` and `verify`.
+     It is `None` if nothing realises the configuration. The rulebook of `reasoner` contains the
+    stages `resolve` and `verify`.
 
     Raises:
         MarsError: there is no such node.
@@ -81,17 +81,17 @@ def without(name: str, reasoner: Reasoner) -> tuple[ViolatedClause, ...] | None:
 
 
 class _Line(NamedTuple):
-    """A line of what is left, and the numbers of those of the specification that it stands for."""
+    """A remaining line, and the numbers of the lines of the specification that it represents."""
 
     line: Relationship
     of: tuple[int, ...]
 
 
 class _Left:
-    """What is left of a specification without a node: what it fed is fed by what fed it.
+    """A specification without a node, whose outputs are connected to its inputs.
 
-    A joined line states what the input states, as that of an arbiter does, and else what the output
-    does. Each line has a place by which it is known again in what rests on it.
+     A joined line has the attributes of the input line, as at an arbiter, and else those of the
+    output line. Each line has a location by which traces refer to it.
     """
 
     def __init__(self, whole: Configuration, name: str) -> None:
@@ -109,14 +109,14 @@ class _Left:
         )
 
     def last(self, places: Iterable[Span | None]) -> Sequence[_Line]:
-        """Return the lines at some places, without those that only lead to others of them."""
+        """Return the lines at some locations, without those upstream of others."""
         lines = [self._lines[place] for place in places if place in self._lines]
         feeders = {ends_of(line.line)[1] for line in lines}
         return [line for line in lines if ends_of(line.line)[0] not in feeders]
 
 
 def _without(lines: Sequence[Relationship], name: str) -> Iterator[_Line]:
-    """Yield lines, those to and from a node joined."""
+    """Yield the lines without a node: each line into it is joined with each line out of it."""
     wired = [None if isinstance(line, Mount) else ends_of(line) for line in lines]
     inputs = [number for number, ends in enumerate(wired) if ends is not None and ends[0] == name]
     for number, (line, ends) in enumerate(zip(lines, wired, strict=True)):
@@ -142,7 +142,7 @@ def _joined(given: Relationship, taken: Relationship) -> Relationship:
 
 
 class _Ways:
-    """The ways through the nodes of a specification, of data and of commands apart."""
+    """The paths through the nodes of a specification, separate for data and commands."""
 
     def __init__(self, specification: Configuration, nodes: Mapping[str, IntroducedNode]) -> None:
         self._lines = specification.relationships
@@ -156,7 +156,7 @@ class _Ways:
             self._out_of.setdefault((type(line), feeder), []).append(number)
 
     def over(self, declared: Sequence[Relationship]) -> Sequence[Set[int]]:
-        """Return of each line the numbers of the declared relationships that lead over it."""
+        """Return for each line the numbers of the declared relationships whose path contains it."""
         found: list[set[int]] = [set() for _ in self._lines]
         for number, relationship in enumerate(declared):
             for line in self._of(relationship):
@@ -164,17 +164,17 @@ class _Ways:
         return found
 
     def _of(self, relationship: Relationship) -> Iterator[int]:
-        """Yield the lines on the way of a declared relationship."""
+        """Yield the lines on the path of a declared relationship."""
         if isinstance(relationship, Mount):
             return
         kind, (receiver, feeder) = type(relationship), ends_of(relationship)
         yield from self._back(kind, receiver, feeder)
-        # What a module inherits is commanded through the node that stands for it.
+        # Commands to inherited functions pass the node that represents the module.
         stand_in = self._stand_in.get(receiver) if kind is Control else None
         if stand_in is not None:
             before = list(self._back(kind, stand_in, feeder))
             yield from before
-            # One that commands only what the module does itself is not passed on.
+            # Without such commands the controller has no path to the node.
             yield from self._on(kind, stand_in) if before else ()
 
     def _back(self, kind: type, receiver: str, feeder: str) -> Iterator[int]:
