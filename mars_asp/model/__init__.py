@@ -1,1 +1,1 @@
-"""What modules and configurations are: frozen values."""
+"""Modules and configurations as frozen values."""

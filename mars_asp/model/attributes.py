@@ -1,6 +1,6 @@
 """Attributes of modules, `@Tag safety_critical` and `@Property latency_ms 60`, as they are written.
 
-Which there are, and what values each takes, rule packs declare; here is only how they look.
+Rule packs declare the attributes and their values; this module only reads the syntax.
 """
 
 import re
@@ -42,7 +42,7 @@ class Attributed:
 
 
 class AttributeProblem(NamedTuple):
-    """What is wrong with an attribute, and what to do; from `begin` to `end` of its text."""
+    """An error in an attribute, with advice; it is from `begin` to `end` of the text."""
 
     message: str
     help: str
@@ -51,7 +51,7 @@ class AttributeProblem(NamedTuple):
 
 
 def read_attribute(word: str, text: str) -> tuple[str, str | None] | AttributeProblem:
-    """Return the name and the value that stand behind `@Tag` or `@Property`."""
+    """Return the name and the value after `@Tag` or `@Property`, or the error."""
     name, value = (*re.split(r"\s+", text.strip(), maxsplit=1), "")[:2]
     begin = len(text.rstrip()) - len(value)
     if not re.fullmatch(_NAME, name):

@@ -1,4 +1,4 @@
-"""Closed walks in relationships: what a graph shows, not what it means."""
+"""Cycles in directed graphs."""
 
 from collections.abc import Iterable
 from typing import NamedTuple, TypeAlias
@@ -46,7 +46,7 @@ _EXACT = 400
 
 
 def _is_acyclic(successors: dict[str, list[str]]) -> bool:
-    """Peel off nodes without successors (Kahn 1962); what remains is or leads to a cycle."""
+    """Whether a graph has no cycle, by removal of nodes without successors (Kahn 1962)."""
     waiting = {node: len(ends) for node, ends in successors.items()}
     predecessors: dict[str, list[str]] = {}
     for start, ends in successors.items():
@@ -63,7 +63,7 @@ def _is_acyclic(successors: dict[str, list[str]]) -> bool:
 
 
 def _shortest_cycle(part: list[str], successors: dict[str, list[str]]) -> tuple[str, ...]:
-    """Search breadth first from each node, in name order, for the way back to it."""
+    """Return the shortest cycle that a search from each node, in name order, finds."""
     inside = set(part)
     best: tuple[str, ...] = ()
     # Each search may walk the whole part: the larger it is, the fewer there are.

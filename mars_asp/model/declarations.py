@@ -1,4 +1,4 @@
-"""What annotated sources and configurations declare, as plain frozen values.
+"""The declarations of annotated sources and configurations, as plain frozen values.
 
 Names follow the reference of the language: modules carry annotations, a configuration relates
 modules by mounts, control and data relationships. Nothing here decides anything.
@@ -49,10 +49,10 @@ class Mode:
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """One function annotation and what the declaration behind it says.
+    """One function annotation with the content of the declaration after it.
 
-    `output` and every input are normalised representation names; `None` is unknown (or, for
-    `output`, none). `hz` is in Hertz. `commands` are the functions a ControlOut commands.
+    `output` and every input are normalised representation names; `None` is unknown (in `output`
+    also: without one). `hz` is in Hertz. `commands` are the functions a ControlOut commands.
     `port` is the name of the output where it is not the function's; `parameters` are the names of
     the inputs, in their order, or None if one has none, and may be fewer than the inputs.
     `span` starts at the annotation's `@`.
@@ -93,7 +93,7 @@ class Transformation:
 
 @dataclass(frozen=True, slots=True)
 class Vertex:
-    """Where vertex `number` stands in its module's reference frame."""
+    """The pose of vertex `number` in its module's reference frame."""
 
     number: int
     transformation: Transformation
@@ -104,7 +104,7 @@ class Vertex:
 class Module:
     """An annotated or declared module.
 
-    `span` starts at its `@module_start`, `named` where its name stands, `guard` at its `@Guard`.
+    `span` starts at its `@module_start`, `named` at its name, `guard` at its `@Guard`.
     """
 
     name: str
@@ -162,7 +162,7 @@ TAKING: Mapping[str | None, slice] = {None: slice(1), "root": slice(-1, None), "
 class Control:
     """`controlled is_controlled_by controller priority hold allocation`, one for each controller.
 
-    `allocation` says who of several carries out an inherited function; `None` is the nearest.
+    `allocation` selects the provider of an inherited function; `None` is the nearest.
     `listed` is whether the priority is the controller's place in a list, not a number; `topic` is
     the name under which a middleware carries the commands, where one does.
     """
@@ -179,7 +179,7 @@ class Control:
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """`client.port uses_data_from source.port mode hz`; what is not stated is `None`."""
+    """`client.port uses_data_from source.port mode hz`; optional components are `None`."""
 
     client: str
     source: str
@@ -191,10 +191,10 @@ class Data:
 
 
 Relationship: TypeAlias = Mount | Control | Data
-#: What muxes in other people's robots run.
+#: The programs of muxes in imported robots.
 Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
 ENGINES: tuple[Engine, ...] = get_args(Engine)
-#: The formats of robots that are not ours.
+#: The foreign formats of robots.
 FOREIGN = ("urdf", "twist_mux", "rosgraph", "dora", "ros2")
 
 
@@ -216,9 +216,9 @@ class Inner:
 
 @dataclass(frozen=True, slots=True)
 class Muxed:
-    """The commands for `module` pass a mux of another robot's making, and what it has within.
+    """A mux of an imported robot on the commands for `module`, with its inner muxes.
 
-    `numbers` are as those of an inner one, empty where the configuration has what is written.
+    `numbers` are as in `Inner`, empty if the configuration has the original priorities.
     `name` is its own name, `topic` its output.
     """
 
@@ -244,7 +244,7 @@ def ends_of(relationship: Relationship) -> tuple[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class Conversion:
-    """What a transformer of a specification does, as its comment says.
+    """The conversion of a transformer in a specification, as in its comment.
 
     `converter` is a module's name, or `None` for the abstract one.
     """
@@ -258,9 +258,9 @@ class Conversion:
 
 @dataclass(frozen=True, slots=True)
 class StandIn:
-    """The module that an InheritanceNode of a specification stands for.
+    """The module that an InheritanceNode of a specification represents.
 
-    `evident` is whether mounts and controllers tell it, so that no comment has to be printed.
+    `evident` is whether it follows from mounts and control, so that no comment is printed.
     """
 
     node: str
@@ -271,11 +271,11 @@ class StandIn:
 
 @dataclass(frozen=True, slots=True)
 class PackKind:
-    """A kind of node that a rule pack brings, and how its nodes are named and drawn.
+    """A kind of node that a rule pack provides, with the name and colour of its nodes.
 
     Its nodes take and give commands or data, `carries`. They have `one` or `several` `inputs`, as
-    `outputs` `one`, `several` or `none`: these only listen. `behaves` is whether a run needs to be
-    told what they do. `pack` is the name of the pack.
+    `outputs` `one`, `several` or `none`: these only listen. `behaves` is whether a run needs
+    their behaviour. `pack` is the name of the pack.
     """
 
     kind: str
@@ -291,7 +291,7 @@ class PackKind:
 
 @dataclass(frozen=True, slots=True)
 class PackNode:
-    """A node of a specification that is of a rule pack, as its comment says."""
+    """A node of a specification, and the rule pack in its comment."""
 
     node: str
     pack: str
@@ -318,8 +318,8 @@ class Configuration:
     once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
     `relays` the places of its relays, contracted already, `opaque` its nodes of which topics could
     not be read; `includes` are other configurations that are still to be taken in. `format` is
-    what the file is in, where it is no `.mars` file: then the architecture is taken for granted;
-    `origin` is that of the files it was imported from, be it before it was saved as a `.mars` file.
+    the foreign format of the file, `None` for `.mars`: with one, the architecture is assumed;
+    `origin` is that of the imported files, also after the import was saved as a `.mars` file.
     `kinds` are those of nodes that rule packs bring, `attributed` its own lines about attributes of
     modules, `missing` the files of its nodes that are not there.
     """
@@ -352,7 +352,7 @@ class Configuration:
         return {**modules, **{module.name: module for module in self.declared}}
 
     def node_kind(self, name: str) -> str | None:
-        """Return the kind of node that a name stands for in a specification, if any."""
+        """Return the kind of the node with a name, also of packs, or None."""
         brought = self.pack_kind(name)
         return node_kind(name) or (None if brought is None else brought.kind)
 
@@ -383,7 +383,7 @@ _NODE_NAME = re.compile(
 
 
 def node_kind(name: str) -> NodeKind | None:
-    """Return the kind of node that a name stands for in a specification, if any."""
+    """Return the built-in kind of the node with a name, or None."""
     match = _NODE_NAME.fullmatch(name)
     if match is None:
         return None

@@ -1,4 +1,4 @@
-"""What modules are described to be."""
+"""The described modules of a configuration, and their classes."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,7 +6,7 @@ from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import Configuration, Module, ServiceKind, ends_of
 from mars_asp.model.remembered import remembered
 
-#: The classes of modules, in the order in which they are told.
+#: The classes of modules, in the order of their facts.
 CLASSES = (
     "sensor",
     "effector",
@@ -29,7 +29,7 @@ _OF_SERVICE: Mapping[ServiceKind, str] = {
 def described_modules(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> Mapping[str, Module]:
-    """Return the modules that rules are told of, by name: those named, and every converter."""
+    """Return the described modules that a configuration names, and all converters, by name."""
     every = configuration.with_declared(modules)
     named = {name.text for name in configuration.modules}
     named |= {

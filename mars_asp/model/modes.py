@@ -14,7 +14,7 @@ _DISTANCES = {("NotifyOnValue", 1): "a tolerance", ("NotifyOnChange", 0): "a lea
 
 
 class ModeProblem(NamedTuple):
-    """What is wrong with a mode: where in its text (from 0), the message and what to do."""
+    """An error in a mode: the offset in its text (from 0), the message and advice."""
 
     offset: int
     message: str
@@ -59,7 +59,7 @@ def parse_mode(text: str) -> Mode | ModeProblem:
 
 
 def _mode_argument(text: str, name: str, position: int) -> Decimal | NumberProblem:
-    """Return an argument of a mode, or what is wrong with it."""
+    """Return an argument of a mode, or the error in it."""
     number = ARGUMENT.read(text)
     if isinstance(number, NumberProblem):
         if not re.match(r"[-+]?\.?[0-9]", text):

@@ -1,13 +1,13 @@
 r"""Names of modules and ports: how a configuration writes them.
 
 Words of letters, digits, `_` and inner `-`, joined by `/`, with or without a leading `/`, are
-written as they are; every other name stands in double quotes, where `\"` is a quote and `\\` a
-backslash. Behind a name, a `.` and a further name are one of the module's ports.
+written as they are; every other name is in double quotes, where `\"` is a quote and `\\` a
+backslash. After a name, a `.` and a further name are one of the module's ports.
 """
 
 import re
 
-#: A name as it is, which is no number: `Camera`, `dora-camera`, `/robot1/base`.
+#: A name without quotes, not a number: `Camera`, `dora-camera`, `/robot1/base`.
 BARE = r"/?(?=[\w/-]*[^\W\d])\w+(?:-+\w+)*(?:/\w+(?:-+\w+)*)*"
 #: What is not seen as it is: control characters but tabs, ends of lines, and marks of direction.
 UNSEEN = r"\x00-\x08\n-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069"
@@ -15,9 +15,9 @@ UNSEEN = r"\x00-\x08\n-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069"
 QUOTED = rf'"(?:[^"\\{UNSEEN}]|\\["\\])+"'
 _BARE = re.compile(BARE)
 _NAME = re.compile(f"{BARE}|{QUOTED}")
-#: What would be read as a number where one may stand.
+#: A text that is read as a number if one is allowed.
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
-#: A name, and behind it a port.
+#: A name with an optional port.
 _END = re.compile(rf"({BARE}|{QUOTED})(?:\.({BARE}|{QUOTED}))?")
 _ESCAPED = re.compile(r"\\(.)")
 

@@ -1,6 +1,6 @@
 """The ports of a module: its outputs and inputs, by name.
 
-Each function that delivers data is an output, named like the function or as `@Port` says; each of
+Each function that delivers data is an output, named like the function or by `@Port`; each of
 its parameters an input, named like the parameter, else by its representation. A parameter of one
 name and representation that several functions take is one input. Any other name that comes again is
 `NAME#2`.

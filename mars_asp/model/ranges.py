@@ -18,16 +18,16 @@ _WIDEST = Decimal(MOST) / 1_000_000
 
 
 class NumberProblem(NamedTuple):
-    """What is wrong with a number, and what to do."""
+    """An error in a number, with advice."""
 
     message: str
     help: str
 
 
 class NumberRange(NamedTuple):
-    """The numbers that may stand at one place; `noun` comes with its article.
+    """The valid numbers of one use; `noun` includes its article.
 
-    `least` and `most` are within, unless `least` is 0 and `above` says that it is not; `decimals`
+    `least` and `most` are valid, except a `least` of 0 with `above`; `decimals`
     is how many may be written, `None` for any number of them.
     """
 
@@ -39,7 +39,7 @@ class NumberRange(NamedTuple):
     above: bool = False
 
     def read(self, text: str) -> Decimal | NumberProblem:
-        """Return the number that a text writes, or what is wrong with it."""
+        """Return the number in a text, or the error in it."""
         fault = self._fault(text)
         # Zero has no sign.
         return Decimal(text) + 0 if fault is None else NumberProblem(fault, self.help)

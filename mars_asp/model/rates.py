@@ -12,13 +12,13 @@ _UNITS = {"ms": 1, "s": 1000}
 
 
 class Rate(Fraction):
-    """A rate in Hertz, exact, that is known as somebody wrote it; equal to any equal number."""
+    """An exact rate in Hertz, with its original text; equal to any equal number."""
 
     __slots__ = ("written",)
     written: str
 
     def __new__(cls, hz: Fraction | Decimal | int, written: str | None = None) -> Self:
-        """Return a rate; without the words for it, it is written in a way that says the same."""
+        """Return a rate, with its text as `written`, else in canonical form."""
         rate = super().__new__(cls, hz)
         rate.written = as_written(rate) if written is None else written
         return rate
@@ -32,13 +32,13 @@ class Rate(Fraction):
         return self
 
     def __reduce__(self) -> tuple[type[Self], tuple[Fraction, str]]:
-        """Say how it is made again."""
+        """Return the constructor with its arguments, as `pickle` needs them."""
         return type(self), (Fraction(self), self.written)
 
 
 @lru_cache(maxsize=1024)
 def read_frequency(text: str) -> Rate | NumberProblem:
-    """Return the rate that a number of Hertz writes, or what is wrong with it."""
+    """Return the rate in a number of Hertz, or the error in it."""
     hz = FREQUENCY.read(text)
     return hz if isinstance(hz, NumberProblem) else Rate(hz)
 

@@ -1,4 +1,4 @@
-"""What is asked several times of one configuration is found once."""
+"""A cache of the last result of a function, by the identity of its arguments."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -9,9 +9,9 @@ _Found = TypeVar("_Found")
 
 
 def remembered(function: Callable[_Asked, _Found]) -> Callable[_Asked, _Found]:
-    """Return a function that remembers what it found last, for arguments that are the same objects.
+    """Return a function that keeps its last result, and reuses it for the same argument objects.
 
-    Neither they nor what is found may be changed.
+    Neither the arguments nor the result may be changed.
     """
     last: list[tuple[tuple[object, ...], _Found]] = []
 

@@ -13,7 +13,7 @@ _MOST_SLOTS = 7
 
 
 class TupleProblem(NamedTuple):
-    """What is wrong with a slot of a tuple, counted from 0, and what to do."""
+    """An error in a slot of a tuple, counted from 0, with advice."""
 
     slot: int
     message: str

@@ -60,8 +60,8 @@ def absences(
 ) -> Iterator[Absence]:
     """Yield the absent nodes and consequences of modules, or only one sort, with the reasons.
 
-    Kinds without a rule in `rules/absence`, such as those of rule packs, are left out; for a subset
-    of the modules, also kinds that depend on the whole configuration; above `MOST_MODULES`, all.
+    Kinds without a rule in `rules/absence`, such as those of rule packs, are left out, and for a
+    subset of the modules also kinds that depend on the whole. Above `MOST_MODULES` there are none.
     For consequences alone no specification is searched.
 
     Raises:

@@ -456,7 +456,7 @@ def _edit_priority(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
     declared = drafts.texts.relationships[number.number]
     assert isinstance(declared, Control)
     _, listed, member = drafts.member(declared)
-    # What a place in a list says already needs no number.
+    # A position in a list with the same priority needs no number.
     if declared.priority != priority.number:
         listed.rank(member, priority.number)
 

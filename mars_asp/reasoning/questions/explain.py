@@ -1,4 +1,4 @@
-"""Explanations of a configuration: which question, which atoms, whose traces.
+"""Explanations of the consequences, nodes and atoms of a configuration.
 
 >>> reasoner = Reasoner(load_project("config.mars"), load_rulebook())
 >>> for topic in explain(reasoner).topics:
@@ -40,17 +40,17 @@ from mars_asp.reasoning.synthesis.synthesise import (
 )
 from mars_asp.spelling import nearest
 
-#: What of a configuration or module is explained alone.
+#: The sort of things to which an explanation can be limited.
 Sort: TypeAlias = Literal["consequences", "nodes"]
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Topic:
-    """One thing that is explained: a node, a consequence or an atom, which is called `name`.
+    """One explained thing, named `name`: a node, a consequence or an atom.
 
-    Its `account` is short, its `trace` complete, and `Unexplained` where none was asked for; an
-    atom has a trace alone. `rule` is the id of the rule that gives it, where one is known without
-    the trace. A node `resolves` consequences; a consequence is an `atom`.
+    `account` is a short explanation, `trace` the complete one, `Unexplained` unless requested; an
+    atom has only a trace. `rule` is the id of the deriving rule, if known without the trace. A node
+    `resolves` consequences; a consequence is an `atom`.
 
     >>> topic = load("examples/level0/config.mars").explain("DataSplitter1").topics[0]
     >>> topic.sort, topic.resolves
@@ -72,7 +72,7 @@ class Topic:
 
 @dataclass(frozen=True, repr=False)
 class Explanation:
-    """The answer to a question; `synthesis` is `None` where not all was or could be resolved.
+    """The answer to a question; `synthesis` is `None` if it was not needed or is impossible.
 
     >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
     >>> len(explain(reasoner).topics)
@@ -89,9 +89,9 @@ class Explanation:
 
 @dataclass(frozen=True, slots=True)
 class _NamedThing:
-    """What a subject names: a consequence, a node, or an atom of another kind.
+    """A thing that a subject names: a consequence, a node, or an atom of another kind.
 
-    Of a node of which no trace is asked for nobody needs the `atom`.
+    A node has no `atom` unless its trace is requested.
     """
 
     title: str
@@ -109,12 +109,12 @@ def explain(
 ) -> Explanation:
     """Explain everything, or a module, node, consequence kind or atom.
 
-    Accounts are always told; traces where they are `traced`, and of atoms. With `every` each step
-    of a trace has all `others` derivations of its atom, too. With `only` topics of one sort are
-    explained, of everything or of a module; for consequences nothing is resolved.
+    Traces are made if `traced`, and always for atoms. With `every`, each step of a trace also has
+    the `others` derivations of its atom. `only` limits the topics to one sort, of everything or of
+    a module; for consequences no specification is searched.
 
     Raises:
-        MarsError: the subject is nothing that could be explained, or does not hold.
+        MarsError: the subject cannot be explained, or does not hold.
         TimeoutError: no specification was found in time.
 
     >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
@@ -123,7 +123,7 @@ def explain(
     """
     *others, subject = [None] if subject is None else spaced_subjects(subject, reasoner.rulebook)
     for each in others:
-        # What a pack calls alike is explained where ours does not hold.
+        # A pack's predicate of the same name is explained if the built-in one does not hold.
         with contextlib.suppress(MarsError):
             return _explained(reasoner, each, every, only, traced)
     return _explained(reasoner, subject, every, only, traced)

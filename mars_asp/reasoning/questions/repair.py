@@ -345,7 +345,7 @@ class _EditSearch:
         )
 
     def _try(self, edits: tuple[RepairEdit, ...]) -> tuple[frozenset[int], Mend] | None:
-        """Return the removed findings and the repair, or None if the edits are no repair.
+        """Return the removed findings and the repair, or None if there is no repair.
 
         Equal findings are all removed if one is. A repair causes no error.
         """
