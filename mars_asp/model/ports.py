@@ -38,7 +38,7 @@ def outputs(module: Module) -> dict[str, int]:
     delivering = [n for n, each in enumerate(module.services) if each.kind in DELIVERING]
     services = (module.services[number] for number in delivering)
     names = (each.port or each.function or each.output or "output" for each in services)
-    return dict(zip(_told_apart(names), delivering, strict=True))
+    return dict(zip(_unique_names(names), delivering, strict=True))
 
 
 def inputs(module: Module) -> dict[str, Input]:
@@ -61,7 +61,7 @@ def inputs(module: Module) -> dict[str, Input]:
             groups.append((name, [parameter]))
             if shared is not None:
                 known[shared] = groups[-1][1]
-    names = _told_apart(name for name, _ in groups)
+    names = _unique_names(name for name, _ in groups)
     return {
         name: Input(name, tuple(parameters))
         for name, (_, parameters) in zip(names, groups, strict=True)
@@ -87,7 +87,7 @@ def free_positions(ports: Iterable[str | None]) -> Iterator[int]:
     return (number for number in count(1) if number not in taken)
 
 
-def _told_apart(names: Iterable[str]) -> Iterator[str]:
+def _unique_names(names: Iterable[str]) -> Iterator[str]:
     """Yield names, each that came before with its number."""
     seen: Counter[str] = Counter()
     for name in names:

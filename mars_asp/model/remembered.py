@@ -4,11 +4,11 @@ from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar
 
-_Asked = ParamSpec("_Asked")
+_Arguments = ParamSpec("_Arguments")
 _Found = TypeVar("_Found")
 
 
-def remembered(function: Callable[_Asked, _Found]) -> Callable[_Asked, _Found]:
+def remembered(function: Callable[_Arguments, _Found]) -> Callable[_Arguments, _Found]:
     """Return a function that keeps its last result, and reuses it for the same argument objects.
 
     Neither the arguments nor the result may be changed.
@@ -16,7 +16,7 @@ def remembered(function: Callable[_Asked, _Found]) -> Callable[_Asked, _Found]:
     last: list[tuple[tuple[object, ...], _Found]] = []
 
     @wraps(function)
-    def asked(*arguments: _Asked.args, **named: _Asked.kwargs) -> _Found:
+    def cached(*arguments: _Arguments.args, **named: _Arguments.kwargs) -> _Found:
         for known, found in last:
             if len(known) == len(arguments) and all(
                 one is other for one, other in zip(known, arguments, strict=True)
@@ -26,4 +26,4 @@ def remembered(function: Callable[_Asked, _Found]) -> Callable[_Asked, _Found]:
         last[:] = [(arguments, found)]
         return found
 
-    return asked
+    return cached

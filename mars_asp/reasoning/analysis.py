@@ -204,7 +204,7 @@ def read_consequences(
     the severity `note`.
     """
     control = analysis.grounding.control
-    first = _first_said(analysis)
+    first = _first_messages(analysis)
     if not notes:
         first = {head: item for head, item in first.items() if arguments(head)[1] != _NOTE}
     keys = {
@@ -229,10 +229,10 @@ def read_consequences(
     for head, key in keys.items():
         kind, severity, about, _ = arguments(head)
         item = first[head]
-        said_of = labels_of.get(head, {})
+        label_at = labels_of.get(head, {})
         found = {span_of.get(row[0]) for row in concerned.get(key, ())}
         # Locations with a label come after the unlabelled ones.
-        places = sorted((span in said_of, span) for span in found if span is not None)
+        places = sorted((span in label_at, span) for span in found if span is not None)
         consequences.append(
             Consequence(
                 write(kind),
@@ -244,7 +244,7 @@ def read_consequences(
                 item.rule,
                 tuple(span for _, span in places) or (analysis.configuration,),
                 as_symbol(head),
-                tuple(said_of.items()),
+                tuple(label_at.items()),
                 item.effect,
                 tuple(sorted(written(row[0]) for row in trees.get(key, ()))),
                 tuple(conditions.get(key, ())),
@@ -262,13 +262,13 @@ def findings(analysis: Analysis) -> tuple[Diagnostic, ...]:
 
 def diagnostic(consequence: Consequence) -> Diagnostic:
     """Return a consequence as a diagnostic."""
-    said_of = dict(consequence.labels)
+    label_at = dict(consequence.labels)
     return Diagnostic(
         consequence.rule.id,
         consequence.severity,
         consequence.message,
         consequence.spans[0],
-        tuple((span, said_of.get(span, "")) for span in consequence.spans[1:]),
+        tuple((span, label_at.get(span, "")) for span in consequence.spans[1:]),
         consequence.help,
         effect=" ".join(filter(None, (consequence.effect, *_where(consequence)))) or None,
         kind=consequence.kind,
@@ -327,7 +327,7 @@ def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCo
     }
 
 
-def _first_said(analysis: Analysis) -> dict[TermId, RenderedMessage]:
+def _first_messages(analysis: Analysis) -> dict[TermId, RenderedMessage]:
     """Return one message for each consequence: that of the first rule that derives it."""
     first: dict[TermId, RenderedMessage] = {}
     for item in rendered_messages(analysis.grounding.control, _STAGE, analysis.speakers):

@@ -139,7 +139,7 @@ def attribute_facts(
     return _AttributeReader(configuration, modules, kinds).facts()
 
 
-class _Stated(NamedTuple):
+class _AttributeEntry(NamedTuple):
     """An attribute, with the module to which the configuration or a description attaches it."""
 
     module: str
@@ -169,7 +169,9 @@ class _AttributeReader:
         """Return the facts, each once, in the order of modules and names."""
         first: dict[tuple[str, str], Fact] = {}
         described = described_modules(self._configuration, self._described).values()
-        entries = [_Stated(module.name, each) for module in described for each in module.attributes]
+        entries = [
+            _AttributeEntry(module.name, each) for module in described for each in module.attributes
+        ]
         for module, attribute in (*entries, *self._of_lines()):
             atom = self._attribute_atom(module, attribute)
             if atom is None:
@@ -184,7 +186,7 @@ class _AttributeReader:
             raise MarsError(self._problems)
         return tuple(first[key] for key in sorted(first))
 
-    def _of_lines(self) -> Iterator[_Stated]:
+    def _of_lines(self) -> Iterator[_AttributeEntry]:
         named = {name.text for name in self._configuration.modules}
         instances: dict[str, list[str]] = {}
         for name in self._configuration.modules:
@@ -198,7 +200,7 @@ class _AttributeReader:
                 self._note_attribute(message, line.attribute.span, advice)
             described = () if line.module in named else instances.get(line.module, ())
             for module in (line.module, *described):
-                yield _Stated(module, line.attribute)
+                yield _AttributeEntry(module, line.attribute)
 
     def _attribute_atom(self, module: str, attribute: Attribute) -> Atom | None:
         kind = self._kinds.get(attribute.name)

@@ -186,10 +186,10 @@ def _taken_in(
     expanded = _expanded(parsed._replace(configuration=inner), (*chain, real), reading)
     if include.name is None:
         return expanded
-    return _behind(include.name, expanded)
+    return _with_prefix(include.name, expanded)
 
 
-def _behind(prefix: str, parsed: Parsed) -> Parsed:
+def _with_prefix(prefix: str, parsed: Parsed) -> Parsed:
     """Return a configuration with `prefix` before each name."""
     inner = parsed.configuration
     in_blocks = {module.name for module in inner.declared}

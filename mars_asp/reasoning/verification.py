@@ -21,7 +21,7 @@ from mars_asp.model.described import described_modules
 from mars_asp.model.ports import free_positions, input_position
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.facts.compile import (
-    TellsAs,
+    FactNaming,
     configuration_facts,
     given,
     representation_names,
@@ -232,22 +232,22 @@ def specification_facts(
     own = described_modules(specification, every)
     # A converter without conversions in the specification still belongs to the configuration.
     own = {**own, **{name: every[name] for name in described if name in every}}
-    told_as = TellsAs(
+    naming = FactNaming(
         ends_of_specification(project.configuration, described, specification),
         project.rates,
         _shared_names(specification, own, project),
     )
     wanted = _judged(rulebook)
-    for fact in configuration_facts(specification, own, wanted, told_as):
+    for fact in configuration_facts(specification, own, wanted, naming):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from _positions(specification, project)
     yield from mount_tuples("mount_tuple", project.configuration)
     yield from mount_tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
-    yield from _conversion_facts(specification, told_as.names)
+    yield from _conversion_facts(specification, naming.names)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
-    canonical = told_as.names.canonical
+    canonical = naming.names.canonical
     yield from instance_facts(_OF_SPECIFICATION, specification, {})
     yield from instance_facts("", project.configuration, described)
     yield from description_facts(_OF_SPECIFICATION, own, canonical)

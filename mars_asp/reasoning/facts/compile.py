@@ -55,7 +55,7 @@ from mars_asp.reasoning.facts.rates import Rates, rates_in, rounded_rates
 from mars_asp.spelling import nearest, resemblances
 
 
-class TellsAs(NamedTuple):
+class FactNaming(NamedTuple):
     """The names of ports, numbers of rates and names of representations in facts."""
 
     ends: Ends
@@ -67,16 +67,16 @@ def configuration_facts(
     configuration: Configuration,
     modules: Mapping[str, Module] | None = None,
     wanted: Set[str] | None = None,
-    told_as: TellsAs | None = None,
+    naming: FactNaming | None = None,
 ) -> tuple[Fact, ...]:
     """Return the facts of a configuration and of the modules described for it, with locations.
 
     `modules` adds to the modules declared in the configuration. Only converters and the modules
     that the configuration names become facts. The function `numbered` numbers relationships;
-    annotations have the integers that follow. `wanted` restricts the predicates. `told_as` has the
+    annotations have the integers that follow. `wanted` restricts the predicates. `naming` has the
     ports, rates and representations of another configuration, which are used instead.
     """
-    return Compiler(configuration, modules or {}, wanted, told_as).compile()
+    return Compiler(configuration, modules or {}, wanted, naming).compile()
 
 
 def representation_names(
@@ -131,13 +131,13 @@ class Compiler:
         configuration: Configuration,
         modules: Mapping[str, Module],
         wanted: Set[str] | None,
-        told_as: TellsAs | None = None,
+        naming: FactNaming | None = None,
     ) -> None:
         self.configuration = configuration
         self.wanted = wanted
         self.modules = modules
         self.facts: list[Fact] = []
-        self._told_as = told_as
+        self._naming = naming
 
     @cached_property
     def known(self) -> Mapping[str, Module]:
@@ -152,15 +152,15 @@ class Compiler:
     @cached_property
     def ends(self) -> Ends:
         """Return the names of outputs and inputs in facts."""
-        if self._told_as is not None:
-            return self._told_as.ends
+        if self._naming is not None:
+            return self._naming.ends
         return ends_in(self.configuration, self.described)
 
     @cached_property
     def rates(self) -> Rates:
         """Return the numbers of rates in facts."""
-        if self._told_as is not None:
-            return self._told_as.rates
+        if self._naming is not None:
+            return self._naming.rates
         return rates_in(self.configuration, self.described)
 
     @cached_property
@@ -176,8 +176,8 @@ class Compiler:
     @cached_property
     def names(self) -> RepresentationNames:
         """Return the names of representations in facts."""
-        if self._told_as is not None:
-            return self._told_as.names
+        if self._naming is not None:
+            return self._naming.names
         return _names(self.described)
 
     @cached_property
@@ -383,7 +383,7 @@ class Compiler:
         self.take(output_facts(self.configuration, self.ends))
         self.take(named_inputs(self.ends, self.numbered))
         # The facts of the configuration contain these already if this is its specification.
-        if self._told_as is None:
+        if self._naming is None:
             self.take(input_facts(self.configuration, self.described, self.ends))
             self.take(turns(self.configuration, self.ends, self.numbered))
 

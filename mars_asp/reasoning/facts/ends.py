@@ -44,7 +44,7 @@ class Ends:
     _sources: Mapping[tuple[str, str | None], str]
     _clients: Mapping[tuple[str, str | None], str]
     #: The port that lines name, by the name of an output.
-    _stated: Mapping[str, str]
+    _port_of: Mapping[str, str]
 
     def source(self, data: Data) -> str:
         """Return the name of the output that a line uses."""
@@ -78,7 +78,7 @@ class Ends:
     def written(self, name: str) -> tuple[str, str | None]:
         """Return the module and, if lines name it, the port of an output."""
         found = self.outputs.get(name)
-        return (name, self._stated.get(name)) if found is None else (found.module, found.port)
+        return (name, self._port_of.get(name)) if found is None else (found.module, found.port)
 
 
 @remembered

@@ -23,7 +23,7 @@ from mars_asp.reasoning.facts.ends import Ends
 class Rates:
     """The numbers of rates in facts, where these differ from the exact millihertz."""
 
-    _told: Mapping[Fraction, int]
+    _numbers: Mapping[Fraction, int]
     _meant: Mapping[int, Fraction]
     #: The numbers of all rates in facts.
     _taken: Set[int]
@@ -35,7 +35,7 @@ class Rates:
 
     def millihertz(self, hz: Fraction) -> int:
         """Return the number of a rate in facts."""
-        result = self._told.get(hz)
+        result = self._numbers.get(hz)
         if result is not None:
             return result
         millihertz = hz * 1000

@@ -38,7 +38,7 @@ from mars_asp.reasoning.verification import mount_tuples
 
 How: TypeAlias = Literal["appeared", "vanished", "changed"]
 #: The facts of a line, without the identifiers of one file.
-_Said: TypeAlias = tuple[str, ...]
+_LineFacts: TypeAlias = tuple[str, ...]
 #: Returns the lines of a file by its path, or none if they are not known.
 LinesOf: TypeAlias = Callable[[str], Sequence[str]]
 Item = TypeVar("Item")
@@ -168,7 +168,7 @@ class _Side:
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
         self.explainer = evidence.explainer
         project = reasoner.project
-        self.lines = _facts_by_span((*reasoner.facts, *_stated_besides(project)), project.rates)
+        self.lines = _facts_by_span((*reasoner.facts, *_unread_values(project)), project.rates)
         self.texts = _Texts(self.lines, lines_of)
         self.changed: frozenset[Span] = frozenset()
         #: Lines of both sides with another effect here.
@@ -278,7 +278,7 @@ class _Texts:
         }
 
 
-def _stated_besides(project: Project) -> Iterator[Fact]:
+def _unread_values(project: Project) -> Iterator[Fact]:
     """Yield facts of values that no rule of the analysis reads."""
     yield from mount_tuples("mount_tuple", project.configuration)
     for module in project.described.values():
@@ -290,7 +290,7 @@ def _stated_besides(project: Project) -> Iterator[Fact]:
             yield Fact(Atom("vertex", (module.name, vertex.number, pose)), vertex.span)
 
 
-def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
+def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _LineFacts]:
     """Return the facts at each location, without identifiers and with exact rates."""
     facts = tuple(facts)
     identifiers = {f.atom.arguments[0] for f in facts if f.atom.name == "place"}

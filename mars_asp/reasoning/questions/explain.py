@@ -185,7 +185,7 @@ def _things_named(
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis, evidence.analysis)
-        asked = [_NamedThing(*_asked_atom(subject, project, evidence, synthesis))]
+        asked = [_NamedThing(*_true_atom(subject, project, evidence, synthesis))]
     return asked
 
 
@@ -330,7 +330,7 @@ def _node_title(node: IntroducedNode, specification: Specification) -> str:
     return f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
 
 
-def _asked_atom(
+def _true_atom(
     subject: str,
     project: Project,
     evidence: Evidence,

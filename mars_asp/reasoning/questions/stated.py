@@ -15,7 +15,7 @@ from mars_asp.spelling import nearest
 _KEYWORDS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
 _NAME = r'(?:"(?:[^"\\]|\\.)*"|[^\s"(),.]+)'
 _END = rf"{_NAME}(?:\.{_NAME})?"
-_STATED = re.compile(rf"({_END})\s+([a-z_]+)\s+({_END})(?:\s.*)?")
+_RELATIONSHIP = re.compile(rf"({_END})\s+([a-z_]+)\s+({_END})(?:\s.*)?")
 _ATOM = re.compile(rf"({'|'.join(_KEYWORDS)})\(\s*({_END})\s*,\s*({_END})\s*\)")
 _WORD = re.compile(r"[^\W\d]\w*")
 _PLACE = re.compile(r"(.*):([0-9]{1,18})")
@@ -51,7 +51,7 @@ def stated(subject: str, project: Project) -> StatedRelationship | None:
     Raises:
         MarsError: the word between two ends resembles a relationship, but is not one.
     """
-    atom, words = _ATOM.fullmatch(subject), _STATED.fullmatch(subject)
+    atom, words = _ATOM.fullmatch(subject), _RELATIONSHIP.fullmatch(subject)
     if atom is not None:
         return StatedRelationship(atom[1], _end_text(atom[2]), _end_text(atom[3]))
     if words is None or subject in {name.text for name in project.configuration.modules}:
@@ -75,10 +75,12 @@ def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
     if place is not None:
         found = tuple(
             span
-            for span in _stated_spans(project)
+            for span in _statement_spans(project)
             if span.line == int(place[2]) and f"/{span.path}".endswith(f"/{place[1]}")
         )
-        if not found and any(f"/{s.path}".endswith(f"/{place[1]}") for s in _stated_spans(project)):
+        if not found and any(
+            f"/{s.path}".endswith(f"/{place[1]}") for s in _statement_spans(project)
+        ):
             help_text = "name a line with a relationship or an annotation"
             raise wrong_subject(project, f"nothing is stated at {subject}", help_text)
         return found
@@ -86,7 +88,7 @@ def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
     if wanted is None:
         return ()
     lines = tuple(
-        each.span for each in project.configuration.relationships if wanted in _said(each)
+        each.span for each in project.configuration.relationships if wanted in _forms(each)
     )
     if not lines:
         names = {name.text for name in project.configuration.modules}
@@ -105,7 +107,7 @@ def _end_text(text: str) -> str:
     return text if read is None else end(*read)
 
 
-def _said(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
+def _forms(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
     """Yield the forms of a relationship, with and without its ports."""
     match line:
         case Mount():
@@ -121,7 +123,7 @@ def _said(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
                     yield StatedRelationship("uses_data_from", left, right)
 
 
-def _stated_spans(project: Project) -> Iterator[Span]:
+def _statement_spans(project: Project) -> Iterator[Span]:
     configuration = project.configuration
     yield from (each.span for each in configuration.relationships)
     for _, _, annotation in numbered_annotations(configuration, project.described):

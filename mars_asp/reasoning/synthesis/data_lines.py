@@ -49,7 +49,7 @@ class DataLines:
         if source in self._done:
             return
         self._done.add(source)
-        place = self._places_behind(source)
+        place = self._places_downstream(source)
         # A stack instead of recursion: chains of converters may be long.
         stack = self._outputs(source, place)
         while stack:
@@ -65,7 +65,7 @@ class DataLines:
         """Return the lines out of a source or node, last first."""
         return sorted(self._out_of.get(feeder, ()), key=lambda line: place[line.line], reverse=True)
 
-    def _places_behind(self, source: TermId) -> Mapping[TermId, int]:
+    def _places_downstream(self, source: TermId) -> Mapping[TermId, int]:
         """Return the index of each line downstream of a source: the first of its clients."""
         lines = list(self._out_of.get(source, ()))
         for line in lines:
