@@ -52,14 +52,14 @@ class RenderedMessage(NamedTuple):
         return fill(text, values, written if show is None else show)
 
 
-def saying(stage: str, rules: Sequence[Rule], instead: bool = False) -> list[Fragment]:
+def saying(stage: str, rules: Sequence[Rule]) -> list[Fragment]:
     """Return one rule for each of `rules`; it derives the atoms that `rendered_messages` reads.
 
-    The body begins with the head of the rule, which has few instances. With `instead` it is the
-    rule's own body alone, so that the rule itself need not be grounded.
+    The body is that of the rule. Its head follows from it, and as a further premise it would make
+    clingo join many heads with many atoms of the body.
     """
     predicate = predicate_of(stage)
-    return [_saying(predicate, number, rule, instead) for number, rule in enumerate(rules)]
+    return [_saying(predicate, number, rule) for number, rule in enumerate(rules)]
 
 
 def _made_of(rule: Rule, text: str, gives: str) -> Fragment:
@@ -107,7 +107,7 @@ def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment
         _made_of(
             rule,
             f"{predicate}({number},{head},{label.term},v({','.join(label.holes)})) :- "
-            f"{'; '.join(filter(None, (head, label.body)))}.",
+            f"{label.body or '#true'}.",
             predicate,
         )
         for number, (rule, label) in enumerate(listed)
@@ -205,10 +205,9 @@ def _list_items(symbol: clingo.Symbol) -> tuple[list[str], int]:
 
 # Each analysis needs the fragments of the same rules.
 @lru_cache(maxsize=4096)
-def _saying(predicate: str, number: int, rule: Rule, instead: bool) -> Fragment:
+def _saying(predicate: str, number: int, rule: Rule) -> Fragment:
     head, body = rule.written
     # A choice offers several atoms, or none.
-    term, before = ("none", "") if rule.is_choice else (head, "" if instead else head)
-    premises = "; ".join(filter(None, (before, body))) or "#true"
-    text = f"{predicate}({number},{term},v({','.join(rule.holes)})) :- {premises}."
+    term = "none" if rule.is_choice else head
+    text = f"{predicate}({number},{term},v({','.join(rule.holes)})) :- {body or '#true'}."
     return _made_of(rule, text, predicate)

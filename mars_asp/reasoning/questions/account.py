@@ -265,7 +265,7 @@ def told(
     grounding = Grounding((), atoms_of(sorted(read)))
     # No rule reads explanations, so only their messages are grounded.
     program = (fragment_of(rule) for rule in rules if ACCOUNT not in rule.heads)
-    sayings = (*saying(STAGE, telling, instead=True), *saying(_DECIDING, deciding))
+    sayings = (*saying(STAGE, telling), *saying(_DECIDING, deciding))
     grounding.derive([*program, *sayings])
     found: dict[Key, dict[str, list[RenderedMessage]]] = {}
     word = cache(text)
