@@ -1,1 +1,1 @@
-"""A specification run in a simulated world, and what comes of it."""
+"""Runs of specifications in a simulated world, with verdicts and recordings."""

@@ -1,4 +1,4 @@
-"""What a run was like, as facts, and the requirements that `rules/run` judges by them."""
+"""The facts of a run, and the requirements that the rules of `rules/run` judge by them."""
 
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -33,7 +33,7 @@ from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, project_facts, with_brought
 from mars_asp.reasoning.rules import GIVEN_TO_RUNS, load_rulebook
 
-#: Requirement and the kind of consequence that says it was violated.
+#: The kind of consequence that violates each requirement; these apply to all runs.
 ALWAYS = {
     "services delivered": "undelivered_service",
     "one controller at a time": "shared_control",
@@ -49,24 +49,24 @@ ON_REQUEST = {
     "exclusive": "exclusive",
     "coverage": "coverage",
 }
-#: Requirement and the kind of consequence that says that the run ended too early to show it.
+#: The kind of consequence by which the run ended too early to decide a requirement.
 UNDECIDED = {"services delivered": "undecided_service", "reach": "undecided_reach"}
-#: Kinds of consequences that warn that a run shows less than its verdict seems to.
+#: Kinds of consequences that weaken the verdict of a run.
 WARNINGS = ("module_never_ran", "input_never_came", "requirement_in_vain", "goal_in_obstacle")
-#: Where facts are that stand in no file.
+#: The location of facts that are not in a file.
 OBSERVED = point("<run>", 1, 1)
 _MOST = 2**31 - 1
-#: The unit of a number that says how often something was.
+#: The unit of a number of occurrences.
 _TIMES = "times"
-#: As much of an exception's text is shown.
+#: Maximal length of an exception's text in messages.
 _LONGEST = 200
 
 
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """A requirement, whether it held, and if not, why: the consequences that say so.
+    """A requirement with the consequences that violate it.
 
-    `undecided` are those that say why the run cannot show whether it holds.
+    `undecided` are the consequences by which the run ended too early to decide it.
     """
 
     name: str
@@ -75,12 +75,12 @@ class Requirement:
 
     @property
     def holds(self) -> bool | None:
-        """Return whether it held, or `None` where the run ended too early to show that."""
+        """Return whether the requirement holds, or None if the run ended too early."""
         return None if self.undecided and not self.violations else not self.violations
 
     @property
     def message(self) -> str:
-        """Return why it was violated or not decided, at most three times."""
+        """Return at most three reasons why it was violated or not decided."""
         reasons = self.violations or self.undecided
         more = " ..." if len(reasons) > 3 else ""
         return "; ".join(c.message for c in reasons[:3]) + more
@@ -88,7 +88,7 @@ class Requirement:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Every requirement, those that always apply first, and the warnings of a run."""
+    """The requirements, those that always apply first, and the warnings of a run."""
 
     requirements: tuple[Requirement, ...]
     warnings: tuple[Consequence, ...]
@@ -98,14 +98,14 @@ class Judgement:
 
     @property
     def verdict(self) -> Literal["pass", "fail", "not decided"]:
-        """Return `fail` where a requirement was violated, `pass` where all of them hold."""
+        """Return `fail` if a requirement was violated, `pass` if all requirements hold."""
         held = {requirement.holds for requirement in self.requirements}
         return "fail" if False in held else "not decided" if None in held else "pass"
 
     def traces(self) -> tuple[tuple[Consequence, Trace], ...]:
-        """Return why each violation and warning was found, down to lines of scenario and robot.
+        """Return each violation and warning with its trace to lines of scenario and robot.
 
-        What was observed has no line but, where it has one, an instant.
+        Observed facts have a time, if any, instead of a line.
         """
         given = GivenFacts(self.facts, self.rulebook.declarations)
         explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
@@ -116,10 +116,10 @@ class Judgement:
 
 
 def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
-    """Return the rules that judge a run, those of packs among them, and no others.
+    """Return only the rules that judge a run, with those of packs.
 
     Raises:
-        MarsError: what is wrong with packs.
+        MarsError: a pack has errors.
     """
     every = load_rulebook(packs, stages=("run",))
     declared = _stated_in(every)
@@ -143,7 +143,7 @@ def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
 
 
 def _stated_in(rulebook: Rulebook) -> frozenset[Signature]:
-    """Return the facts of the configuration that rules on a run are given."""
+    """Return the predicates of configuration facts that rules on runs may use."""
     kinds = (each for each in rulebook.brought if isinstance(each, AttributeKind))
     own = (each.declaration.signature._replace(name=each.predicate) for each in kinds)
     return frozenset((*GIVEN_TO_RUNS, *own))
@@ -162,11 +162,11 @@ def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
 def judge_facts(
     facts: Iterable[Fact], asked: Sequence[str], rulebook: Rulebook, span: Span
 ) -> Judgement:
-    """Judge facts of a run; `asked` are the requirements of the scenario."""
+    """Return the judgement of facts of a run; `asked` are the scenario's requirements."""
     facts = tuple(facts)
     analysis = analyse(facts, rulebook, span)
     named = {**ALWAYS, **{name: ON_REQUEST[name] for name in asked}}
-    # What a pack finds wrong with a run is a requirement of that name.
+    # Each kind of consequence of a pack is a requirement with its name.
     built_in = {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values(), *WARNINGS}
     named |= {kind: kind for kind in sorted(consequence_kinds(rulebook) - built_in)}
 
@@ -181,7 +181,7 @@ def judge_facts(
 
 
 def run_facts(trial: Trial) -> Iterator[Fact]:
-    """Yield what `rules/run` is given about a run: what was stated, and what was observed."""
+    """Yield the facts of a run for `rules/run`: stated ones and observed ones."""
     facts = tuple(_facts(trial))
     yield from facts
     yield from _written_numbers(facts)
@@ -217,7 +217,7 @@ def _facts(trial: Trial) -> Iterator[Fact]:
 
 
 def _at_work(trial: Trial) -> Iterator[Fact]:
-    """Yield how often modules ran and what came to their inputs."""
+    """Yield the numbers of runs of modules and of messages at their inputs."""
     executor, plan = trial.executor, trial.executor.plan
     for name, runs in executor.run_counts.items():
         yield _seen("obeyed_commands" if name in executor.effectors else "ran", name, runs)
@@ -229,7 +229,7 @@ def _at_work(trial: Trial) -> Iterator[Fact]:
 
 
 def _robots(trial: Trial) -> Iterator[Fact]:
-    """Yield the nearest approaches of robots, and the places that they did not reach."""
+    """Yield the names, contacts, clearances and missed goals of robots, and obstacles."""
     scenario = trial.scenario
     yield _seen("called", THING, "something")
     for robot in scenario.robots:
@@ -260,7 +260,7 @@ def _robots(trial: Trial) -> Iterator[Fact]:
 
 
 def _place_facts(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -> Iterator[Fact]:
-    """Yield how far the place that a robot is to reach is from fixed things and from its start."""
+    """Yield the gap of a goal to fixed obstacles, and whether the robot starts at it."""
     x, y = reach["at"]
     radius, place = reach.get("radius", 200.0), _reach_span(trial, robot)
     if dist((x, y), robot.start[:2]) <= radius:
@@ -271,7 +271,7 @@ def _place_facts(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -
 
 
 def _missed(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -> Iterator[Fact]:
-    """Yield by when a robot was to come to its place, and how near it came."""
+    """Yield the deadline of a missed goal, and the minimal distance of the robot from it."""
     scenario = trial.scenario
     within = reach.get("within", scenario.duration)
     yield _fact(_reach_span(trial, robot), "deadline", robot.name, _rounded(within * 1000))
@@ -279,7 +279,7 @@ def _missed(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -> Ite
     yield _seen("never_reached", robot.name, ended)
     x, y = reach["at"]
     distance, at = trial.nearest(robot)
-    # Whole millimetres are as much as a reader wants.
+    # Messages are clearer with whole millimetres.
     result = _rounded(round(distance) * 1000), _rounded(at * 1000)
     yield _seen("came_nearest", robot.name, _place_text(x, y), *result)
 
@@ -293,7 +293,7 @@ def _place_text(x: float, y: float) -> str:
 
 
 def _written_numbers(facts: Iterable[Fact]) -> Iterator[Fact]:
-    """Yield how the numbers of facts are written of which no sort says the unit."""
+    """Yield the texts, with units, of numbers whose unit depends on another argument."""
     numbers: dict[tuple[str, int], None] = {}
     for fact in facts:
         arguments = fact.atom.arguments
@@ -309,10 +309,7 @@ def _written_numbers(facts: Iterable[Fact]) -> Iterator[Fact]:
 
 
 def in_words(unit: str, number: int) -> str:
-    """Return how often something was, or a rate of a function: millimetres or degrees a second.
-
-    Of a grasp it is a width.
-    """
+    """Return a number of occurrences, or a rate (a width for a grasp) of a function, as text."""
     if unit == _TIMES:
         return {1: "once", 2: "twice"}.get(number, f"{number} times")
     if unit == GRASP:
@@ -321,12 +318,12 @@ def in_words(unit: str, number: int) -> str:
 
 
 def _decimal_text(number: int, decimals: int) -> str:
-    """Return an integer with its point moved to the left, and no zeros at its end."""
+    """Return `number / 10 ** decimals` as text, without zeros at the end."""
     return f"{Decimal(number).scaleb(-decimals).normalize():f}"
 
 
 def failure_text(failures: Failures) -> str:
-    """Return the first exception of a module: what, in which line, when, and with what inputs."""
+    """Return the first exception of a module as text, with its line, time and inputs."""
     lines = [f"at {_decimal_text(failures.at // 1000, 6)} s"]
     if failures.raised is not None:
         lines.insert(0, "{}:{}".format(*raised_at(failures)))
@@ -337,7 +334,7 @@ def failure_text(failures: Failures) -> str:
 
 
 def raised_at(failures: Failures) -> tuple[str | None, int | None]:
-    """Return the file and line of the first exception; the file as seen from here."""
+    """Return the file, relative to the current folder, and line of the first exception."""
     if failures.raised is None:
         return None, None
     path, line = Path(failures.raised[0]), failures.raised[1]
@@ -378,10 +375,9 @@ def _control(trial: Trial) -> Iterator[Fact]:
 
 
 def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterator[Fact]:
-    """Yield whom an arbiter forwarded while a message of another controller was in force there.
+    """Yield each period in which an arbiter forwarded one controller and another was in force.
 
-    Both are in the order of time, so what met is found in one pass, and rules need not compare each
-    with each.
+    Both lists are ordered by time, so one pass finds the overlaps; rules would compare all pairs.
     """
     changes = [(h.since, h.through) for h in arbiter.holdings] + [(now, "")]
     held = [
@@ -404,7 +400,7 @@ def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterat
 
 
 def _contacts(trial: Trial, robot: ScenarioRobot, body: Body) -> Iterator[Fact]:
-    """Yield when a robot came into contact, with whom, and whom it obeyed up to then."""
+    """Yield each contact of a robot, and the command that it obeyed at that time."""
     commands = tuple(trial.commands(robot))
     starts = [since for since, *_ in commands]
     for at, other in zip(body.contacts, body.struck, strict=True):
@@ -439,7 +435,7 @@ def _limits(trial: Trial) -> Iterator[Fact]:
 
 
 def _functions(trial: Trial) -> Iterator[Fact]:
-    """Yield what each effector states that it can do, and what its simulated device can."""
+    """Yield the stated functions of each effector, and those of its simulated device."""
     modules = trial.executor.plan.modules
     for name in trial.executor.effectors:
         for function in modules[name].functions if name in modules else ():
@@ -453,7 +449,7 @@ def _milliseconds(time: int) -> int:
 
 
 def _rounded(number: float) -> int:
-    """Round to what clingo can hold: beyond 32 bits the greatest stands for more."""
+    """Round to an integer, clamped to the 32 bits of clingo."""
     return int(max(-_MOST, min(_MOST, round(number) if abs(number) < _MOST else number)))
 
 

@@ -1,9 +1,9 @@
-"""Modules of several functions as they run: one part for each output.
+"""Splitting of modules with several functions into one part for each output.
 
 A module with several outputs, or with an output beside commands or a sink, has a part for each
-output. It is named like the output, `Camera.image`, and a scenario binds it by that name. The
-commands and the sink of a module keep its own name. An input that several functions take, of one
-name and representation, feeds each of their parts.
+output. The part is named by the output, `Camera.image`, and a scenario binds it by that name. The
+commands and the sink of a module keep the module's name. An input that several functions share, by
+name and representation, feeds the part of each.
 """
 
 from collections.abc import Iterator, Mapping
@@ -23,9 +23,9 @@ from mars_asp.model.ports import DELIVERING, inputs, outputs
 def in_parts(
     specification: Configuration, modules: Mapping[str, Module]
 ) -> tuple[Configuration, dict[str, Module]]:
-    """Return a specification, its modules apart where they have several outputs, and all modules.
+    """Return a specification whose modules with several outputs are split, and all modules.
 
-    A line to an input that several of these functions take is one line for each.
+    A relationship with an input that several parts share becomes one for each part.
     """
     every = specification.with_declared(modules)
     split = {name: outputs(module) for name, module in every.items() if _has_parts(module)}
@@ -65,7 +65,7 @@ def _has_parts(module: Module) -> bool:
 def _split_lines(
     line: Relationship, every: Mapping[str, Module], split: Mapping[str, Mapping[str, int]]
 ) -> Iterator[Relationship]:
-    """Yield the lines between parts that a line is split into."""
+    """Yield the relationships between parts that replace a relationship."""
     if not isinstance(line, Data):
         yield line
         return
@@ -83,11 +83,11 @@ def _split_lines(
 def _fed_parts(
     line: Data, client: Module, split: Mapping[str, int]
 ) -> Iterator[tuple[str, str | None]]:
-    """Yield the parts of its client that a line feeds, and the name of the input of each."""
+    """Yield each part of the client that a relationship feeds, with the input of the part."""
     known = inputs(client)
     named = line.client_port or (next(iter(known)) if len(known) == 1 else None)
     if named is None or named not in known:
-        # Nothing decides which part it is for: the plan reports it.
+        # The part is ambiguous; the plan reports the error.
         yield line.client, line.client_port
         return
     ports = {number: port for port, number in split.items()}

@@ -1,4 +1,4 @@
-"""What links promised to deliver in the time that passed, and what they delivered."""
+"""Link statistics: the promised and the delivered messages of each data link in a run."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,11 +12,11 @@ from mars_asp.execution.trial import Trial
 
 @dataclass(frozen=True, slots=True)
 class LinkStats:
-    """A data link: how many messages it promised, how many came, and how often (Hz) that is.
+    """A data link with its promised and delivered messages and the delivered rate `hz`.
 
-    Both are counted over whole periods, from when stated delays let the first message through, and
-    where messages are repeated, from the first one. `promised` is None where no rate is required,
-    or no message came that could be repeated.
+    Messages are counted over whole periods. These begin when stated delays allow the first message,
+    or with the first message if messages are repeated. `promised` is None if no rate is required,
+    or if no message came that could be repeated.
     """
 
     number: int
@@ -27,7 +27,7 @@ class LinkStats:
 
 
 def promises(trial: Trial) -> Iterator[LinkStats]:
-    """Yield the promise of each data link, in the order of the specification."""
+    """Yield the statistics of each data link, in the order of the specification."""
     plan, now, begins = trial.executor.plan, trial.executor.schedule.now, _begins(trial)
     for number, link in enumerate(trial.executor.links):
         if link.kind != "data":
@@ -38,21 +38,21 @@ def promises(trial: Trial) -> Iterator[LinkStats]:
             begin = min(round(begins[link]), now)
             promised = floor(Fraction(now - begin) * hz / SECOND)
             end = begin + promised * SECOND / hz
-        # A message at the very end belongs to the period that begins there.
+        # A message exactly at the end belongs to the next period.
         count = link.before(end)
         seconds = float(end - begin) / SECOND
         yield LinkStats(number, link, promised, count, count / seconds if seconds else 0.0)
 
 
 def _begins(trial: Trial) -> dict[Link, float]:
-    """Return the instant (ns) from which each link can deliver what it promises, inf if never.
+    """Return the time (ns) from which each link can deliver at its promised rate, inf if never.
 
-    Delays that the scenario states hold back the results of a module, and a splitter that repeats
-    has no message before the first.
+    Stated delays of the scenario delay the results of a module; a splitter that repeats messages
+    has to receive one first.
     """
     plan = trial.executor.plan
     begins: dict[Link, float] = {}
-    #: The instants of the first deliveries.
+    #: The times of the first deliveries.
     first: dict[Link, float] = {}
     for name in sorted(plan.names, key=lambda name: plan.data_depth[name]):
         delay = round(float(trial.scenario.bindings.get(name, {}).get("delay", 0.0)) * MILLISECOND)

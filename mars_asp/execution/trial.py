@@ -1,4 +1,4 @@
-"""A specification in a scenario: world, robot, devices and executor, put together and run."""
+"""The run of a specification in a scenario, with its world, robots, devices and executor."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -35,16 +35,17 @@ from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.execution.simulator.motion import Point
 from mars_asp.model.declarations import GRASP, Configuration, Function, Module
 
-#: So many places are tried for a circle.
+#: Maximal number of random positions that are tried for a circle.
 _TRIES = 10_000
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A run: `executor` and `bodies`, in the order of the scenario's robots, hold what happened.
+    """A run, recorded in `executor` and in `bodies`, which have the order of the scenario's robots.
 
-    `limits` are rates by module, `joints` the simulated joints and grippers by module, `moves` the
-    functions that each simulated device carries out, `remarks` warnings about the scenario.
+    `limits` are the maximal rates by module and function, `joints` the simulated joints and
+    grippers by module, `moves` the functions of each simulated device, `remarks` the warnings about
+    the scenario.
     """
 
     scenario: Scenario
@@ -56,9 +57,9 @@ class Trial:
     remarks: tuple[Diagnostic, ...] = ()
 
     def run_until(self, seconds: float) -> None:
-        """Run events and motion up to a time."""
+        """Run events and motion up to a time in seconds."""
         self.executor.step_until(round(seconds * SECOND))
-        self.bodies[0].advance(seconds)  # and all others with it
+        self.bodies[0].advance(seconds)  # moves all bodies
         for joint in self.joints.values():
             joint.advance(seconds)
 
@@ -69,12 +70,12 @@ class Trial:
 
     @property
     def collisions(self) -> int:
-        """Return how often a robot came into contact; of two with each other once."""
+        """Return the number of contacts; one of two robots with each other counts once."""
         return len(self.contacts)
 
     @property
     def contacts(self) -> list[tuple[float, Body, str]]:
-        """Return when (s) which robot came into contact with whom; two with each other once."""
+        """Return the seconds, the robot and the other robot or `THING` of each contact."""
         names = {body.name: k for k, body in enumerate(self.bodies)}
         found = [
             (at, body, other)
@@ -86,12 +87,12 @@ class Trial:
 
     @property
     def clearance(self) -> float:
-        """Return the least clearance (mm) of any robot; inf where nothing was to come near to."""
+        """Return the minimal clearance (mm) of all robots; inf if the world has no obstacle."""
         return min(body.clearance for body in self.bodies)
 
     @property
     def control_time(self) -> dict[str, float]:
-        """Return for how many seconds each module's command was in force at a robot."""
+        """Return for how many seconds each module controlled a robot, summed over all robots."""
         times: defaultdict[str, float] = defaultdict(float)
         for robot in self.scenario.robots:
             for name, seconds in self.times_in_control(robot).items():
@@ -99,7 +100,7 @@ class Trial:
         return dict(sorted(times.items()))
 
     def times_in_control(self, robot: ScenarioRobot) -> dict[str, float]:
-        """Return for how many seconds a robot obeyed each module."""
+        """Return for how many seconds each module controlled a robot."""
         times: defaultdict[str, float] = defaultdict(float)
         for since, until, origin, _ in self.commands(robot):
             if origin:
@@ -107,7 +108,7 @@ class Trial:
         return times
 
     def together(self, first: str, second: str) -> tuple[float, float]:
-        """Return for how many seconds two functions ran at once, anywhere, and since when first."""
+        """Return the seconds in which two functions overlap, and when they first do."""
         changes = sorted(
             (at, number, step)
             for number, function in enumerate((first, second))
@@ -124,7 +125,7 @@ class Trial:
         return total, began
 
     def _runs(self, function: str) -> Iterator[tuple[float, float]]:
-        """Yield from when until when (s) effectors ran a function, and grippers moved."""
+        """Yield begin and end, in seconds, of each period in which an effector ran a function."""
         for name, effector in self.executor.effectors.items():
             if function == GRASP and name in self.joints:
                 yield from self.joints[name].moved
@@ -136,7 +137,7 @@ class Trial:
     def commands(
         self, robot: ScenarioRobot
     ) -> Iterator[tuple[float, float, str, dict[str, float]]]:
-        """Yield from when (s) until when a robot obeyed which module, and its command."""
+        """Yield begin, end, module and command of each command that a robot obeyed."""
         effector = self.executor.effectors.get(robot.module)
         if effector is not None:
             yield from self._obeyed(effector)
@@ -147,7 +148,7 @@ class Trial:
             yield since / SECOND, until / SECOND, origin, command
 
     def reached(self, robot: ScenarioRobot) -> float | None:
-        """Return when (s) a robot first came to the place that it was to reach, in time."""
+        """Return when, in seconds, a robot reached its `reach` goal, or None if not in time."""
         place, radius, within = _to_reach(robot)
         for stretch, until in self._body(robot).stretches:
             if stretch.since > within:
@@ -158,7 +159,7 @@ class Trial:
         return None
 
     def nearest(self, robot: ScenarioRobot) -> tuple[float, float]:
-        """Return how near (mm) a robot came to the place it was to reach, in time, and when."""
+        """Return the minimal distance (mm) of a robot from its `reach` goal in time, and when."""
         place, _, within = _to_reach(robot)
         return min(
             stretch.nearest(place, min(until, within))
@@ -175,15 +176,15 @@ class Trial:
 
     @property
     def coverage(self) -> float:
-        """Return the share of squares that robots' centres were in."""
+        """Return the share of squares that the robots' centres visited."""
         return self.coverages[1]
 
     @property
     def coverages(self) -> tuple[float, float]:
-        """Return the shares of squares that robots' centres were in at the start and in all.
+        """Return the share of squares with a robot's centre at the start, and in the whole run.
 
-        Squares, as wide as the widest robot, lie side by side in the rectangle around all walls,
-        whole ones alone.
+        The squares are as wide as the widest robot and fill the rectangle around all walls, except
+        for a rest at two sides.
         """
         segments = self.bodies[0].world.segments
         size = 2 * max(body.radius for body in self.bodies)
@@ -202,7 +203,7 @@ class Trial:
 
         def passed() -> Iterator[Pose]:
             for stretch, until in (each for body in self.bodies for each in body.stretches):
-                # Between two times at which it passes a line, it is in one square.
+                # Between two crossings of lines, the centre is in one square.
                 times = {stretch.since, until}
                 for axis in (0, 1):
                     times.update(stretch.crossings(axis, size, float(low[axis]), until))
@@ -213,7 +214,7 @@ class Trial:
 
 
 def _to_reach(robot: ScenarioRobot) -> tuple[Point, float, float]:
-    """Return the place that a robot is to reach, how near (mm) is enough, and until when (s)."""
+    """Return the `reach` goal of a robot: its centre, radius (mm) and deadline in seconds."""
     asked = robot.reach or {}
     x, y = asked["at"]
     return (x, y), asked.get("radius", 200.0), asked.get("within", inf)
@@ -225,10 +226,10 @@ def stage_trial(
     scenario: Scenario,
     observe: Observer | None = None,
 ) -> Trial:
-    """Put a run together; nothing has happened yet.
+    """Return a run at its start, before the first event.
 
     Raises:
-        MarsError: what is unbound or cannot be used, all at once.
+        MarsError: with all mistakes of the scenario, such as unbound modules.
     """
     scenario = bind_kinds(scenario, specification)
     specification, every = in_parts(specification, modules)
@@ -259,7 +260,7 @@ def stage_trial(
 def _body(
     robot: ScenarioRobot, world: World, up: str, limits: Mapping[str, Mapping[str, float]]
 ) -> Body:
-    """Return a robot where it starts."""
+    """Return the body of a robot at its start."""
     ramps = {
         function: Ramp(float(up), float(robot.deceleration.get(function, up)))
         for function, up in robot.acceleration.items()
@@ -276,7 +277,7 @@ def _body(
 
 
 def _check_starts(bodies: Sequence[Body], scenario: Scenario) -> None:
-    """Refuse robots that start in something solid: they would have to be let out first."""
+    """Raise MarsError for each robot that starts in an obstacle or another robot."""
     problems = []
     for k, body in enumerate(bodies):
         gaps = [(body.gap(), "something solid")]
@@ -297,10 +298,10 @@ def _check_starts(bodies: Sequence[Body], scenario: Scenario) -> None:
 
 
 def make_world(scenario: Scenario) -> World:
-    """Build the world; scattered circles are drawn from the seed.
+    """Return the world of a scenario; scattered circles depend on the seed.
 
     Raises:
-        MarsError: it has no room for them.
+        MarsError: there is no room for the scattered circles.
     """
     world = scenario.world
     circles = [Circle((x, y), float(r)) for x, y, r in world.get("circles", ())]
@@ -323,12 +324,12 @@ def _point(at: Any) -> tuple[float, float]:
 
 
 def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circle]:
-    """Yield circles, the last `moving` of them moving.
+    """Yield random circles; the last `moving` ones move.
 
-    They leave `free` mm around each start, each place to reach and each mark.
+    They keep a distance of `free` mm from each start, each `reach` goal and each mark.
 
     Raises:
-        MarsError: there is no room for as many.
+        MarsError: there is no room for all circles.
     """
     random = Random(f"{scenario.seed}/world")
     within, free = scatter.get("within", 4000.0), scatter.get("free", 600.0)
@@ -358,7 +359,7 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
 
 
 def _limit(function: Function) -> float | None:
-    """Return how fast a function may be commanded; of a grasp, how wide."""
+    """Return the maximal rate of a function (of a grasp its maximal width), or None."""
     limit = function.max if function.name == GRASP else function.rate
     return None if limit is None else float(limit)
 

@@ -1,1 +1,1 @@
-"""Answers to editors: each a pure function of texts and of what an analysis found."""
+"""Answers to editors: pure functions of texts and results of analyses."""

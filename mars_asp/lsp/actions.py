@@ -10,15 +10,15 @@ from mars_asp.lsp.robot import EditorFinding
 from mars_asp.spelling import nearest
 
 _MEANT = re.compile(r"did you mean `([^`\n]+)`\?")
-#: Less alike words were not misspelt.
+#: Minimal similarity of a misspelling.
 _ALIKE = 0.6
 _LONGEST = 100
 
 
 class QuickFix(NamedTuple):
-    """A change that removes findings: its title and its edits.
+    """A quick fix: its title and its edits.
 
-    `removes` is the title of the finding; `is_sole` is whether the finding has no other repair.
+    `removes` is the title or code of the finding; `is_sole` is whether it is the only repair.
     """
 
     title: str
@@ -30,7 +30,7 @@ class QuickFix(NamedTuple):
 def actions_at(
     actions: Iterable[QuickFix], found: Iterable[EditorFinding]
 ) -> Iterator[tuple[EditorFinding, QuickFix]]:
-    """Yield the changes that remove findings, each with its finding."""
+    """Yield each quick fix in `actions` that removes one of the findings, with the finding."""
     by_title: dict[str, list[QuickFix]] = {}
     for action in actions:
         by_title.setdefault(action.removes, []).append(action)
@@ -40,7 +40,7 @@ def actions_at(
 
 
 def fix_actions(found: Iterable[EditorFinding]) -> Iterator[tuple[EditorFinding, QuickFix]]:
-    """Yield the safe fixes of findings, which `rules lint --fix` makes, each with its finding."""
+    """Yield the safe fixes of findings, as of `rules lint --fix`, each with its finding."""
     for finding in found:
         if finding.fixes:
             written = " and ".join(f"`{each.text}`" for each in finding.fixes if each.text)
@@ -75,13 +75,13 @@ def line_edits(texts: dict[str, Text], lines: Iterable[LineEdit]) -> Iterator[Te
             continue
         start, end = text.position(each.line, 1), text.position(each.line, len(each.old) + 1)
         if each.new is None and each.line < len(text.lines):
-            # The line goes with its end.
+            # Delete the line with its line end.
             end = Position(each.line, 0)
         yield TextEdit(Place(each.path, Range(start, end)), each.new or "")
 
 
 def _inserted(text: Text, edit: LineEdit) -> TextEdit:
-    """Return the edit that inserts lines; of a file without a last line end it makes one."""
+    """Return the edit that inserts lines; it adds a missing line end before them."""
     new = edit.new or ""
     if edit.where == "before":
         start = text.position(edit.line, 1)

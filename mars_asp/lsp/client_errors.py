@@ -1,4 +1,4 @@
-"""Errors in messages of a client, which it gets as answers, and bounds on these messages."""
+"""Checks of the messages of a client: errors are reported to it, and sizes are limited."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.protocol import LanguageServerProtocol, default_converter
 
-#: Bytes of a message, far above those of any text, and of a line before one.
+#: Maximal bytes of a message, far above those of any text, and of a header line.
 MOST_BYTES = 128 * 1024 * 1024
 _MOST_LINE = 4096
 _TOO_LARGE = b'"too large"'
@@ -27,7 +27,7 @@ _ABOUT_OPEN = (
 
 @dataclass(eq=False)
 class ClientError(Exception):
-    """A message that cannot be answered: the request that it is, if any, a code, and the reason."""
+    """An invalid message: the id of its request, or None, the error code and the reason."""
 
     request: int | str | None
     code: int
@@ -35,16 +35,16 @@ class ClientError(Exception):
 
 
 class BoundedInput:
-    """The input from a client; messages that are too large, or without a length, are replaced."""
+    """The input from a client; messages that are too large or have no length are replaced."""
 
     def __init__(self, file: BinaryIO) -> None:
-        """Take the file that messages are read from."""
+        """Set the file that messages are read from."""
         self._file = file
         self._lines: deque[bytes] = deque()
         self._body: bytes | None = None
 
     def readline(self) -> bytes:
-        """Return the next line before a message; nothing at the end."""
+        """Return the next header line, or an empty one at the end of the file."""
         if self._lines:
             return self._lines.popleft()
         line = self._file.readline(_MOST_LINE)
@@ -55,7 +55,7 @@ class BoundedInput:
         if name == b"content-length":
             if not (number.isdigit() and len(number) < 16 and int(number)):
                 return self._substitute(_NO_LENGTH)
-            # The header may have other capitals.
+            # Normalise the case of the header.
             return b"Content-Length: %d\r\n" % int(number)
         return line if line.strip() else b"\r\n" * bool(line)
 
@@ -65,7 +65,7 @@ class BoundedInput:
         return b"Content-Length: %d\r\n" % len(body)
 
     def read_message(self, size: int) -> bytes:
-        """Return a message, or a mark for one that is too large."""
+        """Return a message, or the replacement of an invalid one."""
         if self._body is not None:
             body, self._body = self._body, None
             return body
@@ -75,7 +75,7 @@ class BoundedInput:
             size -= len(part)
         return _TOO_LARGE
 
-    #: Called so by pygls.
+    #: The name that pygls calls.
     read = read_message
 
 
@@ -104,7 +104,7 @@ class CheckedProtocol(LanguageServerProtocol):
     _is_begun = False
 
     def structure_message(self, data: dict[str, Any]) -> Any:
-        """Return a message as a value."""
+        """Return a message of JSON as a value of the protocol."""
         if "jsonrpc" in data:
             identity, method = data.get("id", 0), data.get("method", "")
             if isinstance(identity, bool) or not isinstance(identity, int | str):
@@ -122,7 +122,7 @@ class CheckedProtocol(LanguageServerProtocol):
             raise ClientError(data.get("id"), code, message) from error
 
     def handle_message(self, message: Any) -> None:
-        """Answer a message, if it may come now."""
+        """Handle a message, or raise `ClientError` if the protocol forbids it now."""
         method, request = getattr(message, "method", None), getattr(message, "id", None)
         invalid = types.ErrorCodes.InvalidRequest
         if getattr(message, "jsonrpc", None) != self.VERSION:

@@ -1,4 +1,4 @@
-"""What may stand at a place: words, modules, ports, modes, functions, predicates."""
+"""Completion items: keywords, modules, ports, modes, functions, predicates."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -22,15 +22,15 @@ _NAME = f"(?:{BARE}|{QUOTED})"
 _PORT = re.compile(rf"(?:^|[\s,])(?P<module>{_NAME})\.(?P<port>[\w/-]*)$")
 _ANNOTATION = re.compile(r"@(?P<word>[A-Za-z]\w*)[ \t]+(?P<rest>.*)$")
 _WITH_MODES = ("Sense", "DataOut")
-#: A word that is typed, seen from its end.
+#: The word before the cursor, in a reversed line.
 _BACKWARDS = re.compile(r"[\w/-]*+@?")
-#: More are not shown at once: they would take longer to send than people wait.
+#: Maximal number of items: sending more would take too long.
 _MOST = 200
 _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 
 
 class Completion(NamedTuple):
-    """What may stand at a place, and what is said of it; `text` replaces what is typed of it."""
+    """A completion item: its label, kind and documentation; `text` replaces the typed prefix."""
 
     label: str
     sort: Sort
@@ -39,9 +39,9 @@ class Completion(NamedTuple):
 
 
 class Completions(NamedTuple):
-    """What may stand at a place, and the stretch before it that is typed already.
+    """The completion items at a position, and the range of the prefix that is typed already.
 
-    `is_whole` is whether nothing is left out that begins otherwise, or for there being too much.
+    `is_whole` is False if items are left out because there are too many.
     """
 
     items: tuple[Completion, ...]
@@ -63,7 +63,7 @@ def completion(scene: DocumentContext, position: Position) -> Completions:
 
 
 def rule_completion(here: RuleText, rules: Rules, position: Position) -> Completions:
-    """Return the predicates, or the keys of metadata, that may stand at a place of rules."""
+    """Return the predicates, or after `%!` the metadata keys, that complete a file of rules."""
     before = here.text.line_before(position)
     if re.match(r"\s*%!\s*[a-z]*$", before):
         keys = (Completion(k, "keyword", w.meaning, f"{k}: ") for k, w in METADATA.items())
@@ -107,7 +107,7 @@ def _typed(items: Iterable[Completion], text: Text, position: Position) -> Compl
 
 
 def _annotations(before: str, in_source: bool) -> Iterator[Completion]:
-    """Yield words of annotations, and what stands behind one of them."""
+    """Yield the keywords of annotations, or the modes or functions that follow a keyword."""
     match = _ANNOTATION.search(before)
     if match is None:
         if not in_source or "@" in before:
@@ -153,7 +153,7 @@ def _statement(scene: DocumentContext, before: str) -> Iterator[Completion]:
         yield from _relationship(scene, done)
 
 
-#: What begins a block in a configuration.
+#: The annotations that begin a block in a configuration.
 ANNOTATED_BLOCK = ("module_start",)
 
 
@@ -182,7 +182,7 @@ def _keywords(*names: str, of: Mapping[str, object] = STATEMENTS) -> Iterator[Co
 
 
 def _modules(scene: DocumentContext) -> Iterator[Completion]:
-    """Yield the modules that the file and what it includes name, and those of its sources."""
+    """Yield the modules that the file, its includes or its sources name."""
     names = {each.name: "" for each in scene.here.mentions if each.role != "line"}
     for robot in scene.robots:
         own = next(file for file in robot.files if file.path == scene.here.text.path)
@@ -202,7 +202,7 @@ def _modules(scene: DocumentContext) -> Iterator[Completion]:
 
 
 def _within(prefix: str, name: str) -> str | None:
-    """Return a name of a robot as an included file has it, or None if it is of another file."""
+    """Return a module name without the prefix of an include, or None if it has another prefix."""
     if not prefix:
         return name
     for before, own in ((f"{prefix}/", ""), (f"/{prefix}/", "/")):

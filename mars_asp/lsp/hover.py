@@ -1,6 +1,6 @@
 """Hover texts: the finding, the module, the port, the predicate or the keyword at a location.
 
-Answers are Markdown.
+The texts are Markdown.
 """
 
 import re
@@ -29,7 +29,7 @@ class Hover(NamedTuple):
 def hover(scene: DocumentContext, position: Position, traces: Mapping[str, str]) -> Hover | None:
     """Return the hover text at a location of a `.mars` file or a source, or None.
 
-    `traces` are short explanations of findings, by their titles, as far as they are there.
+    `traces` are the known short explanations of findings, by their titles.
     """
     mention = scene.here.at(position)
     parts = [finding_text(each, traces) for each in scene.found_at(position)]
@@ -73,7 +73,7 @@ def word_text(word: KeywordDoc) -> str:
 
 
 def finding_text(finding: EditorFinding, traces: Mapping[str, str]) -> str:
-    """Return a finding with its short trace, where that is known."""
+    """Return the text of a finding, with its short trace if that is known."""
     lines = [f"**{finding.severity}**: {markdown(finding.message)} `[{finding.code}]`"]
     texts = (finding.effect, finding.help and f"help: {finding.help}")
     lines += [markdown(each) for each in texts if each]
@@ -84,7 +84,7 @@ def finding_text(finding: EditorFinding, traces: Mapping[str, str]) -> str:
 def module_texts(
     scene: DocumentContext, mention: Occurrence, position: Position
 ) -> tuple[str, str]:
-    """Return a module or its port as annotations describe it, and the module's consequences."""
+    """Return the annotations of a module or its port, and the module's consequences."""
     robot, file = next(scene.own_files(), (None, None))
     if robot is None or file is None:
         return "", ""
@@ -113,7 +113,7 @@ def _port_text(described: Described, name: str, is_output: bool) -> str:
 
 
 def _word(scene: DocumentContext, text: str, place: Range) -> KeywordDoc | None:
-    """Return the word of the language that is at a place."""
+    """Return the keyword in a range, or None if the word is not a keyword there."""
     is_inside = any(
         first <= place.start.line + 1 <= last for first, last in scene.here.blocks
     ) or not is_configuration(scene.here.text.path)
@@ -121,7 +121,7 @@ def _word(scene: DocumentContext, text: str, place: Range) -> KeywordDoc | None:
         return ANNOTATIONS.get(text[1:]) or (None if is_inside else STATEMENTS.get(text))
     line = scene.here.text.lines[place.start.line]
     if is_inside:
-        # In code a word of ours is another's.
+        # Outside of annotations, the word is code of another language.
         is_ours = re.search(r"@[A-Za-z]", line[: place.start.character]) is not None
         named = ANNOTATIONS.get(text) if re.match(r"(?:Rotn|Trans)_|Grasp", text) else None
         return (MODES.get(text) or named) if is_ours else None

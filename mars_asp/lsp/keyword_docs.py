@@ -1,6 +1,6 @@
-"""What each word of the language and of annotations means, in a sentence, and how it is written.
+"""The syntax and meaning, in a sentence, of each keyword of `.mars` files and annotations.
 
-A test holds that no word of the language, of annotations, or of modes is left out.
+A test ensures that all keywords of the language, of annotations and of modes are listed.
 """
 
 from collections.abc import Mapping
@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 
 class KeywordDoc(NamedTuple):
-    """A word: how it is written with what belongs to it, and what it means."""
+    """A keyword: its syntax with arguments, and its meaning."""
 
     written: str
     meaning: str
 
 
-#: The words of a `.mars` file.
+#: The keywords of a `.mars` file.
 STATEMENTS: Mapping[str, KeywordDoc] = {
     "@configuration": KeywordDoc(
         "@configuration [flat | hierarchical] [period MS]",

@@ -1,4 +1,4 @@
-"""Lenses above modules: the number of consequences about each, and the nodes that it needs."""
+"""Lenses above modules: the number of consequences and the introduced nodes of a module."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -7,12 +7,12 @@ from mars_asp.lsp.places import Range
 from mars_asp.lsp.robot import DocumentContext, EditorRobot
 from mars_asp.output import counted
 
-#: So many nodes are named; of others there is their number.
+#: Up to this number nodes are named, more are counted.
 _MOST_NAMED = 3
 
 
 class Lens(NamedTuple):
-    """The text above a line, and its module; `None` for the whole robot."""
+    """The text above a line, and its module, or None for the whole robot."""
 
     title: str
     range: Range
@@ -36,7 +36,7 @@ def lenses(scene: DocumentContext) -> Iterator[Lens]:
                 title = _lens_title(robot, name)
                 if title:
                     yield Lens(f"{each.name}: {title}", each.range, robot.path, name)
-            # A file that is included twice has its names once.
+            # A file that is included twice shows each lens once.
             break
 
 
@@ -53,7 +53,7 @@ def _lens_title(robot: EditorRobot, name: str) -> str:
 
 
 def _summary(scene: DocumentContext, robot: EditorRobot) -> str:
-    """Return how much was found in the robot, and how many nodes its specification adds."""
+    """Return the numbers of consequences, errors, warnings and introduced nodes as a text."""
     found = {title for titles in robot.consequences.values() for title in titles}
     parts = [counted(len(found), "consequence")]
     for severity in ("error", "warning"):

@@ -1,6 +1,6 @@
-"""The modules that a text names, wherever it can be read: a text that is being typed is wrong.
+"""The occurrences of module names in a text, which may have errors while it is typed.
 
-Of a `.mars` file they stand in its lists, its lines and its blocks, of a source in `@module_name`.
+A `.mars` file names modules in lists, relationships and module blocks, a source in `@module_name`.
 """
 
 import re
@@ -19,7 +19,7 @@ from mars_asp.language.tokens import Token, tokens_of
 from mars_asp.lsp.places import MOST_CHARACTERS, Position, Range, Text
 from mars_asp.model.names import BARE, QUOTED, plain, read_name
 
-#: Where a module is named: in `@modules`, behind a `:` there, in `@module_name`, or in a line.
+#: Context of a module name: `@modules`, after a `:` in it, `@module_name`, or another statement.
 Role: TypeAlias = Literal["listed", "describing", "annotated", "line"]
 VERBS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
 _END = re.compile(rf"({BARE}|{QUOTED})(?:\.({BARE}|{QUOTED})?)?")
@@ -34,7 +34,7 @@ _CONVERSION = re.compile(
 
 
 class PortOccurrence(NamedTuple):
-    """The port of a module where it is named; `is_output` is whether it delivers."""
+    """An occurrence of a port; `is_output` is whether it is an output."""
 
     name: str
     range: Range
@@ -42,9 +42,9 @@ class PortOccurrence(NamedTuple):
 
 
 class Occurrence(NamedTuple):
-    """A module where it is named, and the port that is named with it.
+    """An occurrence of a module, with its port if one is named.
 
-    `described` is the module that is said to describe it there.
+    `described` is the describing module, `Camera` of `left: Camera`.
     """
 
     name: str
@@ -55,16 +55,16 @@ class Occurrence(NamedTuple):
 
 
 class DocumentOutline(NamedTuple):
-    """The modules that a text names, in its order; `blocks` are lines of blocks, from 1."""
+    """The occurrences in a text, in order; `blocks` are first and last lines of blocks, from 1."""
 
     text: Text
     mentions: tuple[Occurrence, ...]
     blocks: tuple[tuple[int, int], ...] = ()
-    #: Where the configuration begins.
+    #: The range of `@configuration` or `@specification`.
     header: Range | None = None
 
     def at(self, position: Position) -> Occurrence | None:
-        """Return the module that is named at a position, alone or with its port."""
+        """Return the occurrence whose module name or port contains a position, or None."""
         for each in self.mentions:
             end = each.range.end if each.port is None else each.port.range.end
             if each.range.start <= position <= end:
@@ -74,7 +74,7 @@ class DocumentOutline(NamedTuple):
 
 @lru_cache(maxsize=16)
 def outline(path: str, written: str) -> DocumentOutline:
-    """Return the occurrences of names in a `.mars` file or a source."""
+    """Return the occurrences of modules in a `.mars` file or a source; none if it is too large."""
     text = Text(path, written)
     if len(written) > MOST_CHARACTERS:
         return DocumentOutline(text, ())
@@ -89,12 +89,12 @@ def is_configuration(path: str) -> bool:
 
 
 def language_of(path: str) -> str | None:
-    """Return the language of an annotated source, or None if it is of no known one."""
+    """Return the programming language of a source, or None if its suffix is unknown."""
     return LANGUAGES.get(Path(path).suffix.lower())
 
 
 def annotated(text: Text) -> Iterator[tuple[Source, Directive]]:
-    """Yield the annotations of a source that are spelt right."""
+    """Yield each correctly spelt annotation of a source, with the source."""
     language = language_of(text.path)
     if language is None:
         return
@@ -116,7 +116,7 @@ def _of_source(text: Text) -> Iterator[Occurrence]:
 
 
 class _Named(NamedTuple):
-    """A module where a statement names it, by offsets in the statement; so is its port."""
+    """A module name in a statement, with its port; all offsets count from the statement's begin."""
 
     name: str
     begin: int
@@ -171,7 +171,7 @@ def _in_blocks(text: Text, blocks: Sequence[tuple[int, int]]) -> Iterator[Occurr
 
 
 def _in_comments(text: Text, layout: Layout) -> Iterator[Occurrence]:
-    """Yield the modules that comments of nodes name, which are part of a specification."""
+    """Yield the modules named in comments of introduced nodes, which belong to a specification."""
     if not re.search(r"(?:InheritanceNode|DataTransformer)[0-9]", layout.text):
         return
     for number, line in enumerate(text.lines, 1):
@@ -182,7 +182,7 @@ def _in_comments(text: Text, layout: Layout) -> Iterator[Occurrence]:
 
 @lru_cache(maxsize=1 << 14)
 def _modules_of_statement(statement: str) -> tuple[_Named, ...]:
-    """Return the modules of a statement; an edit leaves nearly all statements as they are."""
+    """Return the modules that a statement names; cached, as an edit changes few statements."""
     layout = Layout("", statement, statement, (0,))
     tokens = tokens_of(layout, 0, len(statement))
     if tokens[0].text == "@modules":
@@ -204,7 +204,7 @@ def _in_list(tokens: Sequence[Token]) -> Iterator[_Named]:
 
 
 def _in_line(tokens: Sequence[Token]) -> Iterator[_Named]:
-    """Yield the modules of a relationship; of a line without a verb the first alone."""
+    """Yield the modules of a relationship, or the first word of a line without a verb."""
     yield from _end(tokens[0], is_output=False)
     at = next((n for n, each in enumerate(tokens) if each.text in VERBS), None)
     if at is None:

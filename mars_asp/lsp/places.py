@@ -1,6 +1,6 @@
-"""Places in texts as editors count them: lines and columns from 0, columns in UTF-16 units.
+"""Positions in texts as editors count them: from 0, with columns in UTF-16 units.
 
-Our own spans count code points from 1 and no byte order mark.
+In contrast, a `Span` counts code points from 1, without the byte order mark.
 """
 
 from dataclasses import dataclass
@@ -17,54 +17,54 @@ MOST_CHARACTERS = 1_000_000
 
 
 class Position(NamedTuple):
-    """A place between two characters of a text."""
+    """A position between two characters of a text: line and UTF-16 column, from 0."""
 
     line: int
     character: int
 
 
 class Range(NamedTuple):
-    """A stretch of a text; its end is the first position behind it."""
+    """A range of a text; `end` is the position after its last character."""
 
     start: Position
     end: Position
 
     def holds(self, position: Position) -> bool:
-        """Whether a position is inside, or at one of the two ends."""
+        """Whether a position is in the range, both ends included."""
         return self.start <= position <= self.end
 
     def meets(self, other: "Range") -> bool:
-        """Whether the two have a position in common."""
+        """Whether the two ranges share a position, ends included."""
         return self.start <= other.end and other.start <= self.end
 
 
-#: Whatever is in no line is placed here.
+#: The location of findings without a line.
 START = Range(Position(0, 0), Position(0, 0))
 
 
 class Place(NamedTuple):
-    """A stretch of a file."""
+    """A range in a file."""
 
     path: str
     range: Range
 
 
 class TextEdit(NamedTuple):
-    """A stretch of a file and what is put in its place."""
+    """A range in a file and the text that replaces it."""
 
     place: Place
     text: str
 
 
 class ChangedLines(NamedTuple):
-    """The lines of an older text from `first` to before `end` are others now; later ones moved."""
+    """The changed lines of an older text, from `first` to before `end`."""
 
     first: int
     end: int
     moved_by: int
 
     def moved(self, found: Range) -> Range | None:
-        """Return the range in the newer text, or None if it has a changed line."""
+        """Return a range of the older text in the newer one, or None if a line changed."""
         if found.end.line < self.first:
             return found
         if found.start.line < self.end:
@@ -75,7 +75,7 @@ class ChangedLines(NamedTuple):
 
 @lru_cache(maxsize=4)
 def changed_lines(before: str, now: str) -> ChangedLines:
-    """Return the smallest block of lines of a text that an edit can have replaced."""
+    """Return the smallest block of lines that turns the first text into the second."""
     old, new = plain_lines(before).split("\n"), plain_lines(now).split("\n")
     pairs = enumerate(zip(old, new, strict=False))
     first = next((n for n, (a, b) in pairs if a != b), min(len(old), len(new)))
@@ -93,7 +93,7 @@ class Text:
 
     @cached_property
     def plain(self) -> str:
-        r"""Return the text as it is parsed: without byte order mark, `\n` for every line end."""
+        r"""Return the text as it is parsed: without byte order mark, every line end as `\n`."""
         return plain_lines(self.written)
 
     @cached_property
@@ -107,7 +107,7 @@ class Text:
         return self.lines[line - 1][: column - 1]
 
     def column(self, position: Position) -> tuple[int, int]:
-        """Return the line and column, from 1 in code points, of a position or what is nearest."""
+        """Return line and column (from 1, code points) of a position, clamped to the text."""
         number = min(max(position.line, 0), len(self.lines) - 1)
         line = self.lines[number]
         units = max(position.character - self._marks(number + 1), 0)
@@ -116,11 +116,11 @@ class Text:
         if line.isascii():
             return number + 1, min(units, len(line)) + 1
         before = line.encode("utf-16-le", "surrogatepass")[: 2 * units]
-        # Half of a pair of surrogates is no character yet.
+        # Half of a surrogate pair cannot be decoded.
         return number + 1, len(before.decode("utf-16-le", "ignore")) + 1
 
     def position(self, line: int, column: int) -> Position:
-        """Return the position of a line and column, or the nearest that there is."""
+        """Return the position of a line and column (from 1, code points), clamped to the text."""
         line, column = max(1, line), max(1, column)
         if line > len(self.lines):
             line, column = len(self.lines), len(self.lines[-1]) + 1
@@ -129,7 +129,7 @@ class Text:
         return Position(line - 1, units + self._marks(line))
 
     def clamp(self, position: Position) -> Position:
-        """Return a position, or the end of its line or of the text if it is beyond that."""
+        """Return a position, or the end of its line or of the text if it is after that."""
         return self.position(*self.column(position))
 
     @property
@@ -138,21 +138,21 @@ class Text:
         return self.position(len(self.lines), len(self.lines[-1]) + 1)
 
     def range(self, span: Span) -> Range:
-        """Return where a span stands."""
+        """Return the range of a span."""
         start = self.position(span.line, span.column)
         if span.line == span.end_line and span.column == span.end_column:
             return Range(start, start)
         return Range(start, self.position(span.end_line, span.end_column))
 
     def place(self, span: Span) -> Place:
-        """Return where a span of this text stands."""
+        """Return the file and range of a span of this text."""
         return Place(self.path, self.range(span))
 
     def within(self, line: int, begin: int, end: int) -> Range:
-        """Return the range of a stretch of a line, of offsets from 0 in code points."""
+        """Return the range in a line from `begin` to `end`, offsets from 0 in code points."""
         if not self._is_ascii:
             return Range(self.position(line, begin + 1), self.position(line, end + 1))
-        # Most texts are, and have thousands of names.
+        # Fast path: most texts are ASCII and have thousands of names.
         return Range(Position(line - 1, begin), Position(line - 1, end))
 
     @cached_property

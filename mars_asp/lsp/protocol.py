@@ -1,4 +1,4 @@
-"""Values of the language server protocol: made of ours, and read."""
+"""Conversion between the values of this package and of the language server protocol."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -33,20 +33,20 @@ _SYMBOLS = {"module": types.SymbolKind.Module, "predicate": types.SymbolKind.Fun
 
 @dataclass(frozen=True)
 class Protocol:
-    """Makes values in which files are named by their URIs."""
+    """Converts values with paths, which the protocol names by their URIs."""
 
     uri: Callable[[str], str]
 
     def location(self, place: Place) -> types.Location:
-        """Return where something is, in a file."""
+        """Return the location of a range in a file."""
         return types.Location(self.uri(place.path), range_of(place.range))
 
     def locations(self, places: Iterable[Place]) -> list[types.Location]:
-        """Return where several things are."""
+        """Return the locations of several ranges in files."""
         return [self.location(each) for each in places]
 
     def symbol(self, name: str, sort: Sort, place: Place) -> types.SymbolInformation:
-        """Return a symbol that an editor lists of all files."""
+        """Return a symbol with its file, for the list of all symbols of the workspace."""
         return types.SymbolInformation(self.location(place), name, _SYMBOLS[sort])
 
     def diagnostic(self, finding: EditorFinding) -> types.Diagnostic:
@@ -65,7 +65,7 @@ class Protocol:
         )
 
     def action(self, finding: EditorFinding, action: QuickFix) -> types.CodeAction:
-        """Return the change that an editor offers for a finding."""
+        """Return a quick fix of a finding as a code action."""
         return types.CodeAction(
             action.title,
             kind=types.CodeActionKind.QuickFix,
@@ -75,7 +75,7 @@ class Protocol:
         )
 
     def workspace_edit(self, edits: Sequence[TextEdit]) -> types.WorkspaceEdit:
-        """Return edits, file by file."""
+        """Return edits grouped by file."""
         changes: dict[str, list[types.TextEdit]] = {}
         for each in edits:
             edit = types.TextEdit(range_of(each.place.range), each.text)
@@ -84,7 +84,7 @@ class Protocol:
 
 
 def path_of(uri: str) -> str | None:
-    """Return the path of a URI, or None if it is not that of a file."""
+    """Return the path of a URI, or None if the URI does not name a file."""
     try:
         path = to_fs_path(uri) if uri.startswith("file:") else None
     except ValueError:
@@ -93,22 +93,22 @@ def path_of(uri: str) -> str | None:
 
 
 def place_of(params: types.TextDocumentPositionParams | Any) -> tuple[str, Position]:
-    """Return the path and the position that a request is about."""
+    """Return the path and the position in the parameters of a request."""
     return path_of(params.text_document.uri) or "", position_of(params.position)
 
 
 def position_of(position: types.Position) -> Position:
-    """Return a position."""
+    """Return a position of the protocol as one of this package."""
     return Position(position.line, position.character)
 
 
 def range_of(found: Range) -> types.Range:
-    """Return a range."""
+    """Return a range of this package as one of the protocol."""
     return types.Range(types.Position(*found.start), types.Position(*found.end))
 
 
 def hover_of(found: Hover | None) -> types.Hover | None:
-    """Return a hover of the protocol."""
+    """Return a hover text as one of the protocol, or None if there is none."""
     if found is None:
         return None
     text = types.MarkupContent(types.MarkupKind.Markdown, found.markdown)
@@ -116,14 +116,14 @@ def hover_of(found: Hover | None) -> types.Hover | None:
 
 
 def symbol_of(found: Symbol) -> types.DocumentSymbol:
-    """Return the symbols of a file."""
+    """Return a symbol of a file as one of the protocol."""
     return types.DocumentSymbol(
         found.name, _SYMBOLS[found.sort], range_of(found.whole), range_of(found.place), found.detail
     )
 
 
 def items_of(found: Completions) -> types.CompletionList:
-    """Return the completion items."""
+    """Return completion items as a list of the protocol."""
     items = [
         types.CompletionItem(
             each.label,

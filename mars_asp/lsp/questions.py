@@ -1,4 +1,4 @@
-"""What the server asks of its workers, and what they answer: values that cross a pipe."""
+"""Requests of the server to its workers, and their answers: values that are pickled."""
 
 from collections.abc import Mapping
 from typing import Literal, NamedTuple, TypeAlias
@@ -6,17 +6,17 @@ from typing import Literal, NamedTuple, TypeAlias
 from mars_asp.lsp.robot import EditorFinding, EditorRobot
 from mars_asp.lsp.rules import Rules
 
-#: `check`, `source` and `lint`: what is found in a robot, in a source of no robot, in rules;
-#: `survey`: consequences and nodes of each module; `repairs` of all findings; `trace`: why there is
-#: what `about` names; `owners`: the configurations that a source belongs to; `format`: the text of
-#: a configuration in canonical layout.
+#: `check`, `source`, `lint`: findings in a robot, in a source without robot, in rules; `survey`:
+#: consequences and nodes of each module; `repairs` of all findings; `trace` of the finding `about`;
+#: `owners`: the configurations of a source, in folders up to `about`; `format`: the text of a
+#: configuration in canonical layout.
 Sort: TypeAlias = Literal[
     "check", "source", "lint", "survey", "repairs", "trace", "owners", "format"
 ]
 
 
 class Question(NamedTuple):
-    """A question about a file, where `texts` are those of files that are not saved."""
+    """A request about a file; `texts` are the unsaved texts by path."""
 
     sort: Sort
     path: str
@@ -25,23 +25,23 @@ class Question(NamedTuple):
 
 
 class CheckedFile(NamedTuple):
-    """What is found in a robot or a source; the robot, if it could be read."""
+    """The findings in a robot or a source; the robot, or None if it cannot be read."""
 
     findings: tuple[EditorFinding, ...]
     robot: EditorRobot | None
 
 
 class LintedFile(NamedTuple):
-    """What is found in a file of rules, and the rules around it."""
+    """The findings in a file of rules, and the rules that it is used with."""
 
     findings: tuple[EditorFinding, ...]
     rules: Rules
 
 
 class Survey(NamedTuple):
-    """The consequences that are about each module, and the nodes that synthesis adds for it.
+    """The consequences about each module, and the nodes that synthesis adds for it.
 
-    The nodes are `None` where no specification realises the robot.
+    `nodes` is None if no specification realises the robot.
     """
 
     consequences: Mapping[str, tuple[str, ...]]
@@ -49,6 +49,6 @@ class Survey(NamedTuple):
 
 
 class Failed(NamedTuple):
-    """Why there is no answer."""
+    """The reason why there is no answer."""
 
     reason: str

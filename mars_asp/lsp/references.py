@@ -1,4 +1,4 @@
-"""Where a module is defined and where else it is named, in all files of its robots."""
+"""The definitions and references of a module in all files of its robots."""
 
 import re
 from collections.abc import Iterator
@@ -16,7 +16,10 @@ _PATHS = re.compile(r"[ \t]*@(sources|include)[ \t]+(.*)")
 
 
 def definition(scene: DocumentContext, position: Position) -> tuple[Place, ...]:
-    """Return the definitions of the name at a position: annotated, else listed."""
+    """Return the definitions of the module, port or path at a position.
+
+    A module is defined by its annotations, or else its entry in `@modules`.
+    """
     mention = scene.here.at(position)
     if mention is None:
         return tuple(_file_at(scene, position))
@@ -32,7 +35,7 @@ def definition(scene: DocumentContext, position: Position) -> tuple[Place, ...]:
 
 
 def references(scene: DocumentContext, position: Position) -> tuple[tuple[Place, Occurrence], ...]:
-    """Return everything that names the module at a position, each with its place."""
+    """Return the occurrences of the module at a position, each with its location."""
     mention = scene.here.at(position)
     return () if mention is None else same_module(scene, mention)
 
@@ -40,11 +43,14 @@ def references(scene: DocumentContext, position: Position) -> tuple[tuple[Place,
 def same_module(
     scene: DocumentContext, mention: Occurrence
 ) -> tuple[tuple[Place, Occurrence], ...]:
-    """Return all that names a module, in the order of files, however often these are included."""
+    """Return the occurrences of a module, those of the open file first.
+
+    Two names denote the same module if they share a key, also through other robots and includes.
+    """
     path = scene.here.text.path
     of_key: dict[_Key, list[tuple[Place, Occurrence]]] = {}
     keys_of: dict[tuple[Place, Occurrence], set[_Key]] = {}
-    # A file that was not analysed yet is a robot of its own.
+    # A file without an analysis is its own robot.
     here = OpenFile(path, "", scene.here.mentions)
     for robot in scene.robots or (EditorRobot(path, (here,), {}),):
         files = tuple(scene.files(robot))
@@ -67,7 +73,7 @@ def same_module(
     found, waiting = {start}, [start]
     while waiting:
         for key in keys_of.get(waiting.pop(), ()):
-            # Of a key all are found at once.
+            # Each key is needed once: it adds all its occurrences.
             new = set(of_key.pop(key, ())) - found
             found |= new
             waiting += new
@@ -77,7 +83,7 @@ def same_module(
 def _keys(
     robot: EditorRobot, file: OpenFile, mention: Occurrence, annotated: set[str], blocks: set[str]
 ) -> Iterator[_Key]:
-    """Yield the keys that an occurrence shares with others of its module."""
+    """Yield the keys of an occurrence: all occurrences with a common key name one module."""
     name = mention.name
     if not is_configuration(file.path) or (mention.role == "describing" and name not in blocks):
         yield _SOURCES, name
@@ -97,7 +103,7 @@ def _port_places(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]
 
 
 def _file_at(scene: DocumentContext, position: Position) -> Iterator[Place]:
-    """Yield the file that a path of `@sources` or `@include` names."""
+    """Yield the existing file that the path at a position of `@sources` or `@include` names."""
     text = scene.here.text
     line, column = text.column(position)
     match = _PATHS.match(text.lines[line - 1])

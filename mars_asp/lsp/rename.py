@@ -1,4 +1,4 @@
-"""Another name for a module, in all files of its robots: configurations, includes and sources."""
+"""Renaming of a module in all files of its robots: configurations, includes and sources."""
 
 from mars_asp.lsp.places import Position, Range, TextEdit
 from mars_asp.lsp.references import same_module
@@ -7,11 +7,11 @@ from mars_asp.model.names import read_name, written
 
 
 class RefusedError(Exception):
-    """There can be no such name; what is told says why."""
+    """A module cannot get the requested name; the message gives the reason."""
 
 
 def renamed_range(scene: DocumentContext, position: Position) -> Range | None:
-    """Return the name at a position that can be another one."""
+    """Return the range of the module name at a position, or None if there is none."""
     mention = scene.here.at(position)
     if mention is None or not mention.range.holds(position):
         return None
@@ -19,12 +19,12 @@ def renamed_range(scene: DocumentContext, position: Position) -> Range | None:
 
 
 def rename(scene: DocumentContext, position: Position, name: str) -> tuple[TextEdit, ...]:
-    """Return the edits that give the module at a position another name.
+    """Return the edits that rename the module at a position.
 
-    In an included file a module has its own name, and elsewhere one behind that of the include.
+    A module of an included file has the name of the include as a prefix in other files.
 
     Raises:
-        RefusedError: there is no module, the name is that of another one, or it can be none.
+        RefusedError: no module is at the position, or the name is taken or invalid.
     """
     mention = scene.here.at(position)
     if mention is None or not mention.range.holds(position):

@@ -1,6 +1,6 @@
-"""What an analysis tells of a robot, for the questions of an editor: plain values.
+"""The results of the analysis of a robot, for requests of an editor: plain values.
 
-Modules are named as in the file of the robot; those of included files stand behind a prefix.
+Modules have their names in the robot's configuration: those of included files have a prefix.
 """
 
 from collections.abc import Iterator, Mapping
@@ -11,15 +11,15 @@ from mars_asp.diagnostic import Severity
 from mars_asp.lsp.occurrences import DocumentOutline, Occurrence, is_configuration, outline
 from mars_asp.lsp.places import Place, Position, TextEdit
 
-#: A proxy of a mapping crosses no pipe.
+#: Not a MappingProxyType: that cannot be pickled.
 _NONE: Mapping[str, tuple[str, ...]] = {}
 
 
 class EditorFinding(NamedTuple):
-    """Something that was found: what `check` and `rules lint` print of it, and where.
+    """A finding of `check` or `rules lint`: its location and printed texts.
 
-    `title` is what `explain` calls it, `kind(subject)`, of those that have an explanation; `fixes`
-    are the edits that mend it, where these are safe.
+    `title` is its name `kind(subject)` for `explain`, or None if it has no explanation; `fixes` are
+    the safe edits that remove it.
     """
 
     place: Place
@@ -34,9 +34,9 @@ class EditorFinding(NamedTuple):
 
 
 class Described(NamedTuple):
-    """A module as its annotations describe it: in lines for readers, and the places of its ports.
+    """The annotations of a module as lines of text, and the locations of its ports.
 
-    `place` is where its name stands there.
+    `place` is the location of the module name in the annotations.
     """
 
     lines: tuple[str, ...]
@@ -46,14 +46,14 @@ class Described(NamedTuple):
 
 
 class OpenFile(NamedTuple):
-    """A file of a robot, what its names stand behind, and the modules that it names."""
+    """A file of a robot, the prefix of its module names in the robot, and their occurrences."""
 
     path: str
     prefix: str
     mentions: tuple[Occurrence, ...]
 
     def name_of(self, mention: Occurrence) -> str:
-        """Return the name that the robot gives to a module of the file."""
+        """Return the name in the robot of a module of the file; sources have no prefix."""
         return (
             prefixed_name(self.prefix, mention.name)
             if is_configuration(self.path)
@@ -62,10 +62,10 @@ class OpenFile(NamedTuple):
 
 
 class EditorRobot(NamedTuple):
-    """The robot of a configuration: its files, the first its own, and its modules by name.
+    """The robot of a configuration: its files, its own first, and its annotated modules by name.
 
-    `consequences` are the titles of those that are about each module, `nodes` what synthesis adds
-    for it, once that is known.
+    `consequences` has the titles of the consequences about each module, `nodes` the nodes that
+    synthesis adds for it, or None before synthesis has run.
     """
 
     path: str
@@ -76,13 +76,13 @@ class EditorRobot(NamedTuple):
 
     @property
     def paths(self) -> frozenset[str]:
-        """Return the files that it consists of."""
+        """Return the paths of all files of the robot."""
         return frozenset(file.path for file in self.files)
 
 
 @dataclass(frozen=True)
 class DocumentContext:
-    """What a question is about: an open text, the robots that it is part of, and open texts."""
+    """The context of a request: a text, the robots with it, all open texts and its findings."""
 
     here: DocumentOutline
     robots: tuple[EditorRobot, ...] = ()
@@ -90,7 +90,7 @@ class DocumentContext:
     findings: tuple[EditorFinding, ...] = ()
 
     def files(self, robot: EditorRobot) -> Iterator[OpenFile]:
-        """Yield the files of a robot, open ones as they are now."""
+        """Yield the files of a robot; open ones with the occurrences of their unsaved text."""
         for file in robot.files:
             written = self.texts.get(file.path)
             if written is None:
@@ -99,7 +99,7 @@ class DocumentContext:
                 yield file._replace(mentions=outline(file.path, written).mentions)
 
     def own_files(self) -> Iterator[tuple[EditorRobot, OpenFile]]:
-        """Yield each robot with the open file, as often as the robot includes it."""
+        """Yield each robot with this file, once for each include of the file."""
         path = self.here.text.path
         return ((r, file) for r in self.robots for file in r.files if file.path == path)
 
@@ -109,7 +109,7 @@ class DocumentContext:
 
 
 def prefixed_name(prefix: str, name: str) -> str:
-    """Return the name of an included file's module in the robot: the include's name before it."""
+    """Return the name in the robot of an included file's module: with the include's prefix."""
     if not prefix:
         return name
     return f"/{prefix}{name}" if name.startswith("/") else f"{prefix}/{name}"

@@ -1,6 +1,6 @@
-"""The predicates that a text of rules names, found token by token: it may be half written.
+"""The occurrences of predicates in a text of rules, found by tokens as it may have errors.
 
-What rules mean is read elsewhere, by clingo's own parser; here is only where their words stand.
+The meaning of rules is not read here: clingo's parser does that.
 """
 
 import re
@@ -24,13 +24,13 @@ _TOKEN = re.compile(
 )
 _DOCSTRING = re.compile(r"%\*!\s*(-?[a-z_]\w*)")
 _ARITY = re.compile(r"\s*/\s*([0-9]{1,4})")
-#: Behind these a name is a value, not a predicate.
+#: After these operators a name is a value, not a predicate.
 _COMPARING = frozenset({"=", "==", "!=", "<", ">", "<=", ">=", "+", "*", "/", "@", "\\", "^", "|"})
 _DEPTHS = {"(": 1, ")": -1}
 
 
 class PredicateMention(NamedTuple):
-    """A predicate where it is named; `is_head` is whether it is derived or documented there."""
+    """An occurrence of a predicate; `is_head` is whether it is in a head or a docstring."""
 
     name: str
     arity: int
@@ -40,33 +40,33 @@ class PredicateMention(NamedTuple):
 
     @property
     def key(self) -> tuple[str, int]:
-        """Return the name and arity, the key of all mentions of the predicate."""
+        """Return the name and arity, without the sign."""
         return self.name, self.arity
 
     @property
     def signature(self) -> Signature:
-        """Return the predicate."""
+        """Return the name and arity with the sign of the predicate."""
         return Signature(self.name, self.arity, self.positive)
 
 
 class RuleText(NamedTuple):
-    """The predicates that a text names, in its order, and where its comments and strings are."""
+    """The occurrences of predicates in a text, in order, and `blank`: its comments and strings."""
 
     text: Text
     mentions: tuple[PredicateMention, ...]
     blank: tuple[Range, ...]
 
     def at(self, position: Position) -> PredicateMention | None:
-        """Return the predicate at a position."""
+        """Return the occurrence of a predicate at a position, or None."""
         return next((each for each in self.mentions if each.range.holds(position)), None)
 
     def is_blank(self, position: Position) -> bool:
-        """Whether a position is inside of a comment or a string."""
+        """Whether a position is in a comment or a string."""
         return any(each.start < position <= each.end for each in self.blank)
 
 
 def is_rules(path: str) -> bool:
-    """Whether a file is one of rules."""
+    """Whether a file is a logic program, by its suffix `.lp`."""
     return path.lower().endswith(".lp")
 
 
@@ -79,7 +79,7 @@ class _Token(NamedTuple):
 
 @lru_cache(maxsize=128)
 def rule_text(path: str, written: str) -> RuleText:
-    """Return the predicates that a text of rules names."""
+    """Return the occurrences of predicates in a text of rules; none if it is too large."""
     text = Text(path, written)
     if len(written) > MOST_CHARACTERS:
         return RuleText(text, (), ())
@@ -96,7 +96,7 @@ def rule_text(path: str, written: str) -> RuleText:
 
 
 class _Starts:
-    """Finds the ranges of offsets, which are asked for in their order."""
+    """Converts offsets of a text into ranges; fast if the offsets ascend."""
 
     def __init__(self, text: Text) -> None:
         self._text = text
@@ -111,12 +111,12 @@ class _Starts:
         return self._text.position(self._line, offset - self._start + 1)
 
     def range(self, begin: int, end: int) -> Range:
-        """Return the range of a stretch of offsets."""
+        """Return the range from offset `begin` to `end`."""
         return Range(self._position(begin), self._position(end))
 
 
 def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[PredicateMention]:
-    """Yield predicates: names outside of arguments, and those that docstrings declare."""
+    """Yield the predicates of rules, which are names outside of arguments, and of docstrings."""
     depth, in_body, is_condition, before = 0, False, False, ""
     closed = _arguments(tokens)
     for number, token in enumerate(tokens):
@@ -146,20 +146,20 @@ def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[Pred
 
 
 def _arity(tokens: list[_Token], number: int, text: str, closed: Mapping[int, int]) -> int | None:
-    """Return how many arguments stand behind a name, or the number behind `/`."""
+    """Return the arity of the name at token `number`, by arguments or `/N`; None for a value."""
     token = tokens[number]
     declared = _ARITY.match(text, token.end)
     if declared is not None:
         return int(declared[1])
     following = tokens[number + 1] if number + 1 < len(tokens) else None
     if following is None or following.text != "(":
-        # A value on the left of a comparison.
+        # Before a comparison, the name is a value.
         return None if following is not None and following.text in _COMPARING else 0
     return closed[number + 1]
 
 
 def _arguments(tokens: list[_Token]) -> dict[int, int]:
-    """Return how many arguments stand behind each opening bracket, one that is not closed, too."""
+    """Return the number of arguments after each opening bracket, closed or not."""
     found: dict[int, int] = {}
     opened: list[int] = []
     for number, token in enumerate(tokens):

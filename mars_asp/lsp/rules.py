@@ -1,4 +1,4 @@
-"""What an analysis tells of rules: the predicates that there are, and the files that name them."""
+"""The results of the analysis of rules: predicates and their occurrences in all files."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from mars_asp.lsp.rule_text import PredicateMention, RuleText, rule_text
 
 
 class Predicate(NamedTuple):
-    """A predicate: how it is written with its arguments, what is said of it, where that stands."""
+    """A documented predicate: its head with arguments, its docstring and the location of that."""
 
     name: str
     written: str
@@ -17,7 +17,7 @@ class Predicate(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """What is known of the rules around a file: predicates by name and arity, mentions by file."""
+    """The rules that a file is used with: predicates by name and arity, occurrences by file."""
 
     predicates: Mapping[tuple[str, int], tuple[Predicate, ...]] = {}
     files: Mapping[str, tuple[PredicateMention, ...]] = {}
@@ -26,7 +26,7 @@ class Rules(NamedTuple):
 def predicate_mentions(
     here: RuleText, rules: Rules, texts: Mapping[str, str], key: tuple[str, int]
 ) -> Iterator[tuple[Place, PredicateMention]]:
-    """Yield all that names a predicate: of this text, then of the files around it."""
+    """Yield the occurrences of a predicate: those in this text, then those in other files."""
     path = here.text.path
     files = {path: here.mentions, **{p: m for p, m in rules.files.items() if p != path}}
     for name, mentions in files.items():
@@ -40,7 +40,7 @@ def predicate_mentions(
 def predicate_definition(
     here: RuleText, rules: Rules, texts: Mapping[str, str], position: Position
 ) -> tuple[Place, ...]:
-    """Return where a predicate is documented and where rules derive it."""
+    """Return the rule heads and docstrings of the predicate at a position."""
     mention = here.at(position)
     if mention is None:
         return ()

@@ -56,7 +56,7 @@ _Found = TypeVar("_Found")
 
 
 def serve(workers: Workers) -> None:
-    """Answer an editor over standard input and output until it is gone."""
+    """Answer an editor over standard input and output until it disconnects."""
     given, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     # Other code that reads or prints must not touch the protocol.
     nothing = os.open(os.devnull, os.O_RDWR)
@@ -77,7 +77,7 @@ def serve(workers: Workers) -> None:
 
 
 def _unmarked(method: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method as a function: pygls marks what it calls."""
+    """Return a method as a function, because pygls sets attributes of its handlers."""
     if asyncio.iscoroutinefunction(method):
 
         @wraps(method)
@@ -169,7 +169,7 @@ class _Server(LanguageServer):
             found = types.ResponseError(int(error.code), error.message)
             self.protocol._send_response(error.request, None, found)  # type: ignore[arg-type]
 
-    # ---- What is open ----------------------------------------------------------------------------
+    # ---- Open files ------------------------------------------------------------------------------
 
     async def begin(self, params: types.InitializedParams) -> None:
         """Start the workers."""
@@ -211,7 +211,7 @@ class _Server(LanguageServer):
         """Analyse a saved file: other files may have changed with it."""
         path = path_of(params.text_document.uri)
         if path in self._workspace.texts:
-            # Rules that are saved may be those of any robot.
+            # Any robot may use the saved rules.
             self._again(tuple(self._workspace.texts) if is_rules(path) else (path,))
 
     def changed_elsewhere(self, params: types.DidChangeWatchedFilesParams) -> None:
@@ -242,7 +242,7 @@ class _Server(LanguageServer):
         self._start_analysis(queried, self._analysed(queried, delay))
 
     def _start_analysis(self, queried: str, work: Coroutine[Any, Any, None]) -> None:
-        """Begin an analysis, which replaces a running one of the file."""
+        """Start an analysis of a file, and cancel a running one."""
         self._stop(queried)
         self._stale.add(queried)
         self._running[queried] = asyncio.get_running_loop().create_task(work)
@@ -253,7 +253,7 @@ class _Server(LanguageServer):
             before.cancel()
 
     async def _find_owners(self, path: str, delay: float) -> None:
-        """Look for the configurations that have a source; analyse these, or else the source."""
+        """Find the configurations of a source and analyse them, or the source if there are none."""
         await asyncio.sleep(delay)
         folders = [path_of(each.uri) or "" for each in self.workspace.folders.values()]
         inside = [each for each in folders if path.startswith(f"{each}/")]
@@ -305,7 +305,7 @@ class _Server(LanguageServer):
             self.text_document_publish_diagnostics(result)
 
     async def _shared_answer(self, question: Question) -> Any:
-        """Return an answer that several requests may wait for, whichever of them is cancelled."""
+        """Return an answer that several requests share; cancelling one does not cancel it."""
         key = question.sort, question.path, question.about
         task = self._pending.get(key)
         if task is None:
@@ -326,7 +326,7 @@ class _Server(LanguageServer):
         sort, path, about = key
         answer = None if done.cancelled() or done.exception() else done.result()
         if sort == "trace" and isinstance(answer, str):
-            # The first request may be cancelled, and a later one needs the trace.
+            # Keep the trace for later requests, as the first may be cancelled.
             self._workspace.traces.setdefault(path, {})[about] = answer
 
     def _overtake(self, path: str) -> None:
@@ -337,7 +337,7 @@ class _Server(LanguageServer):
                 del self._pending[key]
                 task.cancel()
 
-    # ---- Questions of the editor -----------------------------------------------------------------
+    # ---- Requests of the editor ------------------------------------------------------------------
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         """Return the hover text at a location."""
@@ -356,7 +356,7 @@ class _Server(LanguageServer):
         return hover_of(hover(scene, position, traces))
 
     async def _trace(self, path: str, title: str) -> dict[str, str]:
-        """Return the trace of a finding by its title; none while a newer analysis is running."""
+        """Return the trace of a finding by its title, or {} if it takes too long or is outdated."""
         for robot in self._workspace.robots_of(path):
             known = self._workspace.traces.setdefault(robot.path, {})
             if title not in known and robot.path not in self._stale:
@@ -381,7 +381,7 @@ class _Server(LanguageServer):
         return [] if scene is None else self._protocol.locations(definition(scene, position))
 
     def references(self, params: types.ReferenceParams) -> list[types.Location]:
-        """Return the locations that have the name at a location."""
+        """Return the references of the module or predicate at a location."""
         path, position = self._request_place(params)
         with_own = params.context.include_declaration
         rules_here = self._workspace.rule_text(path)
@@ -487,7 +487,7 @@ class _Server(LanguageServer):
         return self._workspace.repairs[queried]
 
     async def format(self, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
-        """Return the edit of the whole text that `mars-asp fmt` makes, if there is one."""
+        """Return the changes of `mars-asp fmt` as one edit of the whole text, or no edit."""
         path = path_of(params.text_document.uri) or ""
         written = self._workspace.texts.get(path)
         if written is None or not is_configuration(path):
@@ -503,7 +503,7 @@ class _Server(LanguageServer):
         return [types.TextEdit(range_of(Range(Position(0, 0), end)), answer)]
 
     async def explain(self, robot: str, module: str | None) -> str:
-        """Show the findings and nodes of a module that its lens counts."""
+        """Show the consequences and nodes of a module, or of the robot if `module` is None."""
         known = self._workspace.robots.get(robot)
         if known is None:
             return ""
@@ -518,7 +518,7 @@ class _Server(LanguageServer):
     def _request_place(
         self, params: types.TextDocumentPositionParams | Any
     ) -> tuple[str, Position]:
-        """Return the path of a request and the nearest position of its text."""
+        """Return the path and position of a request, clamped to the text."""
         path, position = place_of(params)
         return path, Text(path, self._workspace.texts.get(path, "")).clamp(position)
 

@@ -1,4 +1,4 @@
-"""The symbols of a text: its modules and, of rules, its predicates."""
+"""The symbols of a text: modules of a configuration or source, predicates of rules."""
 
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
@@ -13,7 +13,7 @@ Sort: TypeAlias = Literal["module", "predicate"]
 
 
 class Symbol(NamedTuple):
-    """Something that a text declares: what is said of it, where, and all that it consists of."""
+    """A declared module or predicate: `place` is its name, `whole` its block or line."""
 
     name: str
     detail: str
@@ -33,7 +33,7 @@ def module_symbols(found: DocumentOutline) -> Iterator[Symbol]:
 
 
 def predicate_symbols(text: RuleText) -> Iterator[Symbol]:
-    """Yield the predicates that rules derive, each where that is first done."""
+    """Yield each predicate that the rules derive, at its first head."""
     seen: set[tuple[str, int]] = set()
     for each in text.mentions:
         if each.is_head and each.key not in seen:
@@ -66,7 +66,7 @@ def workspace_symbols(
 
 
 def _block(found: DocumentOutline, name: Range) -> Range:
-    """Return the block that a name stands in, else its line."""
+    """Return the range of the block that contains a name, or of its line if there is none."""
     number = name.start.line + 1
     at = bisect_right(found.blocks, number, key=lambda block: block[0]) - 1
     first, last = (

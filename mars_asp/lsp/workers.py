@@ -1,7 +1,6 @@
 """Processes that answer questions, so that no input can hang the server or use up its memory.
 
-A question that is no longer wanted is cancelled, which ends its process: grounding cannot be
-interrupted.
+Cancelling an outdated question ends its process, because grounding cannot be interrupted.
 """
 
 import asyncio
@@ -19,20 +18,20 @@ class Workers:
     """The processes of a language server."""
 
     def __init__(self, start: Callable[[], _Worker], seconds: float, most: int) -> None:
-        """Take the function that starts one, the time limit of an answer, and how many work."""
+        """Set the function that starts a process, the time limit and the number of processes."""
         self._start, self._seconds = start, seconds
         self._idle: list[_Worker] = []
         self._working: set[_Worker] = set()
         self._free = asyncio.Semaphore(most)
 
     async def ask(self, question: Question) -> Any:
-        """Return the answer to a question, or the reason why there is none."""
+        """Return the answer to a question, or `Failed` with the reason."""
         async with self._free:
             worker = self._idle_worker()
             self._working.add(worker)
             answer = None
             try:
-                # A thread waits, and does so no longer when its process ends.
+                # The thread that waits ends when its process ends.
                 waiting = asyncio.to_thread(worker.ask, question)
                 answer = await asyncio.wait_for(waiting, self._seconds)
             except TimeoutError:
@@ -49,7 +48,7 @@ class Workers:
             return answer
 
     def warm_up(self) -> None:
-        """Start a process for the next question, if none waits for it."""
+        """Start a process for the next question, unless one is idle."""
         if not self._idle:
             with suppress(OSError):
                 self._idle.append(self._start())

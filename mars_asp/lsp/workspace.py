@@ -24,10 +24,10 @@ class EditorWorkspace:
         self.rules: dict[str, Rules] = {}
         #: The findings of the last analysis that could read a robot, and the texts at that time.
         self.readable: dict[str, tuple[tuple[EditorFinding, ...], dict[str, str]]] = {}
-        #: Repairs of robots, and traces of their findings, as long as nothing is changed.
+        #: Repairs of robots, and traces of their findings; an edit deletes both.
         self.repairs: dict[str, tuple[QuickFix, ...]] = {}
         self.traces: dict[str, dict[str, str]] = {}
-        #: The configurations of sources, as far as they were looked for.
+        #: The configurations of each source that was searched for.
         self.owners: dict[str, tuple[str, ...]] = {}
 
     def overlay(self) -> Mapping[str, str]:
@@ -44,12 +44,12 @@ class EditorWorkspace:
         )
 
     def rule_text(self, path: str) -> RuleText | None:
-        """Return an open file of rules, or None if it is not open."""
+        """Return an open file of rules, or None if it is another file or not open."""
         text = self.texts.get(path)
         return None if text is None or not is_rules(path) else rule_text(path, text)
 
     def robots_of(self, path: str) -> tuple[EditorRobot, ...]:
-        """Return the robots that have a file, its own first."""
+        """Return the robots with a file; the robot of which it is the configuration is first."""
         found = [robot for robot in self.robots.values() if path in robot.paths]
         return tuple(sorted(found, key=lambda robot: robot.path != path))
 
@@ -105,7 +105,7 @@ class EditorWorkspace:
         return changed | {queried}
 
     def _kept_findings(self, queried: str) -> Iterator[EditorFinding]:
-        """Yield the findings of the last readable texts at lines that are the same now."""
+        """Yield the findings of the last readable texts in lines that are unchanged since."""
         findings, texts = self.readable.get(queried, ((), {}))
         for each in findings:
             place = self._place_now(each.place, texts)
@@ -116,7 +116,7 @@ class EditorWorkspace:
                 yield each._replace(place=place, related=known, title=None)
 
     def _place_now(self, place: Place, texts: Mapping[str, str]) -> Place | None:
-        """Return a place of older texts in the open ones, or None if its lines changed."""
+        """Return a location of older texts in the open texts, or None if its lines changed."""
         before, now = texts.get(place.path), self.texts.get(place.path)
         if before == now:
             return place
@@ -140,7 +140,7 @@ class EditorWorkspace:
         return {each.place.path for each in self.found.pop(queried, ())}
 
     def idle(self) -> Iterator[str]:
-        """Yield the analysed files that have no open file any more."""
+        """Yield the analysed files of whose robots no file is open."""
         for queried in tuple(self.found):
             robot = self.robots.get(queried)
             paths = {queried} if robot is None else {queried, *robot.paths}
@@ -156,8 +156,8 @@ def _is_of_syntax(finding: EditorFinding) -> bool:
 
 
 def _is_saved(path: str, text: str) -> bool:
-    """Whether the disk has a text, in whichever encoding."""
-    # No encoding takes more for a character, and a mark before them all.
+    """Whether the file on the disk has this text, in any known encoding."""
+    # No encoding has more bytes for a character or for the byte order mark.
     most = 4 * len(text) + 4
     try:
         raw = read_file(path, most, path)

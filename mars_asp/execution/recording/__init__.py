@@ -1,1 +1,1 @@
-"""What a run leaves behind: events, plots, pages and recordings for other tools."""
+"""Output of a run: events, diagrams, HTML pages and recordings for other tools."""

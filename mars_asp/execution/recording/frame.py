@@ -1,4 +1,4 @@
-"""Where things stand in the picture of a run: the plane, and lanes along an axis of time."""
+"""The layout of the diagram of a run: the plane, and lanes along an axis of time."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,19 +14,19 @@ from mars_asp.execution.scenario.read import ScenarioRobot
 from mars_asp.execution.trial import Trial
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666")
-#: Pixels around everything, of the plane's longer side, of a lane and of text.
+#: In pixels: the margin, the longer side of the plane, a lane and the font size.
 MARGIN, SIZE, LANE, TEXT = 20.0, 640.0, 22.0, 12.0
 #: Pixels of a line of text.
 LINE = 18.0
-#: Pixels that names of lanes have at least and at most.
+#: Minimal and maximal width of the names of lanes, in pixels.
 _LEFT = 130.0, 230.0
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Pixels of millimetres and of seconds; `head` and `signs` are lines of text around the plane.
+    """The layout in pixels; `head` and `signs` are the lines of text above and below the plane.
 
-    Of a run that goes on there is no judgement yet.
+    A running run has no judgement yet.
     """
 
     trial: Trial
@@ -36,9 +36,9 @@ class Frame:
 
     @cached_property
     def corner(self) -> tuple[float, float]:
-        """Return what is shown first (mm): the greatest forward, which is up, and side, left.
+        """Return the maximal (forward, side) in mm, which is at the top left.
 
-        Seen from above, as headings grow from forward towards side: counter-clockwise.
+        The plane is seen from above, so headings grow counter-clockwise.
         """
         return float(self._extent[1][0]), float(self._extent[1][1])
 
@@ -50,7 +50,7 @@ class Frame:
 
     @cached_property
     def _extent(self) -> tuple["np.ndarray[tuple[int], np.dtype[np.float64]]", ...]:
-        """Return the least and the greatest (forward, side): walls or obstacles, goals, ways."""
+        """Return the minimal and maximal (forward, side) of walls or circles, goals and paths."""
         world = self.trial.bodies[0].world
         discs = [] if len(world.segments) else [world.circles]
         for robot, body in self.trial.robots:
@@ -63,38 +63,38 @@ class Frame:
 
     @property
     def ceiling(self) -> float:
-        """Return where the plane begins."""
+        """Return the y coordinate of the top of the plane."""
         return MARGIN + LINE * self.head
 
     @cached_property
     def height(self) -> float:
-        """Return how high the plane is shown."""
+        """Return the height of the plane in pixels."""
         low, high = self._extent
         return float((high - low)[0]) * self.scale
 
     def at(self, forward: float, side: float) -> tuple[float, float]:
-        """Return where a point of the plane is shown."""
+        """Return the pixel coordinates of a point of the plane."""
         ahead, aside = self.corner
         return MARGIN + (aside - side) * self.scale, self.ceiling + (ahead - forward) * self.scale
 
     @property
     def floor(self) -> float:
-        """Return where the plane ends."""
+        """Return the y coordinate of the bottom of the plane."""
         return self.ceiling + self.height
 
     @property
     def top(self) -> float:
-        """Return where the first lane begins."""
+        """Return the y coordinate of the first lane."""
         return self.floor + LINE * self.signs + 18
 
     @property
     def bottom(self) -> float:
-        """Return where the last lane ends."""
+        """Return the y coordinate of the end of the last lane."""
         return self.top + LANE * len(self.colours)
 
     @cached_property
     def left(self) -> float:
-        """Return where lanes begin."""
+        """Return the x coordinate at which lanes begin."""
         least, most = _LEFT
         wide = max((text_width(name, TEXT) for name in self.colours), default=0.0)
         return min(most, max(least, MARGIN / 2 + wide + 8))
@@ -106,18 +106,18 @@ class Frame:
 
     @cached_property
     def held(self) -> tuple[tuple[float, float, str], ...]:
-        """Return from when until when (s) a robot obeyed whom."""
+        """Return begin and end in seconds of each period in which a robot obeyed a module."""
         return tuple(span for robot in self.trial.scenario.robots for span in self.held_by(robot))
 
     def held_by(self, robot: ScenarioRobot) -> Iterator[tuple[float, float, str]]:
-        """Yield from when until when (s) one robot obeyed whom."""
+        """Yield begin and end in seconds of each period in which one robot obeyed a module."""
         for since, until, name, _ in self.trial.commands(robot):
             if name:
                 yield since, until, name
 
     @cached_property
     def wanted(self) -> tuple[tuple[float, float, str], ...]:
-        """Return from when until when (s) a module's message was in force at an arbiter."""
+        """Return begin and end in seconds of each message that was in force at an arbiter."""
         executor = self.trial.executor
         end = executor.schedule.now
         return tuple(
@@ -131,7 +131,7 @@ class Frame:
 
     @cached_property
     def silent(self) -> frozenset[str]:
-        """Return the controllers of which no command arrived."""
+        """Return the controllers whose commands never arrived."""
         executor = self.trial.executor
         spoke: dict[str, bool] = {}
         for link in executor.links:

@@ -1,4 +1,4 @@
-"""Lanes of the picture of a run: who wanted control, who had it, and when something happened."""
+"""Lanes in the diagram of a run: requested control, granted control, and times of events."""
 
 from collections.abc import Iterator
 from math import floor, log10
@@ -7,14 +7,14 @@ from mars_asp.draw.shapes import escaped, text_width
 from mars_asp.execution.recording.frame import LANE, MARGIN, SIZE, TEXT, Frame
 from mars_asp.output import visible
 
-#: As many ticks at most, between which there are 1, 2 or 5 seconds, times a power of ten.
+#: Maximal number of ticks; their distance is 1, 2 or 5 seconds, times a power of ten.
 _TICKS = 10
 
 
 def draw_lanes(frame: Frame, instants: Iterator[tuple[float, str]]) -> Iterator[str]:
     """Yield a lane for each module: pale while its message is in force, full while it is obeyed.
 
-    `instants` (s) get lines of a colour across all lanes.
+    `instants` are times in seconds with colours; each gets a line across all lanes.
     """
     rows = {name: frame.top + row * LANE for row, name in enumerate(frame.colours)}
     end = SIZE + MARGIN
@@ -67,13 +67,13 @@ def _axis(frame: Frame) -> Iterator[str]:
 
 
 def round_step(least: float) -> float:
-    """Return the least of 1, 2 and 5 times powers of ten that is not less than a number above 0."""
+    """Return the smallest 1, 2 or 5 times a power of ten that is at least `least` (above 0)."""
     power: float = 10.0 ** floor(log10(least))
     return next(k * power for k in (1, 2, 5, 10) if k * power >= least * (1 - 1e-9))
 
 
 def cut(name: str, wide: float) -> str:
-    """Return a name that is no wider than so many pixels."""
+    """Return a name, shortened to a width in pixels."""
     shown = visible(name)
     if text_width(shown, TEXT) > wide:
         while shown and text_width(f"{shown}…", TEXT) > wide:

@@ -19,7 +19,7 @@ from mars_asp.execution.simulator import Pose
 from mars_asp.execution.trial import Trial
 
 _json = JSONEncoder(allow_nan=False).encode
-_HEIGHT = 0.3  # of obstacles, which have none in the plane; metres
+_HEIGHT = 0.3  # of drawn obstacles, in metres; the plane has no heights
 _NUMBER, _TEXT, _WHOLE = {"type": "number"}, {"type": "string"}, {"type": "integer"}
 
 
@@ -140,7 +140,7 @@ class Foxglove:
             self._add(_log_entry(Event(at, what, self._names.get(where, where), plain(value))))
 
     def end(self, trial: Trial) -> None:
-        """Write the motion, and what makes the file whole."""
+        """Write the motion and the end of the file."""
         for entry in _motion(trial):
             self._add(entry)
         self._writer.finish()  # type: ignore[no-untyped-call]

@@ -1,4 +1,4 @@
-"""The picture of a run: the way coloured by controller, obstacles, and what happened where."""
+"""The diagram of a run: paths coloured by controller, obstacles, and markers of events."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -13,20 +13,20 @@ from mars_asp.execution.simulator import Body
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
 
-#: A robot is drawn no smaller than this (pixels of its radius).
+#: Minimal radius of a drawn robot, in pixels.
 _LEAST = 3.0
 
 
 def framed(trial: Trial, judgement: Judgement | None) -> tuple[Frame, Signs]:
-    """Return where things stand in a picture, with as many lines of text as are needed."""
+    """Return the layout of a diagram, with the lines of text that it needs, and its markers."""
     signs = Signs(trial, judgement)
-    # How much is written depends on the scale, and that on the world alone.
+    # The number of lines depends on the scale, and the scale only on world and paths.
     lines = signs.listed(Frame(trial).scale)[-1][1] + 1
     return Frame(trial, judgement, len(signs.head), lines), signs
 
 
 def plot_run(trial: Trial, judgement: Judgement | None = None) -> str:
-    """Return an SVG; the same run gives the same bytes. A run that goes on has no judgement yet."""
+    """Return the SVG of a run, always the same bytes for it; a running one has no judgement."""
     frame, signs = framed(trial, judgement)
     width, height = SIZE + 2 * MARGIN, frame.bottom + 28
     parts = [
@@ -71,7 +71,7 @@ def _circle(frame: Frame, cx: float, cy: float, radius: float, look: str) -> str
 
 
 def _way(frame: Frame, robot: ScenarioRobot, body: Body) -> Iterator[str]:
-    """Yield a line for each stretch of the way in which a robot obeyed one module."""
+    """Yield a line for each section of the path in which a robot obeyed one module."""
     left = frame.held_by(robot)
     span = next(left, None)
     colour, points = "", list[str]()
@@ -104,7 +104,7 @@ def _draw_robot(frame: Frame, number: int) -> Iterator[str]:
     body = trial.bodies[number]
     x, y = frame.at(body.pose.forward, body.pose.side)
     radius = max(body.radius * frame.scale, _LEAST)
-    # Turned so that the line to the rim points where the robot heads.
+    # The line from centre to rim shows the heading.
     turn = f"translate({x:.1f} {y:.1f}) rotate({-body.pose.heading:.1f})"
     yield f'<g id="robot{number + 1 if number else ""}" transform="{turn}">'
     if len(trial.bodies) > 1:

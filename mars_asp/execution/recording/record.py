@@ -1,4 +1,4 @@
-"""What happened in a run, event by event."""
+"""The events of a run, and their recording as lines of JSON."""
 
 from collections.abc import Callable
 from json import JSONEncoder
@@ -11,7 +11,7 @@ _json = JSONEncoder(allow_nan=False).encode
 
 
 class Event(NamedTuple):
-    """At a time (ns): `data`, `control`, `holds` or `failed`, on which link or node, with what."""
+    """An event (`data`, `control`, `holds` or `failed`) at a time (ns) on a link or node."""
 
     at: int
     what: str
@@ -20,13 +20,13 @@ class Event(NamedTuple):
 
 
 class Record(Protocol):
-    """What writes down a run as it happens, and keeps nothing of it."""
+    """A writer of events during a run, which does not keep them in memory."""
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
-        """Write an event, which is what an executor tells."""
+        """Write an event of the executor."""
 
     def end(self, trial: Trial) -> None:
-        """Write what is known at the end."""
+        """Write the data that is complete only at the end of the run."""
 
 
 class Lines:
@@ -41,11 +41,11 @@ class Lines:
         self._write(f"{_json(entries)}\n".encode())
 
     def end(self, trial: Trial) -> None:
-        """Write nothing: lines are events."""
+        """Do nothing, because each line is an event."""
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON has it: what is not finite becomes null, an object its text."""
+    """Return a value for JSON: numbers that are not finite become null, objects their `repr`."""
     if value is None or isinstance(value, str | int):
         return value
     if isinstance(value, float):

@@ -1,4 +1,4 @@
-"""A run as one page that plays it: nothing else is needed, and nothing is fetched."""
+"""The replay of a run as one HTML page, which fetches no other file."""
 
 import json
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ from mars_asp.output import visible
 
 
 def replay_page(trial: Trial, judgement: Judgement, title: str) -> str:
-    """Return an HTML page; only its own script may run in it, whatever the names are."""
+    """Return the replay as an HTML page that runs only its own script, whatever names it has."""
     body = Template(_part("html")).substitute(
         title=escape(visible(title)), picture=plot_run(trial, judgement)
     )
@@ -32,7 +32,7 @@ def _part(ending: str) -> str:
 
 
 def replay_json(trial: Trial, judgement: Judgement) -> dict[str, Any]:
-    """Return what the page shows: times in s, lengths in mm, places in pixels of the picture."""
+    """Return the data of the page: times in seconds, lengths in mm, positions in pixels."""
     frame, world = framed(trial, judgement)[0], trial.bodies[0].world
     return {
         "duration": trial.scenario.duration,

@@ -1,6 +1,6 @@
-"""What a picture of a run says beside its lines: the verdict, goals, contacts, the least clearance.
+"""Texts and markers in the diagram of a run: verdict, goals, contacts, minimal clearance.
 
-In the plane there are signs alone; their texts are listed below it, so none covers another.
+The plane has only markers; their texts are listed below it, so that texts do not overlap.
 """
 
 from collections.abc import Iterator
@@ -20,23 +20,23 @@ from mars_asp.execution.trial import Trial
 
 _GOAL, _CONTACT, _LEAST, _INK = "#117733", "#cc0000", "#6a3d9a", "#333333"
 _VERDICTS = {"pass": _GOAL, "fail": _CONTACT, "not decided": "#9a6700"}
-#: As many instants of contacts are listed, of so many pairs, and so many of each of several robots.
+#: Maximal number of listed pairs, and of contacts of one robot; of contacts of a pair.
 _MOST, _MOST_OF = 6, 3
-#: Pixels of a sign before its text, and after a text.
+#: Pixels from a marker to its text, and after a text.
 _SIGN, _GAP = 20.0, 18.0
-#: Pixels that a robot's name has at most in a text.
+#: Maximal width of a robot's name in a text, in pixels.
 _NAME = 110.0
 
 
 class Contact(NamedTuple):
-    """A contact: the part of a text that says of which robots it is, and where it was."""
+    """A contact: the words ` of ROBOT and ROBOT` for its text, and its location."""
 
     of: str
     approach: Approach
 
 
 class Goal(NamedTuple):
-    """What a robot is to reach (mm), and when (s) it was there, or else how near it came when."""
+    """A goal (mm) of a robot; `when` (seconds) it was reached, or else was at `distance`."""
 
     body: Body
     place: Point
@@ -48,14 +48,14 @@ class Goal(NamedTuple):
 
 @dataclass(frozen=True)
 class Signs:
-    """What there is to show of a run; of one that goes on, what is known by now."""
+    """The texts and markers of a run up to now."""
 
     trial: Trial
     judgement: Judgement | None
 
     @cached_property
     def contacts(self) -> list[Contact]:
-        """Return every contact; of two robots with each other once."""
+        """Return all contacts; one of two robots with each other counts once."""
         return [
             Contact(self._of(body, other), approach_at(body, at, other))
             for at, body, other in self.trial.contacts
@@ -63,19 +63,19 @@ class Signs:
 
     @cached_property
     def nearest(self) -> Body:
-        """Return the robot whose clearance was least."""
+        """Return the robot with the minimal clearance."""
         return min(self.trial.bodies, key=lambda body: body.clearance)
 
     @cached_property
     def least(self) -> Approach | None:
-        """Return where the clearance was least, or None if there was contact."""
+        """Return the minimal clearance; None after a contact or while the run goes on."""
         if self.contacts or self.judgement is None:
             return None
         return least_approach(self.nearest)
 
     @cached_property
     def goals(self) -> list[Goal]:
-        """Return the places that robots are to reach."""
+        """Return the goals of all robots."""
         found = []
         for robot, body in self.trial.robots:
             if robot.reach:
@@ -86,7 +86,7 @@ class Signs:
         return found
 
     def _of(self, *those: Body | str) -> str:
-        """Return the part of a text that says of which robots it is, if there are several."""
+        """Return ` of ROBOT and ROBOT`, or an empty text if there is only one robot."""
         if len(self.trial.bodies) == 1:
             return ""
         names = [each if isinstance(each, str) else each.name for each in those]
@@ -94,7 +94,7 @@ class Signs:
 
     @property
     def instants(self) -> Iterator[tuple[float, str]]:
-        """Yield when (s) something happened, with its colour."""
+        """Yield the time in seconds and the colour of each marker."""
         if self.least:
             yield self.least.at, _LEAST
         for goal in self.goals:
@@ -105,7 +105,7 @@ class Signs:
 
     @cached_property
     def head(self) -> list[tuple[str, str]]:
-        """Return lines and their colours: the verdict, then what does not hold."""
+        """Return lines with colours: the verdict, then requirements that do not hold."""
         if self.judgement is None:
             now = self.trial.executor.schedule.now / 1e9
             return [(f"running: {now:.1f} of {self.trial.scenario.duration:g} s", _INK)]
@@ -120,7 +120,7 @@ class Signs:
 
     @cached_property
     def items(self) -> list[tuple[str, str]]:
-        """Return each sign, drawn around (0, 0), and its text."""
+        """Return each marker, drawn around (0, 0), with its text."""
         found = [('<circle r="3.5" fill="#333"/>', "start")]
         for goal in self.goals:
             (x, y), instant = goal.place, f"at {_time(goal.when)}"
@@ -151,7 +151,7 @@ class Signs:
 
     def listed(self, scale: float) -> list[tuple[float, int, str, str]]:
         """Return items by x and line, with a bar of a round length at a scale (pixels per mm)."""
-        # 1, 2 or 5 times a power of ten, and at most a quarter of the picture.
+        # The bar is at most a quarter of the diagram wide.
         length = 1.0 / round_step(1.0 / (SIZE / 4 / scale))
         wide = length * scale
         bar = f'<path d="M-8 -4v8M-8 0h{wide:.1f}m0 -4v8" stroke="{_INK}" fill="none"/>'
@@ -177,14 +177,14 @@ def draw_head(signs: Signs) -> Iterator[str]:
 
 
 def draw_list(signs: Signs, frame: Frame) -> Iterator[str]:
-    """Yield the scale and what the signs are, below the plane."""
+    """Yield the scale and the texts of the markers, below the plane."""
     for x, line, sign, text in signs.listed(frame.scale):
         y = frame.floor + LINE * line + 14
         yield f'<g transform="translate({x:.1f} {y:.1f})">{sign}{text}</g>'
 
 
 def draw_goals(signs: Signs, frame: Frame) -> Iterator[str]:
-    """Yield the places that are to be reached, below what moves."""
+    """Yield the circles of the goals, drawn before paths and robots."""
     for goal in signs.goals:
         x, y = frame.at(*goal.place)
         ring = _ring(goal.radius * frame.scale)
@@ -211,7 +211,7 @@ def draw_signs(signs: Signs, frame: Frame) -> Iterator[str]:
 
 
 def _least(least: Approach, frame: Frame, radius: float) -> Iterator[str]:
-    """Yield the robot as it was then, and a line from its rim to the thing."""
+    """Yield the robot at its minimal clearance, and a line from its rim to the obstacle."""
     x, y = frame.at(least.pose.forward, least.pose.side)
     u, v = frame.at(*least.thing)
     whole = (least.gap + radius) or 1.0
@@ -242,7 +242,7 @@ def _contacts(count: int) -> str:
 
 
 def _length(millimetres: float) -> str:
-    """Return a length as it is read: whole millimetres where there are ten of them."""
+    """Return a length as a text, in whole millimetres from 10 mm on."""
     rounded = round(millimetres) if millimetres >= 10 else round(millimetres, 1)
     return measured(round(rounded * 1000), "micrometres")
 
@@ -252,7 +252,7 @@ def _time(seconds: float) -> str:
 
 
 def _wrapped(head: str, names: list[str]) -> Iterator[str]:
-    """Yield lines of names that are no wider than the picture."""
+    """Yield names in lines that fit into the diagram, the first line with `head`."""
     line = head
     for number, name in enumerate(names):
         part = f"{name}, " if number < len(names) - 1 else name

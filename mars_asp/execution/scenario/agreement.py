@@ -1,4 +1,4 @@
-"""Whether a scenario and a specification are about the same modules."""
+"""The cross-check of a scenario and a specification: do they have the same modules?"""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -10,15 +10,15 @@ from mars_asp.execution.scenario.vary import CHANGED
 from mars_asp.model.declarations import MOTION_FUNCTIONS, node_kind
 from mars_asp.spelling import suggestion
 
-#: Devices that obey commands; the others are read.
+#: Devices that obey commands; all others are sensors or platforms.
 _OBEYING = ("joint", "gripper")
 
 
 def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
-    """Yield what a scenario states that a specification has no place for, each at its place.
+    """Yield the entries of a scenario that do not fit the specification.
 
-    A name that is like that of a module which nothing runs is an error. Otherwise the module is one
-    of another specification that the scenario serves as well, which is a warning.
+    An unknown name is an error if it resembles a module without device or binding: a misspelling.
+    Otherwise it is a warning: it may belong to another specification with the same scenario.
     """
     modules = [name for name in plan.names if name in plan.modules or node_kind(name) is None]
     unfit = [each for robot in scenario.robots for each in _unfit(plan, robot)]
@@ -51,13 +51,13 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
 def _unknown_name(
     table: str, name: str, modules: Iterable[str], left: Iterable[str], scenario: Scenario
 ) -> Diagnostic:
-    """Return the diagnostic for an unknown name; `left` are the modules that nothing runs."""
+    """Return the diagnostic for an unknown name; `left` are modules without device or binding."""
     place = scenario.places[f"{table}.{name}"]
     message = f"`{table}` names `{name}`, which is not a module of the specification"
     if parts := sorted(each for each in modules if each.startswith(f"{name}.")):
         help_text = f"it runs in parts: {', '.join(parts)}"
         return Diagnostic("scenario", "error", message, place, (), help_text)
-    # A varied key is meant for this specification: a slip would vary nothing.
+    # A misspelt key of `--vary` would have no effect.
     if place == CHANGED:
         help_text = suggestion(name, modules, f"one of {', '.join(sorted(modules))}")
         return Diagnostic("scenario", "error", message, place, (), help_text)
@@ -68,7 +68,10 @@ def _unknown_name(
 
 
 def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[str, str] | None:
-    """Return why a device cannot be that of a module, and what to do; `robots` move robots."""
+    """Return message and help if a device does not fit its module, or None.
+
+    `robots` are the modules that move robots.
+    """
     kind = plan.kind(name).replace("_", " ")
     if robots and (name in robots) != (device == "platform"):
         if name in robots:
@@ -90,7 +93,7 @@ def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[
 
 
 def _unfit(plan: Plan, robot: ScenarioRobot) -> Iterator[Diagnostic]:
-    """Yield what is wrong with a robot that cannot move: a plan knows a module's own kind."""
+    """Yield an error if the module of a robot cannot move it."""
     name = robot.module
     kind = plan.kind(name).replace("_", " ")
     functions = plan.modules[name].functions if name in plan.modules else ()
@@ -108,7 +111,7 @@ def _unfit(plan: Plan, robot: ScenarioRobot) -> Iterator[Diagnostic]:
 
 
 def _faults(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
-    """Yield faults that would not be injected: a trial of them would prove nothing."""
+    """Yield the faults that cannot be injected, so that their trial would prove nothing."""
     able = {name for name, _ in bound_functions(plan.modules, scenario, plan.names)}
     reading = (n for n, d in scenario.devices.items() if d["kind"] not in (*_OBEYING, "platform"))
     able = (able | {*reading}) - {robot.module for robot in scenario.robots}

@@ -1,4 +1,4 @@
-"""What no schema can express: parts of a scenario that contradict each other or have no effect."""
+"""Checks that a schema cannot express: contradictions and values without effect."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -7,21 +7,21 @@ from typing import Any
 
 from mars_asp.execution.scenario.schema import Mistake
 
-#: Keys of one table of which the first is at most as great as the second.
+#: Pairs of keys of one table; the first value may not be greater than the second.
 _ORDERED: Mapping[str, Sequence[tuple[str, str]]] = {
     "devices": (("low", "high"), ("low", "value"), ("value", "high")),
     "faults": (("from", "until"),),
 }
-#: How many different points make a wall, and a polygon.
+#: Minimal number of different points of a wall and a polygon.
 _POINTS = {"walls": 2, "polygons": 3}
-#: How many circles `scatter` makes where it does not state it.
+#: Default number of circles of `scatter`.
 SCATTERED = 10
-#: So often a second at most an obstacle turns: each turn costs time wherever a robot is near.
+#: Maximal number of turns of an obstacle in a second: each turn near a robot costs time.
 _MOST_TURNS = 1000
 
 
 def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Iterator[Mistake]:
-    """Yield the contradictions between values of a scenario that are each valid."""
+    """Yield the contradictions between values of a scenario; invalid ones (`wrong`) are skipped."""
     sound = tables
     for mistake in wrong:
         sound = _without(sound, mistake.path) if mistake.path else sound
@@ -38,20 +38,20 @@ def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Itera
             yield Mistake(("devices", name, "script", number), entry_message, help_text)
     yield from _shapeless(sound.get("world", {}))
     if scatter := sound.get("world", {}).get("scatter"):
-        # A count that is wrong by itself is none to compare with.
+        # Do not compare with an invalid count.
         unknown = "count" in tables["world"]["scatter"]
         yield from _scattered({"count": inf if unknown else SCATTERED} | scatter)
 
 
 def late_faults(faults: Mapping[str, Any], duration: float) -> Iterator[tuple[str, float]]:
-    """Yield the modules whose faults begin when a run has ended, and when (s) they begin."""
+    """Yield each module whose fault begins after the end of a run, with its begin in seconds."""
     for name, fault in faults.items():
         if fault.get("from", 0) >= duration:
             yield name, fault["from"]
 
 
 def _without(table: Mapping[str, Any], path: Sequence[str | int]) -> Mapping[str, Any]:
-    """Return a table without what is wrong in it; of a list, `None` takes the place of an entry."""
+    """Return a table without the value at a path; an entry of a list becomes None."""
     key, *rest = path
     inner = table.get(str(key))
     if not rest:
@@ -79,7 +79,7 @@ def _disordered(sound: Mapping[str, Any]) -> Iterator[Mistake]:
 
 
 def _misplaced(script: Sequence[Any], duration: float) -> Iterator[tuple[int, str, str]]:
-    """Yield the entries of a script that come too early or too late, by their numbers."""
+    """Yield index, message and help of each entry of a script that is too early or too late."""
     timed = [(number, entry[0]) for number, entry in enumerate(script) if entry is not None]
     for (_, before), (number, at) in pairwise(timed):
         if at <= before:
@@ -92,7 +92,7 @@ def _misplaced(script: Sequence[Any], duration: float) -> Iterator[tuple[int, st
 
 
 def _shapeless(world: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield walls and polygons that enclose or part nothing, and obstacles that hardly move."""
+    """Yield walls and polygons with too few points, and obstacles that rest or turn too often."""
     for key, least in _POINTS.items():
         for number, line in enumerate(world.get(key, ())):
             if line is not None and len(set(map(tuple, line))) < least:
@@ -112,7 +112,7 @@ def _shapeless(world: Mapping[str, Any]) -> Iterator[Mistake]:
 
 
 def _scattered(scatter: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield what `scatter` cannot do: move more than it makes, or draw a radius without bounds."""
+    """Yield the contradictions of `scatter`: too many moving circles, or radii out of order."""
     count, moving = scatter["count"], scatter.get("moving", 0)
     if moving > count:
         message = f"`moving` is {moving}, and `scatter` makes {count} obstacles"
@@ -124,6 +124,6 @@ def _scattered(scatter: Mapping[str, Any]) -> Iterator[Mistake]:
 
 
 def _turns(way: Sequence[Sequence[float]], speed: float) -> float:
-    """Return how often a second an obstacle turns that goes to and fro past points."""
+    """Return how often in a second an obstacle turns at the points of its way."""
     lengths = [dist(*ends) for ends in pairwise(way)]
     return speed * len(lengths) / sum(lengths)

@@ -1,4 +1,4 @@
-"""Simulated devices of a scenario: what reads a sensor and obeys commands."""
+"""Behaviours of the simulated devices of a scenario: sensors, joints and robots."""
 
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
@@ -24,19 +24,19 @@ from mars_asp.execution.simulator import (
 from mars_asp.execution.simulator.devices import Place, mounted
 
 _DEFAULT_PERIOD = 100.0
-#: Devices that belong to a robot.
+#: Devices that must be mounted on a robot.
 _CARRIED = ("sonar", "lidar", "bumper", "odometry", "marks")
 _JOINT = (("low", -inf), ("high", inf), ("rate", inf), ("value", 0.0))
 
 
 def make_joints(scenario: Scenario) -> dict[str, JointDevice]:
-    """Return the joints and grippers of a scenario by their module."""
+    """Return the joints and grippers of a scenario by module."""
     found = {}
     for name, table in scenario.devices.items():
         if table.get("kind") in ("joint", "gripper"):
             function = table.get("function", "Grasp" if table["kind"] == "gripper" else "Rotn_Y")
             numbers = [float(table.get(key, default)) for key, default in _JOINT]
-            # A width stays as it is until another is commanded.
+            # A gripper keeps its width until another is commanded.
             found[name] = JointDevice(function, *numbers)
             found[name].wanted = numbers[-1] if function == "Grasp" else 0.0
     return found
@@ -49,15 +49,15 @@ def bind_devices(
     joints: Mapping[str, JointDevice],
     clock: Clock,
 ) -> dict[str, Behaviour]:
-    """Return what reads or obeys for each module that a device or a robot itself runs.
+    """Return the behaviour of each module that a device or a robot runs.
 
     `bodies` are by the module that moves them.
 
     Raises:
-        MarsError: devices that are mounted on none of several robots; all of them.
+        MarsError: with all devices that are not mounted on any of several robots.
     """
     found: dict[str, Behaviour] = {name: _jointed(joint, clock) for name, joint in joints.items()}
-    # Its rates are along and about the body, wherever that has come to.
+    # Its rates are in the frame of the body.
     found |= {module: _moved(body, clock) for module, body in bodies.items()}
     problems = []
     for name, table in scenario.devices.items():
@@ -83,9 +83,10 @@ def _moved(body: Body, clock: Clock) -> Behaviour:
 
 
 def _mounted_on(plan: Plan, name: str, bodies: Mapping[str, Body]) -> tuple[list[str], str | None]:
-    """Return what a device is mounted on, itself first, up to a robot, and whose that is.
+    """Return the mounts of a device, from itself to a robot, and the robot's module.
 
-    Without a mount that is the only robot, or of several none. A part is where its module is.
+    A device without mounts is on the only robot; if there are several, the module is None. A part
+    has the mounts of its module.
     """
     whole = name.rpartition(".")[0]
     chain = plan.inheriting.chain(whole if whole in plan.inheriting.mounts else name)
@@ -131,16 +132,16 @@ def _sensor(
 
 
 def _scripted_command(function: str, rate: float | None = None) -> tuple[str, float] | None:
-    """Return the command of an entry of a script, or None if it lets go."""
+    """Return the command of an entry of a script, or None if it releases the joystick."""
     return None if rate is None else (function, float(rate))
 
 
 def _way(
     plan: Plan, chain: Sequence[str], scenario: Scenario, joints: Mapping[str, JointDevice]
 ) -> list[tuple[float, float, float, JointDevice | None]]:
-    """Return the mounts from a robot out to a device, as the plane sees them.
+    """Return the links of the mounts from a robot to a device, projected to the plane.
 
-    A turn about the up axis counts; tilts and the vertices of modules are left out.
+    Rotations about the up axis are kept; tilts and vertices of modules are ignored.
     """
     ahead, aside = (2, 0) if scenario.up == "y" else (0, 1)
     way = []

@@ -1,4 +1,4 @@
-"""Modules bound to what runs them: Python functions and classes of files, and injected faults."""
+"""Bindings of modules to Python functions and classes, and injected faults."""
 
 import ast
 import inspect
@@ -30,9 +30,9 @@ Clock = Callable[[], float]
 class Functions:
     """The Python functions and classes of one run.
 
-    Each file is imported once, afresh for every run, so that its state never leaks from one run
-    into the next. Each module has an object of its own of a class; the parts of a module share one.
-    Of several robots, the modules of each include have imports of their own.
+    Each file is imported anew for every run, so that no state leaks into the next run. Each module
+    has its own object of a class, which the parts of the module share. If there are several robots,
+    each include has its own imports.
     """
 
     plan: Plan
@@ -44,7 +44,7 @@ class Functions:
     problems: list[Diagnostic] = field(default_factory=list)
 
     def behaviour(self, name: str, path: Path, called: str) -> Behaviour | None:
-        """Return what a module does by a function or a class of a file; note what is wrong."""
+        """Return the behaviour by a function or class of a file, or None with a new problem."""
         declared = self.scenario.bindings.get(name, {})
         shown = f"{normpath(path)}:{called}"
         try:
@@ -84,7 +84,7 @@ class Functions:
         if not path.is_file():
             text = f"`{_seen_from_here(str(path))}` is not a file"
             raise UnfitError(text, "name a file, relative to the scenario")
-        # A behaviour that draws random numbers finds the run's seed there.
+        # The name under which behaviours find the run's seed for random numbers.
         target: Any = folder.load(path, SEED=self.scenario.seed)
         context, knows = self._context(name), False
         with folder:
@@ -101,7 +101,7 @@ class Functions:
             )
 
     def _part(self, target: Any, part: str, context: Context, knows: bool) -> tuple[Any, bool]:
-        """Return the attribute of a file, a class or an object by its name."""
+        """Return an attribute of a file, class or object, and whether it knows its context."""
         if isinstance(target, type) and not isinstance(getattr(target, part, None), type):
             made, knows = self._made(target, context)
             return method_of(made, part), knows
@@ -118,7 +118,7 @@ class Functions:
         return self.made[context.module, kind]
 
     def _context(self, name: str) -> Context:
-        """Return the context of a module; parts of one share it, unless they have parameters."""
+        """Return the context of a module, shared by its parts that have no own parameters."""
         declared = self.scenario.bindings.get(name, {})
         owner = name if "parameters" in declared else name.partition(".")[0]
         if owner not in self.contexts:
@@ -127,20 +127,20 @@ class Functions:
         return self.contexts[owner]
 
     def _annotated(self, name: str, instance: object) -> str | None:
-        """Return the method of an object that the annotations of a module name, if they do."""
+        """Return the annotated method of an object, or None if the annotations name none."""
         module = self.plan.modules.get(name)
         named = [service.function for service in module.services] if module else []
         return next((each for each in named if each and hasattr(instance, each)), None)
 
     def _binding_span(self, name: str) -> Span:
-        """Return where the scenario binds a module, or where its function is annotated."""
+        """Return the location of the binding of a module, or of its annotated function."""
         module = self.plan.modules.get(name)
         annotated = module.services[0].span if module and module.services else self.scenario.span
         return self.scenario.places.get(f"bindings.{name}", annotated)
 
 
 def _staying(call: Callable[..., Any], folder: Folder) -> Callable[..., Any]:
-    """Return a function that runs among the files beside it, and fails where it would end all."""
+    """Return a function that can import files beside it, and fails instead of exiting."""
 
     def run(*inputs: Any) -> Any:
         try:
@@ -157,13 +157,13 @@ def _staying(call: Callable[..., Any], folder: Folder) -> Callable[..., Any]:
 
 
 def _seen_from_here(file: str) -> str:
-    """Return a path within the current folder without that folder, of another its last part."""
+    """Return a path relative to the current folder, or the file name of a path outside."""
     path, here = Path(file), Path.cwd()
     return path.relative_to(here).as_posix() if path.is_relative_to(here) else path.name
 
 
 def entries(plan: Plan, name: str) -> tuple[EntryPoint, ...] | None:
-    """Return the inputs of a module, or None where they are not known."""
+    """Return the inputs of a module, or None if the module does not run."""
     if name not in plan.names:
         return (EntryPoint("what it converts"),)
     kind = plan.kind(name)
@@ -187,7 +187,7 @@ def entries(plan: Plan, name: str) -> tuple[EntryPoint, ...] | None:
 
 
 def _parameter_name(plan: Plan, name: str, slot: Slot) -> str | None:
-    """Return how the parameter that an input feeds is called: not `NAME#2`."""
+    """Return the name of the parameter that an input feeds, not the input's `NAME#2`."""
     if slot.name is None or name not in plan.modules:
         return slot.name
     known = inputs(plan.modules[name]).get(slot.name)
@@ -198,20 +198,20 @@ def _parameter_name(plan: Plan, name: str, slot: Slot) -> str | None:
 
 
 def _place_of(target: Any) -> tuple[str, int] | None:
-    """Return the file and line of a function, or of what an object does when it is called."""
+    """Return the file and line of a function or an object's `__call__`, or None."""
     routine: Any = target if inspect.isroutine(target) else getattr(target, "__call__", None)  # noqa: B004
     code = getattr(inspect.unwrap(getattr(routine, "__func__", routine)), "__code__", None)
     return None if code is None else (code.co_filename, code.co_firstlineno)
 
 
 def bind_functions(plan: Plan, scenario: Scenario, clock: Clock) -> dict[str, Behaviour]:
-    """Return behaviours of the modules that Python functions and classes run.
+    """Return the behaviours of the modules that Python functions and classes run.
 
     A binding of the scenario names `FILE.py:FUNCTION`, `FILE.py:CLASS` or `FILE.py:CLASS.METHOD`,
-    relative to the scenario; without one an annotated Python function is its own implementation.
+    relative to the scenario; a module without a binding runs its annotated Python function.
 
     Raises:
-        MarsError: files or functions that cannot be used; all of them.
+        MarsError: with all files and functions that cannot be used.
     """
     functions = Functions(plan, scenario, clock)
     known = {*plan.names, *converting(plan)}
@@ -226,7 +226,7 @@ def bind_functions(plan: Plan, scenario: Scenario, clock: Clock) -> dict[str, Be
 
 
 def converting(plan: Plan) -> Iterator[str]:
-    """Yield what converts messages: modules, and nodes to which a function is bound instead."""
+    """Yield the modules and introduced nodes that convert messages."""
     yield from (name for name in plan.names if plan.kind(name) == "data_transformer")
     yield from (each.converter for each in plan.configuration.conversions if each.converter)
     for module in plan.modules.values():
@@ -235,9 +235,9 @@ def converting(plan: Plan) -> Iterator[str]:
 
 
 def bind_kinds(scenario: Scenario, specification: Configuration) -> Scenario:
-    """Return a scenario whose bindings of kinds of nodes are those of each node of the kind.
+    """Return a scenario with bindings of nodes instead of bindings of kinds of nodes.
 
-    A binding of a node by its name counts first. A kind without nodes binds nothing.
+    A binding of a node by its name has precedence.
     """
     kinds = {each.kind for each in specification.kinds}
     names = {name.text for name in specification.modules}
@@ -256,9 +256,9 @@ def bind_kinds(scenario: Scenario, specification: Configuration) -> Scenario:
 def bound_functions(
     modules: Mapping[str, Module], scenario: Scenario, names: Iterable[str]
 ) -> Iterator[tuple[str, tuple[Path, str]]]:
-    """Yield each module that a Python function runs, and the file and name of that.
+    """Yield each module that a Python function runs, with the function's file and name.
 
-    Nothing is imported. `names` are those of the specification's modules.
+    No file is imported. `names` are the modules of the specification.
     """
     converters = [m.name for m in modules.values() if any(s.kind == "Converts" for s in m.services)]
     for name in dict.fromkeys([*names, *converters, *scenario.bindings]):
@@ -280,12 +280,12 @@ def _stated_location(
 
 
 def _qualified(service: Service) -> str:
-    """Return the name of an annotated function, after those of the classes that it is in."""
+    """Return the qualified name of an annotated function, `CLASS.METHOD` for a method."""
     name = (service.function or "").rpartition(".")[2]
     try:
         tree = ast.parse(Path(service.span.path).read_bytes())
     except (OSError, SyntaxError, ValueError, RecursionError):
-        return name  # what is wrong is reported when it is imported
+        return name  # the import reports the error
     found = [
         (node.lineno, qualified)
         for node, qualified in _definitions(tree.body, "")
@@ -314,7 +314,7 @@ def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) ->
     `silent` returns nothing, `stuck` repeats its last result, `throwing` raises, from `from` to
     `until` seconds; `late` adds `by` ms to the delay and `babbling` runs every `by` ms, always.
     """
-    # A fault of a module is one of each of its parts.
+    # The fault of a module applies to each of its parts.
     fault = scenario.faults.get(name) or scenario.faults.get(name.rpartition(".")[0])
     if fault is None:
         return behaviour

@@ -1,4 +1,4 @@
-"""Scenario files: the world, the robot, its devices, what runs each module, and requirements."""
+"""Scenario files: the world, robots, devices, bindings of modules, and requirements."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,16 +14,16 @@ from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.language.toml_text import Places, read_tables
 
-#: Whoever mends these reads no more.
+#: Maximal number of reported problems.
 _MOST_PROBLEMS = 200
 
 
 @dataclass(frozen=True, slots=True)
 class ScenarioRobot:
-    """A robot: the effector that moves it, and what is asked of it; mm, degrees, s.
+    """A robot: the effector that moves it, its properties and its goal; mm, degrees, seconds.
 
     `start` is forward, side and heading; `acceleration` and `deceleration` are by function.
-    `places` has those of its keys, and of limits and accelerations; `span` is the robot's own.
+    `places` has the locations of keys, limits and accelerations, `span` that of the robot.
     """
 
     name: str
@@ -40,9 +40,9 @@ class ScenarioRobot:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A checked scenario; tables are as in the file, lengths in mm, times in s unless said.
+    """A checked scenario; tables are as in the file, lengths in mm, times mostly in seconds.
 
-    `places` has those of requirements, devices, bindings, faults and `scatter`.
+    `places` has the locations of requirements, devices, bindings, faults and `scatter`.
     """
 
     path: Path
@@ -60,26 +60,26 @@ class Scenario:
     places: Mapping[str, Span] = field(default_factory=dict)
 
     def called(self, robot: ScenarioRobot) -> str:
-        """Return the words for a robot in a sentence: its name if there are several."""
+        """Return the name of a robot for messages, or `the robot` if there is only one."""
         return "the robot" if len(self.robots) == 1 else f"`{robot.name}`"
 
 
 def load_scenario(path: Path, changes: Changes = UNCHANGED) -> Scenario:
-    """Read and check a scenario file, some keys of which may have other values.
+    """Return the checked scenario of a file, with changed values of keys.
 
     Raises:
-        MarsError: it cannot be read, is no TOML, or has wrong keys or values; all of them.
+        MarsError: the file cannot be read or is not TOML, or with all wrong keys and values.
     """
     return read_scenario(decode(read_bytes(path), str(path)), path, changes)
 
 
 def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenario:
-    """Check the text of a scenario; `path` is what places show and bindings are relative to.
+    """Return the checked scenario of a text, with changed values of keys.
 
-    `changes` are the values of keys that have others than in the text.
+    `path` is the path in messages; bindings are relative to its folder.
 
     Raises:
-        MarsError: it is no TOML, or has wrong keys or values; all of them.
+        MarsError: the text is not TOML, or with all wrong keys and values.
     """
     tables = read_tables(text, str(path), "scenario")
     where = Places(text, str(path))
@@ -116,7 +116,7 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
 
 
 def _stands(written: Any, path: Iterable[str | int]) -> bool:
-    """Whether a path of keys and numbers leads to something in tables."""
+    """Whether a path of keys and indices exists in tables."""
     try:
         for part in path:
             written = written[part]
@@ -132,7 +132,7 @@ def _read_robot(
     placed: Callable[..., Span],
     path: tuple[str | int, ...],
 ) -> ScenarioRobot:
-    """Return a checked robot; `name` is that of one without a name of its own."""
+    """Return a checked robot; `name` is the default name."""
     settings = {key: value for key, value in table.items() if key not in ("name", "start")}
     x, y, heading = map(float, table.get("start", (0, 0, 0)))
     places = {key: placed(*path, key) for key in table}
@@ -151,7 +151,7 @@ def _read_robot(
 def _unclear(
     robots: Sequence[ScenarioRobot], reach: bool, places: Mapping[str, Span]
 ) -> Iterator[Diagnostic]:
-    """Yield what leaves open which robot is meant."""
+    """Yield names, modules and `reach` goals that do not identify one robot."""
     for key in ("name", "module"):
         seen = set[str]()
         for robot in robots:

@@ -11,7 +11,7 @@ from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from mars_asp.spelling import suggestion
 
 _Schema: TypeAlias = dict[str, Any]
-#: Keys of tables and numbers of entries, from the top of a scenario.
+#: Keys of tables and indices of lists, from the top of a scenario.
 _Path: TypeAlias = tuple[str | int, ...]
 
 
@@ -34,12 +34,12 @@ def _table_schema(keys: Mapping[str, _Schema], *required: str) -> _Schema:
 
 
 def _table_by_module(table: _Schema) -> _Schema:
-    """Return a table of tables, each with the name of a module."""
+    """Return the schema of a table whose keys are modules and whose values are tables."""
     return {"type": "object", "additionalProperties": table}
 
 
 def _row(*entries: _Schema) -> _Schema:
-    """Return a list of as many entries as are given."""
+    """Return the schema of a list with exactly these entries."""
     size = len(entries)
     return {"type": "array", "items": list(entries), "minItems": size, "maxItems": size}
 
@@ -49,9 +49,9 @@ def _list(entry: _Schema) -> _Schema:
 
 
 def _one_of(kinds: Mapping[str, str], *required: str) -> _Schema:
-    """Return tables that differ by their `kind`; without one, where it may be left out, the first.
+    """Return the schema of a table with a `kind`; `kinds` has the keys of each.
 
-    Each kind has the names of its keys.
+    The default is the first kind, unless `kind` is required.
     """
     first = next(iter(kinds))
     return {
@@ -66,11 +66,11 @@ def _one_of(kinds: Mapping[str, str], *required: str) -> _Schema:
 
 
 def _with_description(words: str, schema: _Schema) -> _Schema:
-    """Return a schema with the words that tell what a value should be which is something else."""
+    """Return a schema with the description of a valid value, for messages."""
     return {"description": words} | schema
 
 
-#: In the place of a function and its rate, where a joystick is let go.
+#: The entry of a script that releases a joystick, instead of a function and its rate.
 RELEASE = "release"
 _ANY = _number_schema(None, None)
 _POSITIVE = _number_schema(0)
@@ -127,7 +127,7 @@ _SCATTER = _table_schema(
         "within": _POSITIVE,
         "free": _POSITIVE,
         "moving": _integer_schema(0, 100_000),
-        # It turns every 2000 mm, so no more often than what `moving` lists may.
+        # It turns every 2000 mm, so at most as often as obstacles of `moving`.
         "speed": _number_schema(0, 2e6),
     }
 )
@@ -225,12 +225,12 @@ _REQUIREMENTS = _table_schema(
 
 
 def _scenario(robot: _Schema) -> _Schema:
-    """Return the schema of scenarios with such a `robot`."""
+    """Return the schema of scenarios with this schema of `robot`."""
     keys = {
         "seed": _integer_schema(-(2**63), 2**63 - 1),
         "duration": _number_schema(0.001),
         "up": {"enum": ["y", "z"]},
-        # Without one no command would be obeyed that no arbiter holds.
+        # With 0, commands that no arbiter holds would never be obeyed.
         "command_timeout": _number_schema(0.001),
         "world": _WORLD,
         "robot": robot,
@@ -247,10 +247,10 @@ def _scenario(robot: _Schema) -> _Schema:
 _ROBOTS = _with_description(
     "a table or a list of tables, at least one", _list(_ROBOT) | {"minItems": 1}
 )
-#: Of one robot, or of several.
+#: The schemas for one robot and for several.
 _ONE, _SEVERAL = _scenario(_ROBOT), _scenario(_ROBOTS)
 SCHEMA = _scenario({"anyOf": [_ROBOT, _ROBOTS]})
-#: What the schema calls types of TOML.
+#: Types of the schema, as messages name them.
 _TYPES = {
     "object": "a table",
     "array": "a list",
@@ -259,14 +259,14 @@ _TYPES = {
     "string": "a string",
     "boolean": "true or false",
 }
-#: In the place of numbers without an end, which JSON has not.
+#: Replaces infinite numbers, which JSON cannot express.
 _ENDLESS = 1.7e308
-#: No list or table of ours is in so many others.
+#: Maximal depth of tables and lists, above that of any valid scenario.
 _DEEPEST = 10
 
 
 class Mistake(NamedTuple):
-    """What is wrong in a scenario, where it stands, and what to do."""
+    """A mistake in a scenario: its path, a message and help."""
 
     path: _Path
     message: str
@@ -274,18 +274,18 @@ class Mistake(NamedTuple):
 
 
 def mistakes(tables: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield all that the schema finds wrong with a scenario, each once."""
+    """Yield each violation of the schema by a scenario once."""
     entries: set[Mistake] = set()
     for error in Draft4Validator(_whole_schema(tables)).iter_errors(_as_json(tables)):
         path = tuple(error.instance_path)
         for mistake in _mistakes(error, path, tables):
-            if mistake not in entries:  # of one form several parts can be wrong
+            if mistake not in entries:  # several parts of one value can be wrong
                 entries.add(mistake)
                 yield mistake
 
 
 def _as_json(value: Any, depth: int = 0) -> Any:
-    """Return a value of TOML as one of JSON; what that has not becomes what is wrong everywhere."""
+    """Return a value of TOML as JSON, with invalid substitutes for dates, NaN and infinity."""
     if isinstance(value, dict | list) and depth < _DEEPEST:
         if isinstance(value, list):
             return [_as_json(each, depth + 1) for each in value]
@@ -296,7 +296,7 @@ def _as_json(value: Any, depth: int = 0) -> Any:
 
 
 def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield the mistakes of the author that an error at a path shows."""
+    """Yield the mistakes that cause an error of the validator at a path."""
     kind = error.kind
     key = str(next((part for part in reversed(path) if isinstance(part, str)), ""))
     schema, value = _schema(path, tables), _value_at(path, tables)
@@ -329,14 +329,14 @@ def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) ->
 
 
 def _whole_schema(tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema of scenarios with as many robots as are stated, which tells more."""
+    """Return the schema for one robot or several: its errors are clearer than of `SCHEMA`."""
     return _SEVERAL if isinstance(tables.get("robot"), list) else _ONE
 
 
 def _unknown_key(
     path: _Path, key: str, known: Mapping[str, _Schema], tables: Mapping[str, Any]
 ) -> Mistake:
-    """Return the mistake of a key: it is of another kind of table, or of none."""
+    """Return the mistake for an unknown key, or a key of another kind of table."""
     table = path[:-1]
     kinds = _plain_schema(table, tables).get("oneOf", ())
     others = [each["properties"]["kind"]["enum"][0] for each in kinds if key in each["properties"]]
@@ -349,13 +349,13 @@ def _unknown_key(
 
 
 def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema of a path in a scenario, of several kinds the stated one."""
+    """Return the schema of a path in a scenario, for the stated kind of table."""
     schema = _plain_schema(path, tables)
     return _of_kind(schema, _value_at(path, tables)) if "oneOf" in schema else schema
 
 
 def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema of a path before its kind is known."""
+    """Return the schema of a path, with all kinds of a table."""
     schema = _whole_schema(tables)
     for count, part in enumerate(path, 1):
         if "oneOf" in schema:
@@ -369,7 +369,7 @@ def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
 
 
 def _of_kind(schema: _Schema, value: Any) -> _Schema:
-    """Return the kind of table that is stated, else one with all kinds and all keys."""
+    """Return the schema of the stated kind of table, or one with all kinds and all keys."""
     first, *_ = kinds = schema["oneOf"]
     declared = value.get("kind") if isinstance(value, dict) else None
     if declared is None and "required" not in first and isinstance(value, dict):
@@ -390,7 +390,7 @@ def _value_at(path: _Path, value: Any) -> Any:
 
 
 def _misformed_value(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
-    """Return the value whose form is wrong where a part of it is, or None if none has one."""
+    """Return the path of the described value that contains a wrong part, or None."""
     for count in range(len(path), 0, -1):
         if "description" in _schema(path[:count], tables):
             return path[:count]
@@ -400,7 +400,7 @@ def _misformed_value(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
 
 
 def _is_beyond(kind: Kind, schema: _Schema, value: object) -> bool:
-    """Whether a number is the wrong one, rather than of the wrong type."""
+    """Whether the error is a number out of range, rather than a wrong type."""
     if isinstance(kind, Kind.Minimum | Kind.Maximum):
         return schema["type"] == "number" or isinstance(value, int)
     return _is_nan(value)

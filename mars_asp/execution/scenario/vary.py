@@ -1,6 +1,6 @@
-"""Keys of a scenario with other values than its text gives them, as `--vary` states.
+"""Changed values of the keys of a scenario, as in `--vary`.
 
-A key is dotted as in TOML; a number leads into a list, as in `world.moving.0.speed`. The key
+A key is dotted as in TOML; a number is an index of a list, as in `world.moving.0.speed`. The key
 `modules.NAME` is `on` or `off`: a module that is off sends nothing.
 """
 
@@ -23,14 +23,14 @@ from mars_asp.spelling import nearest, suggestion
 #: Values by their dotted keys.
 Changes: TypeAlias = Mapping[str, Any]
 UNCHANGED: Changes = MappingProxyType({})
-#: Where values are stated that stand in no scenario.
+#: The location of values that are not in the text of the scenario.
 CHANGED = whole_file("--vary")
-#: What a module is switched by; it is no key of a scenario.
+#: The first part of the keys that switch modules; scenarios do not have this key.
 MODULES = "modules"
 ON, OFF = "on", "off"
-#: No key of a scenario has so many parts.
+#: Maximal number of parts of a key, above that of any valid key.
 _MOST_PARTS = 100
-#: A module that is off: from the first event to the last.
+#: The fault of a module that is off: it is silent in the whole run.
 _SILENT = {"kind": "silent", "from": 0, "until": inf}
 _HELP = (
     "write KEY=VALUE, as in `robot.radius=150` or `modules.Collide=off`; values are as in TOML, so "
@@ -39,17 +39,17 @@ _HELP = (
 
 
 class Axis(NamedTuple):
-    """A key and the values that it is to have, one after another."""
+    """A key and the values to run it with."""
 
     key: str
     values: tuple[Any, ...]
 
     @property
     def only(self) -> Any:
-        """Its one value.
+        """The only value.
 
         Raises:
-            MarsError: it has several.
+            MarsError: there are several values.
         """
         if len(self.values) > 1:
             help_text = "give it one; `mars-asp campaign` runs all of them"
@@ -58,10 +58,10 @@ class Axis(NamedTuple):
 
 
 def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
-    """Read several axes.
+    """Return the axes of several `--vary` options.
 
     Raises:
-        MarsError: one is not of its form, or two have the same key.
+        MarsError: an option is malformed, or two have the same key.
     """
     axes: dict[tuple[str, ...], Axis] = {}
     for text in texts:
@@ -74,10 +74,10 @@ def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
 
 
 def read_axis(text: str) -> Axis:
-    """Read `KEY=VALUE,VALUE,...`; values are as in TOML.
+    """Return the axis of `KEY=VALUE,VALUE,...`; values are as in TOML.
 
     Raises:
-        MarsError: it is not of that form.
+        MarsError: the text does not have this form.
     """
     key, equals, written = text.partition("=")
     key = key.strip()
@@ -116,7 +116,7 @@ def read_axis(text: str) -> Axis:
 
 
 def _is_endless(value: Any) -> bool:
-    """Whether a value has a number that JSON has not."""
+    """Whether a value contains an infinite number or NaN, which JSON cannot express."""
     if isinstance(value, dict | list):
         return any(map(_is_endless, value.values() if isinstance(value, dict) else value))
     return isinstance(value, float) and not isfinite(value)
@@ -138,13 +138,13 @@ def written_value(value: Any) -> str:
 
 
 def written_change(key: str, value: Any) -> str:
-    """Return what `--vary` takes for a key with a value."""
+    """Return a key and its value as `--vary` expects them."""
     word = value if key.startswith(f"{MODULES}.") else written_value(value)
     return f"{key}={word}"
 
 
 def _toml_string(text: str) -> str:
-    """Return a text as a basic string of TOML, whose escapes JSON's are among."""
+    """Return a text as a basic string of TOML, whose escapes include those of JSON."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -152,7 +152,7 @@ def _path(key: str) -> tuple[str, ...]:
     """Return the parts of a dotted key.
 
     Raises:
-        ValueError: it is not one.
+        ValueError: the key is malformed.
     """
     parts: list[str] = []
     tables: Any = tomllib.loads(f"{key} = 0")
@@ -165,10 +165,10 @@ def _path(key: str) -> tuple[str, ...]:
 
 
 def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
-    """Return the tables of a scenario with other values at some keys; the given ones stay.
+    """Return a copy of the tables of a scenario with changed values.
 
     Raises:
-        MarsError: keys or values that no scenario has; all of them.
+        MarsError: with all invalid keys and values.
     """
     if not changes:
         return tables
@@ -187,7 +187,7 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
                 raise _NoSuchKeyError(f"this is the same key as `{first}`", "state it once")
         except _NoSuchKeyError as error:
             wrong.append(Mistake((), f"`{key}`: {error.told}", error.help))
-    # The text alone was checked before.
+    # The tables without changes were valid.
     wrong = wrong or list(mistakes(tables)) or list(contradictions(tables, ()))
     found = [_variation_error(each.message, each.help) for each in wrong]
     if found:
@@ -196,7 +196,7 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
 
 
 def switched_off(changes: Changes) -> Iterator[str]:
-    """Yield the names of the modules that changes switch off."""
+    """Yield the names of the modules that are switched off."""
     for key, value in changes.items():
         path = _path(key)
         if path[0] == MODULES and value == OFF:
@@ -210,10 +210,10 @@ class _NoSuchKeyError(Exception):
 
 
 def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str | int, ...]:
-    """Set the value at a path, in which numbers lead into lists, and names into that of robots.
+    """Set the value at a path, with indices of lists, and indices or names of robots.
 
-    Return the path with numbers alone. Tables on the way that are not there are made, except for
-    those of devices: one of them that the scenario does not have is a slip.
+    Return the path with indices instead of names. Missing tables are created, except for devices:
+    an unknown device is an error.
     """
     at: Any = tables
     found: list[str | int] = []
@@ -232,7 +232,7 @@ def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str
 
 
 def _next_key(at: Any, part: str, found: list[str | int]) -> str | int:
-    """Return the key or number that leads on from a value."""
+    """Return the key or index of `part` in a table or list."""
     name = ".".join(map(str, found))
     if isinstance(at, dict):
         return part
@@ -249,7 +249,7 @@ def _next_key(at: Any, part: str, found: list[str | int]) -> str | int:
 
 
 def _robot_number(robots: list[Any], part: str) -> int:
-    """Return the number of the robot of a name."""
+    """Return the index of the robot with a name."""
     names = [str(robot.get("name", robot["module"])) for robot in robots]
     if part in names:
         return names.index(part)

@@ -1,4 +1,4 @@
-"""When and where a run came nearest to something, on its exact motion."""
+"""The closest approach of a robot to an obstacle in a run, on its exact motion."""
 
 from bisect import bisect_right
 from math import dist, hypot, inf
@@ -10,16 +10,16 @@ from mars_asp.execution.simulator.body import THING, Body
 from mars_asp.execution.simulator.motion import MotionSegment, Point, Pose
 from mars_asp.execution.simulator.world import World, nearest_points
 
-#: So much nearer (mm) than found it may have been.
+#: Maximal error (mm) of the gap.
 _EXACT = 0.01
-#: So exactly (s) the instant is found.
+#: Maximal error of the time, in seconds.
 _INSTANT = 1e-7
-#: So many looks at most at the step on which it came as near as ever.
+#: Maximal number of samples in the step with the minimal clearance.
 _MOST_LOOKS = 20_000
 
 
 class Approach(NamedTuple):
-    """At a time (s) a robot was at a pose, and what was nearest at a point, `gap` mm away."""
+    """The pose of a robot at a time, and the nearest point of an obstacle, `gap` mm away."""
 
     at: float
     pose: Pose
@@ -28,15 +28,15 @@ class Approach(NamedTuple):
 
 
 def pose_at(body: Body, seconds: float) -> Pose:
-    """Return where a body was at a time up to now."""
+    """Return the pose of a body at a time up to now."""
     return _stretch(body, seconds).at(seconds)
 
 
 def least_approach(body: Body) -> Approach | None:
-    """Return when it first was as near to something as ever, or None if there is nothing.
+    """Return the first approach with the minimal clearance, or None without any obstacle.
 
-    It is looked for on the one step that had the least clearance. From one look to the next time
-    passes in which nothing can have come as near; the last way is down to where it is least.
+    Only the step with the minimal clearance is searched. Each sample skips the time in which the
+    gap cannot become minimal; from there, the search descends to the minimum.
     """
     if body.clearance == inf:
         return None
@@ -59,7 +59,7 @@ def least_approach(body: Body) -> Approach | None:
 
 
 def approach_at(body: Body, seconds: float, beside: str = THING) -> Approach:
-    """Return how near the robot of a name was at a time, or else the nearest thing of the world.
+    """Return the approach at a time to the robot named `beside`, or else to the world.
 
     In contact the gap is 0.
     """
@@ -74,7 +74,7 @@ def approach_at(body: Body, seconds: float, beside: str = THING) -> Approach:
 
 
 def _robot_named(body: Body, name: str) -> Body | None:
-    """Return the robot of a name among those that a robot moves with."""
+    """Return the robot with a name in the company of a body, or None if it is not a robot."""
     others = () if body.company is None else body.company.bodies
     return next((other for other in others if other.name == name != THING), None)
 
@@ -85,7 +85,7 @@ def _stretch(body: Body, seconds: float) -> MotionSegment:
 
 
 def _nearest(world: World, point: Point, seconds: float) -> Point:
-    """Return the point of walls and rims that is nearest to a point at a time."""
+    """Return the point of walls and circles that is nearest to a point at a time."""
     found: list[Point] = []
     if len(world.segments):
         places = nearest_points(np.array(point), world.segments)
@@ -97,6 +97,6 @@ def _nearest(world: World, point: Point, seconds: float) -> Point:
 
 
 def _rim(point: Point, x: float, y: float, radius: float) -> Point:
-    """Return the point of a circle's rim that is nearest to a point."""
+    """Return the point on the rim of a circle that is nearest to a point."""
     way = hypot(point[0] - x, point[1] - y) or inf
     return x + radius * (point[0] - x) / way, y + radius * (point[1] - y) / way

@@ -1,4 +1,4 @@
-"""A round robot: its way in lines and arcs, and how near it came to the world on all of it."""
+"""A round robot: its motion in lines and arcs, its clearance and its contacts."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -12,44 +12,44 @@ from mars_asp.execution.simulator.motion import Floats, MotionSegment, Point, Po
 from mars_asp.execution.simulator.ramp import Ramp
 from mars_asp.execution.simulator.world import World
 
-#: Nearer than this (mm) is contact.
+#: A smaller gap (mm) is a contact.
 TOUCH = 1e-3
-#: Up to ten times as far away, it still is the same contact.
+#: Up to this gap (mm), a contact lasts.
 APART = 10 * TOUCH
-#: So long (s) after a contact, it still is the same.
+#: Within this time in seconds, a further contact with the same obstacle does not count.
 _AGAIN = 0.1
-#: Chords stand for arcs that are nowhere further from them (mm).
+#: Maximal distance (mm) of an arc from the chord that approximates it.
 _EXACT = 2.5e-4
-#: What is no robot, where the others have names.
+#: The name of all obstacles other than robots.
 THING = ""
 
 
 def planar_functions(up: str) -> tuple[str, str, str]:
-    """Return the functions that drive ahead, aside and turn, with `y` or `z` up."""
+    """Return the functions that drive ahead, drive aside and turn, if axis `up` is vertical."""
     return ("Trans_Z", "Trans_X", "Rotn_Y") if up == "y" else ("Trans_X", "Trans_Y", "Rotn_Z")
 
 
 class Company(Protocol):
-    """The robots that a robot moves among."""
+    """The robots of one world, which move together."""
 
     def advance(self, seconds: float) -> None:
-        """Move all of them on to a time (s)."""
+        """Move all robots to a time in seconds."""
 
     @property
     def bodies(self) -> "tuple[Body, ...]":
-        """Return all of them."""
+        """Return all robots."""
 
     def discs(self, name: str, place: Point, reach: float) -> Floats:
-        """Return those (n, 3) within reach of a place, but for the named one."""
+        """Return centre and radius (n, 3) of the other robots within reach of a point."""
 
 
 @dataclass(slots=True)
 class Body:
-    """A disc of `radius` mm in a world, moving as it was last commanded.
+    """A disc of `radius` mm in a world, which moves by its last command.
 
-    `limits` are the greatest rates by function, `ramps` those that change gradually. What happened
-    is kept: the motion, the least clearance (mm) on all of it and to whom, contacts (s) and with
-    whom, and seconds of turning and driving at once.
+    `limits` are the maximal rates by function, `ramps` the rates that change gradually. Recorded
+    are the `motion`, the minimal `clearance` (mm), the times of `contacts` in seconds, the
+    distance `driven` and the seconds of `both` driving and turning.
     """
 
     world: World
@@ -62,54 +62,54 @@ class Body:
     name: str = "robot"
     ramps: Mapping[str, Ramp] = field(default_factory=dict)
     clearance: float = inf
-    #: The robot that was nearest; `THING` for what is none.
+    #: The nearest robot at the minimal clearance, or `THING`.
     beside: str = THING
-    #: From when until when (s) the step lasted on which the clearance was least.
+    #: Begin and end, in seconds, of the step with the minimal clearance.
     closest: tuple[float, float] = (0.0, 0.0)
     driven: float = 0.0
     both: float = 0.0
     motion: list[MotionSegment] = field(default_factory=list)
     contacts: list[float] = field(default_factory=list)
-    #: With whom each contact was.
+    #: The robot, or `THING`, of each contact.
     struck: list[str] = field(default_factory=list)
     company: Company | None = None
-    #: Whom it touches, and when (s) it last was seen to touch whom.
+    #: The touched robots (or `THING`), and the last time in seconds at which each was touched.
     on: set[str] = field(default_factory=set)
     touched: dict[str, float] = field(default_factory=dict)
-    #: No less are the gaps (mm) to the world and to robots; they are measured where need be.
+    #: Lower bounds of the gaps (mm) to the world and to other robots.
     room: float = 0.0
     berth: float = inf
 
     def __post_init__(self) -> None:
-        """Note how near things are where it starts."""
+        """Measure the gap at the start."""
         self.motion.append(MotionSegment(self.seconds, self.pose, 0.0, 0.0, 0.0))
         self.measure()
 
     @property
     def touching(self) -> bool:
-        """Whether it is in contact with anything."""
+        """Whether the robot touches anything."""
         return bool(self.on)
 
     @property
     def collisions(self) -> int:
-        """Return how often it came into contact."""
+        """Return the number of contacts."""
         return len(self.contacts)
 
     @property
     def place(self) -> Point:
-        """Return where its centre is."""
+        """Return the position of the centre."""
         return self.pose.forward, self.pose.side
 
     @property
     def stretches(self) -> Iterator[tuple[MotionSegment, float]]:
-        """Yield its motion up to now: each stretch, and until when (s) it lasted."""
+        """Yield each motion segment up to now, with its end in seconds."""
         for stretch, following in pairwise(self.motion):
             yield stretch, following.since
         yield self.motion[-1], self.seconds
 
     @property
     def way(self) -> list[tuple[float, Pose]]:
-        """Return where it was at times (s) no more than 0.1 s apart, up to now."""
+        """Return times in seconds, at most 0.1 apart, up to now, with the pose at each."""
         found = []
         for stretch, until in self.stretches:
             count = ceil((until - stretch.since) / 0.1)
@@ -118,26 +118,26 @@ class Body:
         return [*found, (self.seconds, self.pose)]
 
     def gap(self) -> float:
-        """Return how far (mm) its rim is from the world; where they overlap, below 0."""
+        """Return the gap (mm) from the rim to the world; negative if they overlap."""
         return self.world.distance(self.place, self.seconds) - self.radius
 
     def rays(self, origin: Point, angles: Floats, reach: float) -> Floats:
-        """Return how far rays go now that begin at this robot: see `World.rays`."""
+        """Return the lengths of rays from a point of this robot now: see `World.rays`."""
         discs = () if self.company is None else (self.company.discs(self.name, origin, reach),)
         return self.world.rays(origin, angles, reach, self.seconds, *discs)
 
     def obey(self, command: Mapping[str, float], seconds: float) -> None:
-        """Move on to a time, then take a command; functions that it does not name are zero."""
+        """Move to a time, then follow a command; functions that are not in it get rate 0."""
         self.advance(seconds)
         self.command = dict(command)
 
     def advance(self, seconds: float) -> None:
-        """Move on to a time (s), and all of its company with it."""
+        """Move this robot and all others to a time in seconds."""
         if seconds > self.seconds and self.company is not None:
             self.company.advance(seconds)
 
     def rates(self) -> tuple[float, float, float]:
-        """Return the rates ahead, aside and turning from now on, within the limits."""
+        """Return the current rates of driving ahead, driving aside and turning, within limits."""
         ahead, aside, turn = (self._ramped_rate(function) for function in planar_functions(self.up))
         return ahead, aside, turn
 
@@ -151,12 +151,12 @@ class Body:
 
     @property
     def until(self) -> float:
-        """Return until when (s) the rates hold, if no command comes."""
+        """Return the time in seconds at which a ramp changes a rate; inf if none does."""
         return min((ramp.until for ramp in self.ramps.values()), default=inf)
 
     @property
     def most(self) -> float:
-        """Return the greatest speed (mm/s) before the next command."""
+        """Return an upper bound of the speed (mm/s) before the next command."""
         peaks = []
         for function in planar_functions(self.up)[:2]:
             ramp = self.ramps.get(function)
@@ -166,11 +166,11 @@ class Body:
 
     @property
     def least(self) -> float:
-        """Return the gap (mm) below which it matters how far things are."""
+        """Return the gap (mm) below which gaps are measured: they change clearance or contacts."""
         return max(self.clearance, APART)
 
     def is_far(self, seconds: float, fastest: float) -> bool:
-        """Whether nothing matters until a time, where robots go no faster than `fastest` mm/s."""
+        """Whether no gap falls below `least` until a time; other robots go up to `fastest` mm/s."""
         spent, most = seconds - self.seconds, self.most
         closing = most + self.world.fastest
         if closing and self.room - closing * spent < self.least:
@@ -178,13 +178,13 @@ class Body:
         return not most + fastest or self.berth - (most + fastest) * spent >= self.least
 
     def go(self, seconds: float, fastest: float) -> None:
-        """Move on to a time, up to which nothing is near."""
+        """Move to a time before which `is_far` holds."""
         while self.seconds < seconds:
             way = MotionSegment(self.seconds, self.pose, *self.rates())
             self.take(way, min(seconds, self.until), fastest)
 
     def take(self, way: MotionSegment, at: float, fastest: float) -> None:
-        """Go along a way to a time (s)."""
+        """Move along a segment up to a time in seconds, and record it."""
         spent, speed = at - self.seconds, way.speed
         self.driven += speed * spent
         self.both += spent * bool(speed and way.turn)
@@ -202,12 +202,12 @@ class Body:
         self.pose, self.seconds = way.at(at), at
 
     def measure(self) -> None:
-        """Find out how near the world is."""
+        """Measure the gap to the world, and record it."""
         self.room = self.gap()
         self.note(self.room, THING)
 
     def note(self, gap: float, other: str, since: float | None = None) -> None:
-        """Take a gap (mm) into account that there is now, or was at some time since a time (s)."""
+        """Record a gap (mm) to `other`, which occurred now or at some time after `since`."""
         if max(gap, 0.0) < self.clearance:
             self.clearance, self.beside = max(gap, 0.0), other
             self.closest = (self.seconds if since is None else since, self.seconds)
@@ -222,7 +222,10 @@ class Body:
             self.touched[other] = self.seconds
 
     def nearest(self, way: MotionSegment, step: float) -> float:
-        """Return the least gap (mm) to the world on a way of so many seconds, if it matters."""
+        """Return the minimal gap (mm) to the world on a segment of `step` seconds.
+
+        See `least_gap`: gaps above `least` may be returned as inf.
+        """
 
         def gaps(edges: Floats) -> Floats:
             ends = way.points(edges.ravel()).reshape(-1, 4)
@@ -232,18 +235,18 @@ class Body:
 
 
 def bend(way: MotionSegment) -> float:
-    """Return by how much an arc leaves its chord: so many mm for the square of its seconds."""
+    """Return b so that an arc of t seconds is at most b * t ** 2 mm from its chord."""
     return way.speed * abs(radians(way.turn)) / 8
 
 
 def least_gap(
     gaps: Callable[[Floats], Floats], bend: float, least: float, since: float, until: float
 ) -> float:
-    """Return the least gap (mm) between two times (s), if that is less than `least`.
+    """Return the minimal gap (mm) between two times in seconds, or inf if it is above `least`.
 
-    `gaps` are those of chords, each from a time to a time (n, 2); an arc is no further from its
-    chord than `bend * t ** 2`: chords bound it from below. Those that might matter are cut in four,
-    until they are as good as arcs.
+    `gaps` computes the gaps of chords, given by begin and end (n, 2). An arc is within
+    `bend * t ** 2` of its chord, so chords give lower bounds. Chords whose bound is too low are cut
+    in four, until they approximate the arc well enough.
     """
     edges: Floats = np.array([[since, until]])
     found = inf

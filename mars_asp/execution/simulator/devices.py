@@ -1,6 +1,6 @@
-"""Devices of a robot; each returns a function that reads it at a time in seconds.
+"""Devices of a robot; sensors are functions from a time in seconds to a reading.
 
-Noise comes from the generator that a device is given, so devices do not disturb one another.
+Each device has its own generator of noise, so that devices do not influence one another.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,13 +14,13 @@ import numpy as np
 from mars_asp.execution.simulator.body import Body
 from mars_asp.execution.simulator.motion import Floats, Pose
 
-#: From a time in seconds to where a device is; the body has moved on to that time.
+#: The function from a time in seconds to the pose of a device; it moves the body to that time.
 Place: TypeAlias = Callable[[float], Pose]
 
 
 @dataclass(slots=True)
 class JointDevice:
-    """A joint or gripper: obeys rates (degrees/s or mm/s), or a width, within its bounds."""
+    """A joint commanded by rates (degrees/s or mm/s), or a gripper by widths, within bounds."""
 
     function: str
     low: float = -inf
@@ -29,17 +29,17 @@ class JointDevice:
     value: float = 0.0
     wanted: float = 0.0
     seconds: float = 0.0
-    #: From when until when (s) it moved.
+    #: Begin and end, in seconds, of each motion.
     moved: list[tuple[float, float]] = field(default_factory=list, init=False)
 
     def obey(self, command: dict[str, float], seconds: float) -> None:
-        """Move on to a time, then take a command; a width that is not named stays."""
+        """Move to a time, then follow a command; a missing rate is 0, a missing width unchanged."""
         self.advance(seconds)
         resting = self.wanted if self.function == "Grasp" else 0.0
         self.wanted = command.get(self.function, resting)
 
     def advance(self, seconds: float) -> float:
-        """Return the angle, way or width at a time."""
+        """Move to a time and return the angle, displacement or width."""
         step, self.seconds = seconds - self.seconds, seconds
         rate = self.wanted
         if self.function == "Grasp":
@@ -60,7 +60,10 @@ class JointDevice:
 def mounted(
     body: Body, links: Sequence[tuple[float, float, float, JointDevice | None]] = ()
 ) -> Place:
-    """Return where a device is: links (forward, side, turn, joint) from the body outwards."""
+    """Return the function from times to the pose of a device at the end of links.
+
+    Each link is (forward, side, turn, joint), from the body outwards.
+    """
 
     def place(seconds: float) -> Pose:
         body.advance(seconds)
@@ -89,9 +92,9 @@ def sonar(
     reach: float = 3000.0,
     sigma: float = 0.0,
 ) -> Callable[[float], list[float]]:
-    """Return a ring's reading: beam k looks at k * 360 / beams degrees; a miss is inf.
+    """Return the reader of a ring of sonars; beam k points to k * 360 / beams degrees.
 
-    A cone's range is the least over `rays` sub-rays spread over it.
+    The range of a beam is the minimum over `rays` rays in its cone, or inf without a hit.
     """
     spread = np.linspace(-cone / 2, cone / 2, rays) if rays > 1 else np.zeros(1)
     bearings = np.radians((np.arange(beams) * 360.0 / beams)[:, None] + spread)
@@ -108,7 +111,7 @@ def lidar(
     reach: float = 8000.0,
     sigma: float = 0.0,
 ) -> Callable[[float], list[float]]:
-    """Return a scan's reading: `beams` single rays spread over `view` degrees, from the right."""
+    """Return the reader of a lidar: `beams` rays over `view` degrees, from the right."""
     bearings = np.radians(np.linspace(-view / 2, view / 2, beams))[:, None]
     return _ranges(body, place, noise, bearings, reach, sigma)
 
@@ -116,14 +119,14 @@ def lidar(
 def _ranges(
     body: Body, place: Place, noise: Random, bearings: Floats, reach: float, sigma: float
 ) -> Callable[[float], list[float]]:
-    """Return a reading of beams (n, k): of each the range of the shortest of its k rays."""
+    """Return the reader of n beams (n, k): the range of the shortest of k rays of each."""
     flat, rays = bearings.ravel(), bearings.shape[-1]
 
     def read(seconds: float) -> list[float]:
         pose = place(seconds)
         angles = flat + radians(pose.heading)
         hits = body.rays((pose.forward, pose.side), angles, reach)
-        # A single ray has no other to be compared with.
+        # Fast path for one ray per beam.
         nearest = hits if rays == 1 else hits.reshape(-1, rays).min(axis=1)
         return [_noisy(float(hit), noise, sigma) for hit in nearest]
 
@@ -131,7 +134,7 @@ def _ranges(
 
 
 def bumper(body: Body) -> Callable[[float], int]:
-    """Return a bumper's reading: 1 in contact, else 0."""
+    """Return the reader of a bumper: 1 in contact, else 0."""
 
     def read(seconds: float) -> int:
         body.advance(seconds)
@@ -141,7 +144,7 @@ def bumper(body: Body) -> Callable[[float], int]:
 
 
 def odometry(body: Body, noise: Random, *, sigma: float = 0.0) -> Callable[[float], list[float]]:
-    """Return dead reckoning (forward, side, heading) that drifts by `sigma` of the way."""
+    """Return the reader of an odometer: (forward, side, heading) with relative error `sigma`."""
     believed = [body.pose.forward, body.pose.side, body.pose.heading]
     before = [body.pose]
 
@@ -161,7 +164,7 @@ def odometry(body: Body, noise: Random, *, sigma: float = 0.0) -> Callable[[floa
 def marks(
     body: Body, place: Place, *, view: float = 60.0, reach: float = 5000.0
 ) -> Callable[[float], list[tuple[str, float, float]]]:
-    """Return (colour, bearing, distance) of the marks that a camera sees."""
+    """Return the reader of a camera: (colour, bearing, distance) of each visible mark."""
 
     def read(seconds: float) -> list[tuple[str, float, float]]:
         pose = place(seconds)
@@ -184,9 +187,9 @@ def marks(
 def joystick(
     script: Sequence[tuple[float, tuple[str, float] | None]],
 ) -> Callable[[float], tuple[str, float] | None]:
-    """Return a scripted hand: from each time (s) on a function and its rate, or none: it lets go.
+    """Return the reader of a scripted joystick, as a function with its rate, or None if released.
 
-    Before the first it commands nothing either.
+    `script` has the time in seconds of each change; before the first, the joystick is released.
     """
 
     def read(seconds: float) -> tuple[str, float] | None:

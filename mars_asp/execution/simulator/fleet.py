@@ -1,7 +1,7 @@
-"""Robots that move on together, in a world and among each other.
+"""Robots that move together in one world.
 
-No device can ask one of them for a time that the others have not come to, so what they do to each
-other does not depend on who is asked first.
+Advancing one robot advances all, so contacts between robots do not depend on the order in which
+devices are read.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,20 +15,20 @@ from mars_asp.execution.simulator.body import APART, THING, TOUCH, Body, bend, l
 from mars_asp.execution.simulator.motion import Floats, MotionSegment, Point
 from mars_asp.execution.simulator.world import origin_distances
 
-#: For so long (s) at most a robot that touches something goes on as it does.
+#: Maximal step, in seconds, of a robot that touches something.
 _HALTED = 0.005
-#: So much (mm) less a gap may be by rounding.
+#: Rounding error (mm) of a gap.
 _DEEPER = 1e-6
-#: So small a share of its speed, towards what it touches, is rounding.
+#: Rounding error of the speed towards a touched obstacle, as a share of the speed.
 _ALONG = 1e-9
 _NONE: Floats = np.empty((0, 3))
 
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """What might come near: the least gap in so many seconds from now, and who is to note it.
+    """A search for the minimal gap of a pair: `least` returns it for a step, `note` records it.
 
-    Steps end where the gap (mm) would be `floor` or less, no more than `fine` (mm) before that.
+    A step is halved while its gap is at most `floor` (mm) and it can shrink by more than `fine`.
     """
 
     least: Callable[[float], float]
@@ -39,10 +39,10 @@ class _Search:
 
 
 class Fleet:
-    """Robots of different names in one world, at one time."""
+    """Robots with different names in one world, all at the same time."""
 
     def __init__(self, bodies: Sequence[Body]) -> None:
-        """Join robots, and note how near they are to each other."""
+        """Join robots, and measure the gaps between them."""
         self.bodies = tuple(bodies)
         self._numbers = {body.name: k for k, body in enumerate(self.bodies)}
         self._radii: Floats = np.array([body.radius for body in self.bodies])
@@ -50,7 +50,7 @@ class Fleet:
         for body in self.bodies:
             body.company = self
             if len(self.bodies) > 1:
-                # What is near is kept by a world for the one robot that asks.
+                # A world caches the near obstacles of one robot.
                 body.world = body.world.beside()
                 body.berth = -inf
         for body in self.bodies:
@@ -58,11 +58,11 @@ class Fleet:
 
     @property
     def seconds(self) -> float:
-        """Return the time (s) to which all have come."""
+        """Return the current time in seconds of all robots."""
         return self.bodies[0].seconds
 
     def discs(self, name: str, place: Point, reach: float) -> Floats:
-        """Return the robots (n, 3) within reach of a place, but for the named one."""
+        """Return centre and radius (n, 3) of the other robots within reach of a point."""
         if len(self.bodies) == 1:
             return _NONE
         every = self._discs()
@@ -71,18 +71,18 @@ class Fleet:
         return every[near]
 
     def _discs(self) -> Floats:
-        """Return all robots (n, 3) as they are now."""
+        """Return centre and radius (n, 3) of all robots now."""
         if self._seen[0] != self.seconds:
             places = [(*body.place, body.radius) for body in self.bodies]
             self._seen = self.seconds, np.array(places)
         return self._seen[1]
 
     def advance(self, seconds: float) -> None:
-        """Move all on to a time (s).
+        """Move all robots to a time in seconds.
 
-        No point of a disc moves faster than its centre, so what is further away than both can go is
-        not looked at. Otherwise ways are searched for the least gap: a step without contact is
-        taken whole, one with contact is halved until the contact is at its end.
+        No point of a disc moves faster than its centre, so obstacles out of reach are skipped. For
+        others the minimal gap is searched: a step without contact is made whole, a step with a
+        contact is halved until the contact is at its end.
         """
         while self.seconds < seconds:
             fastest = self._fastest([body.most for body in self.bodies])
@@ -93,11 +93,11 @@ class Fleet:
             self._advance(seconds)
 
     def _fastest(self, speeds: Sequence[float]) -> float:
-        """Return the greatest speed (mm/s) at which another robot can come; 0 for one alone."""
+        """Return the maximal speed (mm/s) of the robots, or 0 if there is only one."""
         return max(speeds) if len(speeds) > 1 else 0.0
 
     def _advance(self, seconds: float) -> None:
-        """Go on until a time, a change of rates or a contact, whichever is first."""
+        """Move on to a time, a change of rates or a contact, whichever is first."""
         now = self.seconds
         ways = [MotionSegment(now, body.pose, *body.rates()) for body in self.bodies]
         fastest = self._fastest([way.speed for way in ways])
@@ -140,7 +140,7 @@ class Fleet:
     def _look(
         self, ways: Sequence[MotionSegment], until: float, fastest: float
     ) -> tuple[list[int], dict[tuple[int, int], float]]:
-        """Return which robots may come near something, and the gaps of which to each other."""
+        """Return the robots that may come near an obstacle, and the gaps of near pairs."""
         near, pairs = list[int](), dict[tuple[int, int], float]()
         for k, (body, way) in enumerate(zip(self.bodies, ways, strict=True)):
             spent = until - way.since
@@ -156,7 +156,7 @@ class Fleet:
         return near, pairs
 
     def _measure(self, body: Body) -> Floats:
-        """Return how far the others are from a robot, inf for itself, and note it."""
+        """Return the gap of each robot to one robot (inf for itself), and record the gaps."""
         every = self._discs()
         away = np.hypot(every[:, 0] - body.pose.forward, every[:, 1] - body.pose.side)
         gaps: Floats = away - self._radii - body.radius
@@ -172,10 +172,9 @@ class Fleet:
     def _halted(
         self, ways: Sequence[MotionSegment], held: Sequence[int], met: Sequence[tuple[int, int]]
     ) -> list[MotionSegment]:
-        """Return ways for a moment: a motion that leads into what is touched stays where it is.
+        """Return segments in which robots that drive into a touched obstacle only turn.
 
-        It is judged by the velocity at this instant. Each robot is judged by where the others are
-        now, as if these rested.
+        The velocities at this instant decide; for contacts between robots, the other is at rest.
         """
         halted = list(ways)
 
@@ -198,7 +197,7 @@ class Fleet:
         return halted
 
     def _search(self, k: int, way: MotionSegment) -> _Search:
-        """Return the search for the world on a way."""
+        """Return the search for the gap of a robot to the world on a segment."""
         body = self.bodies[k]
 
         def note(gap: float) -> None:
@@ -212,9 +211,9 @@ class Fleet:
     def _search_pair(
         self, first: int, second: int, ways: Sequence[MotionSegment], now: float
     ) -> _Search:
-        """Return the search for each other on two ways, by chords of one seen from the other.
+        """Return the search for the gap between two robots, by chords relative to the second.
 
-        `now` is the gap (mm) that there is.
+        `now` is the current gap (mm).
         """
         one, other = self.bodies[first], self.bodies[second]
         way, passing = ways[first], ways[second]
@@ -237,9 +236,9 @@ class Fleet:
 
 
 def _end_gaps(gap: float) -> tuple[float, float]:
-    """Return at which gap (mm) a step ends that begins at another, and how exactly.
+    """Return `floor` and `fine` (mm) of a search that begins at a gap (mm).
 
-    What is touched may be passed along, and left from inside, but not entered any further.
+    A robot may move along or away from a touched obstacle, but not further into it.
     """
     if gap > TOUCH:
         return TOUCH, TOUCH / 2
@@ -247,6 +246,6 @@ def _end_gaps(gap: float) -> tuple[float, float]:
 
 
 def _note_gap(one: Body, other: Body, gap: float, since: float | None = None) -> None:
-    """Let two robots note the gap that there is between them, or was since a time (s)."""
+    """Record the gap between two robots at both: now, or at some time after `since`."""
     one.note(gap, other.name, since)
     other.note(gap, one.name, since)

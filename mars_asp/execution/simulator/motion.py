@@ -68,16 +68,16 @@ class MotionSegment:
     turn: float
 
     def at(self, seconds: float) -> Pose:
-        """Return where it is at a time."""
+        """Return the pose at a time."""
         return move(self.pose, self.ahead, self.aside, self.turn, seconds - self.since)
 
     @property
     def speed(self) -> float:
-        """Return how fast (mm/s) the centre goes."""
+        """Return the speed of the centre (mm/s)."""
         return hypot(self.ahead, self.aside)
 
     def points(self, times: Floats) -> Floats:
-        """Return where the centre is (n, 2) at times (n,)."""
+        """Return the positions of the centre (n, 2) at times (n,)."""
         spent = times - self.since
         angle = radians(self.turn) * spent
         small = np.abs(angle) < 1e-6
@@ -103,7 +103,7 @@ class MotionSegment:
             spent = (-along - sqrt(inside)) / squared if inside >= 0 else inf
         else:
             angle, direction, reach, far = self._seen_from_centre(place)
-            # On the circle, what is within the radius is an arc on either side of the direction.
+            # The points of the circle within the radius are an arc around the direction.
             inside = (radius - reach + far) * (radius + reach - far)
             if inside < 0:
                 return None
@@ -114,7 +114,7 @@ class MotionSegment:
         return self.since + spent if 0 <= spent <= until - self.since else None
 
     def nearest(self, place: Point, until: float) -> tuple[float, float]:
-        """Return how near (mm) the centre comes to a place up to a time, and when first."""
+        """Return the minimal distance (mm) of the centre from a place up to a time, and when."""
         times = [self.since, until]
         p, q = self.pose.forward - place[0], self.pose.side - place[1]
         if self.speed and self._is_straight(until):
@@ -133,7 +133,7 @@ class MotionSegment:
         return min(ways)
 
     def crossings(self, axis: int, size: float, origin: float, until: float) -> Iterator[float]:
-        """Yield when a coordinate (0 forward, 1 side) passes `origin` plus multiples of `size`."""
+        """Yield the times when a coordinate (0 forward, 1 side) is `origin` + k * `size`."""
         if not self.speed:
             return
         start, rate = (self.pose.forward, self.pose.side)[axis], self.velocity[axis]
@@ -144,8 +144,8 @@ class MotionSegment:
             if not turning:
                 times = [gone / rate] if rate else []
             else:
-                # By the tangent of half the angle that it has turned by, which is the root of a
-                # quadratic, also where the circle is so great that its centre says nothing.
+                # The tangent of half the turned angle is the root of a quadratic. This is exact
+                # also for circles so large that their centre is not.
                 c = gone * turning / self.speed
                 sine = self.velocity[1 - axis] / self.speed * (1 - 2 * axis)
                 a = c + 2 * sine
@@ -163,25 +163,25 @@ class MotionSegment:
                     again += period
 
     def _is_straight(self, until: float) -> bool:
-        """Whether up to a time it leaves the tangent by less than counts (1e-4 mm)."""
+        """Whether the distance from the tangent is negligible (1e-4 mm) up to a time."""
         return self.speed * abs(radians(self.turn)) * (until - self.since) ** 2 <= 2e-4
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """Return mm/s forward and to the side, at the start."""
+        """Return the velocity (forward, side) in mm/s at the start."""
         c, s = cos(radians(self.pose.heading)), sin(radians(self.pose.heading))
         return c * self.ahead - s * self.aside, s * self.ahead + c * self.aside
 
     @property
     def _arc(self) -> tuple[float, float]:
-        """Return the radius of the circle (mm), and the angle at which it is begun (radians)."""
+        """Return the radius of the circle (mm), and the angle of its start (radians)."""
         vx, vy = self.velocity
         # The centre is a quarter turn from the velocity, so the start lies opposite.
         sign = 1.0 if self.turn > 0 else -1.0
         return self.speed / abs(radians(self.turn)), atan2(-sign * vx, sign * vy)
 
     def _seen_from_centre(self, place: Point) -> tuple[float, float, float, float]:
-        """Return the angle of the start, that of a place, the radius, and how far the place is."""
+        """Return, from the circle's centre: angles of start and place, radius, place's distance."""
         reach, angle = self._arc
         x = place[0] - (self.pose.forward - reach * cos(angle))
         y = place[1] - (self.pose.side - reach * sin(angle))
@@ -189,6 +189,6 @@ class MotionSegment:
 
 
 def _multiples(start: float, end: float, size: float) -> range:
-    """Return the k for which `k * size` is between two numbers."""
+    """Return the integers k with `k * size` between two numbers."""
     low, high = min(start, end), max(start, end)
     return range(ceil(low / size), floor(high / size) + 1)

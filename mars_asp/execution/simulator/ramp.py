@@ -1,11 +1,11 @@
-"""A rate that changes no faster than it may: a staircase of one step for each millisecond."""
+"""A rate with bounded acceleration: a staircase with one step in each millisecond."""
 
 from dataclasses import dataclass
 from math import ceil, copysign, inf
 
-#: Steps a second.
+#: Steps in a second.
 _STEPS = 1000
-#: A time (s) that is nearer than this to a whole millisecond is one.
+#: Rounding error, in seconds, of a time at a whole millisecond.
 _SAME = 1e-9
 
 
@@ -13,9 +13,9 @@ _SAME = 1e-9
 class Ramp:
     """A rate that grows by at most `up` a second and shrinks by at most `down`.
 
-    It changes linearly between whole milliseconds. In each of them the motion has the constant rate
-    that is the mean of its ends, so that it comes as far. A command that comes between two counts
-    from the next on.
+    The rate changes linearly between whole milliseconds. Each millisecond is simulated with the
+    mean rate, which gives the same distance. A command between two milliseconds takes effect at the
+    next one.
     """
 
     up: float
@@ -28,11 +28,11 @@ class Ramp:
 
     @property
     def until(self) -> float:
-        """Return until when (s) the rate holds; inf where that is as long as it is wanted."""
+        """Return the end of the current rate in seconds; inf if it is the wanted rate."""
         return self._until if self._until > -inf else inf
 
     def at(self, seconds: float, wanted: float) -> float:
-        """Return the rate from a time on; it holds up to `until`."""
+        """Return the rate from a time up to `until`, on the way to a wanted rate."""
         if seconds < self._until - _SAME:
             return self.mean
         self.mean, self._until = self.rate, -inf
@@ -45,7 +45,7 @@ class Ramp:
         return self.mean
 
     def _after(self, wanted: float) -> float:
-        """Return the rate a millisecond later; it passes zero at the end of a step."""
+        """Return the rate one millisecond later; a change of sign stops at zero first."""
         slower = self.rate and (wanted * self.rate <= 0 or abs(wanted) < abs(self.rate))
         goal = 0.0 if slower and wanted * self.rate < 0 else wanted
         most = (self.down if slower else self.up) / _STEPS

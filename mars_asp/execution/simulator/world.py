@@ -1,4 +1,4 @@
-"""Walls, polygons, circles and moving circles: distances and rays, culled by what can be near."""
+"""Walls, polygons, fixed and moving circles: distances and rays, computed for near ones only."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -13,29 +13,29 @@ import numpy.typing as npt
 from mars_asp.execution.simulator.motion import Floats, Point
 
 Booleans = npt.NDArray[np.bool_]
-#: How far (mm) things may move past each other before what is near is looked up again.
+#: Relative motion (mm) after which the near obstacles are searched again.
 _SLACK = 500.0
 _NONE: Floats = np.empty((0, 3))
 
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """A circle. With a `way` it goes from its centre past those points at `speed` mm/s, for ever.
+    """A circle, which moves along the points of its `way` at `speed` mm/s, for ever.
 
-    It turns back at the last point; a way that ends at the centre is a circuit.
+    It starts at `centre` and turns back at the last point, or goes round if that is `centre`.
     """
 
     centre: Point
     radius: float
     way: tuple[Point, ...] = ()
     speed: float = 0.0
-    #: The points of one round, the first again at its end.
+    #: The points of one round; the last is the first again.
     round: tuple[Point, ...] = field(init=False, repr=False, compare=False)
-    #: How far it has gone when it comes to each of the points.
+    #: The distance from the start to each point of the round.
     _gone: tuple[float, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Lay out one round."""
+        """Compute the points of one round and their distances."""
         there = (self.centre, *self.way)
         back = () if there[-1] == there[0] else there[-2::-1]
         object.__setattr__(self, "round", (*there, *back))
@@ -44,18 +44,18 @@ class Circle:
 
     @property
     def moves(self) -> bool:
-        """Whether it goes anywhere."""
+        """Whether the circle moves."""
         return bool(self.speed and self._gone[-1])
 
     def leg(self, seconds: float) -> tuple[float, ...]:
-        """Return its position and velocity at a time, and until when (s) that velocity lasts."""
+        """Return x, y, their rates and the end (in seconds) of these rates, at a time."""
         if not self.moves:
             return (*self.centre, 0.0, 0.0, inf)
         rounds, gone = divmod(seconds * self.speed, self._gone[-1])
         last = len(self.round) - 2
         k = min(bisect_right(self._gone, gone) - 1, last)
         until = (rounds * self._gone[-1] + self._gone[k + 1]) / self.speed
-        while until <= seconds:  # by rounding, it has come to the end of its leg already
+        while until <= seconds:  # rounding can put the time at the end of the leg
             k, rounds = (k + 1, rounds) if k < last else (0, rounds + 1)
             gone = self._gone[k]
             until = (rounds * self._gone[-1] + self._gone[k + 1]) / self.speed
@@ -65,7 +65,7 @@ class Circle:
         return x + share * (tx - x), y + share * (ty - y), rate * (tx - x), rate * (ty - y), until
 
     def at(self, seconds: float) -> Point:
-        """Return where the centre is at a time."""
+        """Return the position of the centre at a time."""
         x, y, *_ = self.leg(seconds)
         return x, y
 
@@ -86,9 +86,10 @@ def regular_polygon(centre: Point, radius: float, corners: int) -> list[Point]:
 
 @dataclass(frozen=True, slots=True)
 class _NearObstacle:
-    """What is near a point at a time (s), and stays so while little has moved.
+    """The obstacles near a point at a time, valid until something has moved by `_SLACK`.
 
-    `segments` (n, 4) from and to, `circles` (n, 3) centre and radius, `moving` by their numbers.
+    `segments` (n, 4) are start and end points, `circles` (n, 3) centres and radii, `moving` the
+    indices of moving circles.
     """
 
     centre: Point
@@ -99,7 +100,7 @@ class _NearObstacle:
 
 
 class World:
-    """What stands and moves in the plane. `walls` are open polylines, `polygons` solid."""
+    """The obstacles and marks in the plane; `walls` are open polylines, `polygons` are solid."""
 
     def __init__(
         self,
@@ -119,23 +120,23 @@ class World:
         self._solid = self.segments[len(segments) - sum(len(rim) - 1 for rim in rims) :]
         self._rims = np.repeat(np.arange(len(rims)), [len(rim) - 1 for rim in rims])
         self._radii: Floats = np.array([c.radius for c in self.moving], dtype=float)
-        #: Of each moving circle x, y, their rates, and from when until when (s) these hold.
+        #: For each moving circle: x, y, their rates, and begin and end of these rates in seconds.
         self._legs: Floats = np.full((len(self.moving), 6), -inf)
         self._seen: _NearObstacle | None = None
         self._reach = -inf
         self._beside: _NearObstacle | None = None
 
     def beside(self) -> "World":
-        """Return the same world for another robot, which is near to other things."""
+        """Return a copy for another robot, because each copy caches its own near obstacles."""
         return copy(self)
 
     @property
     def is_built(self) -> bool:
-        """Whether it has anything solid that does not move."""
+        """Whether the world has any fixed obstacle."""
         return bool(len(self.segments) or len(self.circles))
 
     def without_moving(self) -> "World":
-        """Return the same world without the circles that move."""
+        """Return a copy without the moving circles."""
         still = copy(self)
         still.moving, still._seen, still._beside = (), None, None
         return still
@@ -143,10 +144,10 @@ class World:
     def rays(
         self, origin: Point, angles: Floats, reach: float, seconds: float, discs: Floats = _NONE
     ) -> Floats:
-        """Return how far each ray (n,) of an angle in radians goes; a miss within reach is inf.
+        """Return the length of each ray (n,) at angles in radians; inf without a hit in reach.
 
-        Exact line against segment and circle; `discs` (n, 3) are circles besides those of the
-        world. From inside of something solid all rays are 0.
+        Intersections are exact; `discs` (n, 3) are further circles, such as robots. All rays from
+        inside of an obstacle are 0.
         """
         near = self._seen
         if near is None or reach > self._reach or self._passed(near, origin, seconds) > _SLACK:
@@ -165,9 +166,9 @@ class World:
         return hits
 
     def distance(self, point: Point, seconds: float) -> float:
-        """Return the distance (mm) from a point to the nearest thing; inf where there is nothing.
+        """Return the distance (mm) from a point to the nearest obstacle; inf without obstacles.
 
-        Inside of something solid it is negative.
+        Inside of an obstacle the distance is negative.
         """
         near = self._around(point, seconds)
         best = inf
@@ -180,9 +181,9 @@ class World:
         return best
 
     def horizon(self, point: Point, seconds: float, speed: float) -> float:
-        """Return for how long (s) `gaps` may be asked of chords that begin here, at that speed.
+        """Return for how many seconds `gaps` is valid for a motion from a point at a speed.
 
-        Until then moving circles keep their direction, and nothing else comes near.
+        Until then, moving circles keep their direction and no further obstacle comes near.
         """
         near, closing = self._around(point, seconds), speed + self.fastest
         left = _SLACK - self._passed(near, point, seconds)
@@ -190,10 +191,10 @@ class World:
         return min(left / closing if closing else inf, float(ends.min(initial=inf)))
 
     def gaps(self, chords: Floats, since: Floats, until: Floats) -> Floats:
-        """Return the least distance (n,) from points that go along chords (n, 4), from and to.
+        """Return the minimal distance (n,) of points that move along chords (n, 4), start and end.
 
-        Times in s; between them a point goes at a constant speed, and is outside of what is solid
-        when it sets out. To be asked within the `horizon`.
+        Each point moves at a constant speed from `since` to `until` (seconds, within `horizon`) and
+        starts outside of all obstacles.
         """
         near = self._beside
         best = np.full(len(chords), inf)
@@ -216,9 +217,9 @@ class World:
         return best
 
     def departures(self, point: Point, velocity: Point, reach: float, seconds: float) -> Floats:
-        """Return how fast (mm/s) a point gets away from each thing within reach: the rates (n,).
+        """Return the rates (n,) in mm/s at which a point departs from the obstacles within reach.
 
-        Where it comes nearer they are negative, whether it or the thing is moving.
+        A rate is negative if the distance shrinks, whichever of the two moves.
         """
         near, here = self._around(point, seconds), np.array(point)
         segments = near.segments[_segment_distances(point, near.segments) <= reach]
@@ -237,7 +238,7 @@ class World:
         return rates
 
     def _around(self, point: Point, seconds: float) -> _NearObstacle:
-        """Return all that can be the nearest to points near this one."""
+        """Return the obstacles that can be nearest to points near this one."""
         near = self._beside
         if near is None or self._passed(near, point, seconds) > _SLACK / 2:
             gaps = [_segment_distances(point, self.segments)]
@@ -252,7 +253,7 @@ class World:
         return near
 
     def _passed(self, near: _NearObstacle, point: Point, seconds: float) -> float:
-        """Return by how much (mm) a point and what moves have come nearer since, at most."""
+        """Return an upper bound (mm) of the relative motion since `near` was computed."""
         spent = seconds - near.seconds
         if spent < 0:
             return inf
@@ -269,7 +270,7 @@ class World:
         )
 
     def _moved(self, which: Sequence[int], seconds: float) -> Floats:
-        """Return moving circles (n, 3) as they are at a time."""
+        """Return moving circles (n, 3) at their positions at a time."""
         if not which:
             return _NONE
         self._renew(which, seconds)
@@ -279,7 +280,7 @@ class World:
         return np.concatenate([at, self._radii[numbers, None]], axis=1)
 
     def _renew(self, which: Sequence[int], seconds: float) -> None:
-        """Look up the legs that do not hold at a time."""
+        """Update the legs of those moving circles whose leg does not contain a time."""
         numbers = np.array(which)
         legs = self._legs[numbers]
         for number in numbers[(seconds < legs[:, 4]) | (seconds >= legs[:, 5])].tolist():
@@ -287,7 +288,7 @@ class World:
             self._legs[number] = *state, seconds, until
 
     def _is_inside(self, point: Point, circles: Floats) -> bool:
-        """Whether a point is in a circle or in a polygon: even-odd, by a ray to one side."""
+        """Whether a point is in a circle, or in a polygon by the even-odd rule."""
         if len(circles) and bool((_circle_distances(point, circles) < 0).any()):
             return True
         if not len(self._solid):
@@ -310,7 +311,7 @@ def _segment_distances(point: Point, segments: Floats) -> Floats:
 
 
 def origin_distances(segments: Floats) -> Floats:
-    """Return how far segments (..., 4) are from the origin."""
+    """Return the distances of segments (..., 4) from the origin."""
     nearest = nearest_points(np.zeros(2), segments)
     distances: Floats = np.hypot(nearest[..., 0], nearest[..., 1])
     return distances
@@ -326,7 +327,7 @@ def nearest_points(point: Floats, segments: Floats) -> Floats:
 
 
 def _chord_distances(chords: Floats, segments: Floats) -> Floats:
-    """Return how far chords (n, 4) are from segments (m, 4), as (n, m); 0 where they cross."""
+    """Return the distances (n, m) of chords (n, 4) from segments (m, 4); 0 if they cross."""
     p, q = chords[:, None, :2], chords[:, None, 2:]
     a, b = segments[None, :, :2], segments[None, :, 2:]
     pairs = ((a - p, b - p), (a - q, b - q), (p - a, q - a), (p - b, q - b))
@@ -338,7 +339,7 @@ def _chord_distances(chords: Floats, segments: Floats) -> Floats:
 
 
 def _side(a: Floats, b: Floats, c: Floats) -> Booleans:
-    """Return on which side of a line from a to b a point lies."""
+    """Whether point c is to the left of the line from a to b."""
     side: Booleans = (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) > (b[..., 1] - a[..., 1]) * (
         c[..., 0] - a[..., 0]
     )
@@ -359,7 +360,7 @@ def _segment_hits(origin: Floats, ways: Floats, segments: Floats) -> Floats:
 
 
 def _circle_hits(origin: Floats, ways: Floats, circles: Floats) -> Floats:
-    """Return how far rays go from outside of all circles."""
+    """Return the length of each ray to the first circle; the origin is outside of all circles."""
     offset = circles[:, :2] - origin
     along = ways[0][:, None] * offset[:, 0] + ways[1][:, None] * offset[:, 1]
     squared = (offset * offset).sum(axis=1) - circles[:, 2] ** 2
