@@ -87,7 +87,7 @@ class Trial:
 
     @property
     def clearance(self) -> float:
-        """Return the minimal clearance (mm) of all robots; inf if the world has no obstacle."""
+        """Return the minimal clearance (mm) of all robots; inf for one robot without obstacles."""
         return min(body.clearance for body in self.bodies)
 
     @property
@@ -183,8 +183,8 @@ class Trial:
     def coverages(self) -> tuple[float, float]:
         """Return the share of squares with a robot's centre at the start, and in the whole run.
 
-        The squares are as wide as the widest robot and fill the rectangle around all walls, except
-        for a rest at two sides.
+        The squares are as wide as the widest robot and lie side by side in the rectangle around all
+        walls; only whole squares count.
         """
         segments = self.bodies[0].world.segments
         size = 2 * max(body.radius for body in self.bodies)

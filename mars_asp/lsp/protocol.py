@@ -46,7 +46,7 @@ class Protocol:
         return [self.location(each) for each in places]
 
     def symbol(self, name: str, sort: Sort, place: Place) -> types.SymbolInformation:
-        """Return a symbol with its file, for the list of all symbols of the workspace."""
+        """Return a symbol with its file, as in the list of all symbols of the workspace."""
         return types.SymbolInformation(self.location(place), name, _SYMBOLS[sort])
 
     def diagnostic(self, finding: EditorFinding) -> types.Diagnostic:

@@ -1,4 +1,4 @@
-"""The results of the analysis of a robot, for requests of an editor: plain values.
+"""The results of the analysis of a robot that requests of an editor need: plain values.
 
 Modules have their names in the robot's configuration: those of included files have a prefix.
 """

@@ -1,4 +1,4 @@
-"""The Python files that runs of a scenario import, and the hashes of what runs depend on."""
+"""The Python files that runs of a scenario import, and hashes of files."""
 
 import ast
 import hashlib
@@ -9,14 +9,14 @@ from pathlib import Path
 
 
 def imported_code(paths: Iterable[Path]) -> dict[str, bytes]:
-    """Return files of behaviours and what these import from beside them, by absolute paths.
+    """Return files of behaviours and the files beside them that they import, by absolute paths.
 
-    Nothing is run: an import that a function computes is not found.
+    No file is run, so that computed imports are not found.
 
     Raises:
-        OSError: one of the given files cannot be read.
+        OSError: a file cannot be read.
     """
-    # The name of the folder counts, not what it may be a link to.
+    # Links are not resolved: Python imports from the named folder.
     waiting = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100
     folders = {folder for path in waiting for folder in (path.parent, _root(path))}
     found: dict[str, bytes] = {}
@@ -29,12 +29,12 @@ def imported_code(paths: Iterable[Path]) -> dict[str, bytes]:
 
 
 def _root(path: Path) -> Path:
-    """Return the folder that the package of a file is in."""
+    """Return the folder that contains the top package of a file."""
     return next(each for each in path.parents if not (each / "__init__.py").is_file())
 
 
 def _imports(source: bytes, folder: Path, folders: Iterable[Path]) -> Iterator[Path]:
-    """Yield the files that a source imports, from its folder or others, of packages all."""
+    """Yield the files that a source imports from `folders`, or relative to `folder`."""
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -50,7 +50,7 @@ def _imports(source: bytes, folder: Path, folders: Iterable[Path]) -> Iterator[P
 
 
 def _module_files(folder: Path, name: str) -> Iterator[Path]:
-    """Yield the files of a module, which may be in packages, as far as they are in a folder."""
+    """Yield the existing files of a module, and of the packages that contain it, in a folder."""
     for part in name.split("."):
         if (file := folder / f"{part}.py").is_file():
             yield file
@@ -63,7 +63,7 @@ def _module_files(folder: Path, name: str) -> Iterator[Path]:
 
 
 def hash_of(text: str, files: Mapping[str, bytes]) -> str:
-    """Return the hash of a text and of files by their names, wherever their folders are."""
+    """Return the hash of a text and of the names and contents of files, without folders."""
     whole = hashlib.sha256(text.encode())
     named = sorted((os.path.basename(path), content) for path, content in files.items())  # noqa: PTH119
     for name, content in named:

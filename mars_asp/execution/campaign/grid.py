@@ -1,4 +1,4 @@
-"""Which runs a campaign has: seeds, times the values of keys of the scenario."""
+"""The runs of a campaign: the product of seeds and values of keys of the scenario."""
 
 import json
 import math
@@ -10,31 +10,31 @@ from typing import Any, NamedTuple
 
 from mars_asp.execution.scenario.vary import Axis, Changes
 
-#: No campaign has more runs: their lines are kept in memory.
+#: Maximal number of runs, because their lines are kept in memory.
 MOST_RUNS = 100_000
 _RANGE = re.compile(r"(-?\d{1,19})(?:-(-?\d{1,19}))?")
 _LEAST_SEED, _GREATEST_SEED = -(2**63), 2**63 - 1
 
 
 class Run(NamedTuple):
-    """One run of a campaign: its seed, and what differs from the text of the scenario."""
+    """One run of a campaign: its seed, and the changed values of the scenario."""
 
     seed: int
     changes: Changes
 
     @property
     def vary(self) -> dict[str, Any]:
-        """The changes in the order of their keys, as its line has them."""
+        """The changes in the order of their keys, as in the line of the run."""
         return dict(sorted(self.changes.items()))
 
     @property
     def name(self) -> str:
-        """What identifies the run in its campaign, wherever its keys were stated."""
+        """The name of the run in its campaign, independent of the order of keys."""
         return run_name(self.seed, self.vary)
 
 
 def run_name(seed: int, vary: Changes) -> str:
-    """Return the key of a run, from the values of its line."""
+    """Return the name of a run, from the values of its line."""
     return json.dumps([seed, vary], sort_keys=True)
 
 
@@ -49,7 +49,7 @@ class Grid:
         return math.prod((len(self.seeds), *(len(axis.values) for axis in self.axes)))
 
     def cells(self) -> Iterator[Changes]:
-        """Yield each combination of values; one without a change where there is no axis."""
+        """Yield each combination of values; {} if there is no axis."""
         keys = [axis.key for axis in self.axes]
         for values in product(*(axis.values for axis in self.axes)):
             yield dict(zip(keys, values, strict=True))
@@ -62,10 +62,10 @@ class Grid:
 
 
 def read_seeds(text: str) -> tuple[int, ...]:
-    """Read seeds such as `1-200` or `1,5,9-12`, in the order given.
+    """Return seeds such as `1-200` or `1,5,9-12`, in this order.
 
     Raises:
-        ValueError: they are no seeds, are given twice, or are too many.
+        ValueError: the text is malformed, or has a seed twice or too many seeds.
     """
     seeds: dict[int, None] = {}
     for part in text.split(","):

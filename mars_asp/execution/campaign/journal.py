@@ -1,6 +1,6 @@
 r"""The file of a campaign: a header, a line for each run that has ended, and a summary at the end.
 
-Every line is JSON and ends with `\n`. What a command that was killed has left is read again: a last
+Every line is JSON and ends with `\n`. A command that continues a campaign reads the file: a last
 line without its end is cut off, and so is a summary.
 """
 
@@ -17,12 +17,12 @@ from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED, PASS
 from mars_asp.language.toml_text import unusable_part
 
 FORMAT, VERSION = "mars-campaign", 1
-#: What else of a run is compared and counted.
+#: Further keys of a run that are compared and counted.
 COUNTED = ("collisions", "min_clearance_mm", "control_time", "turn_while_driving_s", "error")
 
 
 class FinishedRun(NamedTuple):
-    """A run that has ended: its line, with the line feed, and what of it is counted."""
+    """A run that has ended: its line, with the line feed, and the counted values."""
 
     line: bytes
     result: Mapping[str, Any]
@@ -30,9 +30,9 @@ class FinishedRun(NamedTuple):
 
 @dataclass(frozen=True)
 class Journal:
-    """What a file holds: the runs by their names, in their order.
+    """The contents of a file: the runs by their names, in order.
 
-    Of its `size` in bytes the first `kept` are the header and runs.
+    The header and runs are the first `kept` bytes of the `size` bytes.
     """
 
     ended: Mapping[str, FinishedRun] = field(default_factory=dict)
@@ -41,7 +41,7 @@ class Journal:
 
 
 def header_of(configuration: str, scenario: str, tool: str) -> bytes:
-    """Return the first line: hashes of all that results depend on, and the version of the tool."""
+    """Return the first line: hashes of configuration and scenario, and the tool's version."""
     return _json_line(
         {
             "format": FORMAT,
@@ -55,16 +55,16 @@ def header_of(configuration: str, scenario: str, tool: str) -> bytes:
 
 def ended_run(run: Run, result: Mapping[str, Any]) -> FinishedRun:
     """Return the line of a run from the result that `run` prints."""
-    # The seed stands first, where it is looked for.
+    # The seed is first, so that it is easy to find.
     whole = {"seed": run.seed, "vary": run.vary, **result}
     return FinishedRun(_json_line(whole), _counted_values(whole))
 
 
 def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
-    """Read what a file holds of a campaign with this header.
+    """Return the contents of a file of a campaign with this header.
 
     Raises:
-        MarsError: it is the file of another campaign, or of none.
+        MarsError: the file is not of a campaign, or of another one.
     """
     *lines, torn = raw.split(b"\n")
     if not lines:
@@ -92,13 +92,13 @@ def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
 
 
 def in_order(runs: Iterable[Run], ended: Mapping[str, FinishedRun]) -> list[FinishedRun]:
-    """Return runs that have ended in the order of a grid; those of earlier grids follow."""
+    """Return the ended runs in the order of `runs`, then those of earlier grids."""
     names = dict.fromkeys((*(run.name for run in runs), *ended))
     return [ended[name] for name in names if name in ended]
 
 
 def whole_text(header: bytes, ended: Iterable[FinishedRun], summary: Mapping[str, Any]) -> bytes:
-    """Return the file of a campaign that has come to its end."""
+    """Return the content of the file of a finished campaign."""
     return b"".join((header, *(each.line for each in ended), _json_line(summary)))
 
 
@@ -119,7 +119,7 @@ def _check_header(line: bytes, header: bytes, path: str) -> None:
 
 
 def _is_run(found: Mapping[str, Any]) -> bool:
-    """Whether an object has what is counted of a run, whatever else it has."""
+    """Whether an object has all counted values of a run with valid types."""
     robots, warnings = found.get("robots", []), found.get("warnings", [])
     return (
         _has_types(
@@ -151,7 +151,7 @@ def _is_run(found: Mapping[str, Any]) -> bool:
 
 
 def _has_types(found: object, **types: type | UnionType) -> bool:
-    """Whether a value is an object whose keys have values of types; an absent key has None."""
+    """Whether a value is an object with these types of keys; an absent key has None."""
     return isinstance(found, dict) and all(
         isinstance(found.get(key), wanted) for key, wanted in types.items()
     )
@@ -162,9 +162,10 @@ def _is_finite(found: object) -> bool:
 
 
 def _counted_values(whole: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the part of a line that is counted: of many runs the rest would not fit into memory.
+    """Return the counted values of a line: whole lines of many runs would need too much memory.
 
-    `places` has for each robot with one when (s) it came there, or None, and how near (mm).
+    `places` has for each robot with a `reach` goal the time in seconds at which it was reached, or
+    None, and the minimal distance (mm).
     """
     judged = [{"name": r["name"], "holds": r["holds"]} for r in whole["requirements"]]
     kept = {key: whole.get(key) for key in ("seed", "vary", "verdict", *COUNTED)}
@@ -193,5 +194,5 @@ def _journal_error(
     path: str, line: int, message: str, help_text: str = "--fresh begins the file anew"
 ) -> MarsError:
     span = point(path, line, 1)
-    # The line is too long to be shown.
+    # Without an excerpt, as the line is very long.
     return MarsError([Diagnostic("campaign", "error", message, span, help=help_text, excerpt="")])

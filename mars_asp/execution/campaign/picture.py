@@ -1,4 +1,4 @@
-"""The picture of a campaign: the share of runs that passed over a parameter, with intervals."""
+"""The diagram of a campaign: the share of passed runs over a parameter, with intervals."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,7 +9,7 @@ from mars_asp.execution.campaign.summary import Cell, fixed_values
 from mars_asp.execution.scenario.vary import Axis, written_change
 from mars_asp.output import visible
 
-#: After Okabe and Ito, and shapes of points, for those who cannot tell colours apart.
+#: The palette of Okabe and Ito, distinguishable with colour blindness.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#1a1a1a")
 _LEFT, _TOP, _WIDTH, _HEIGHT, _LINE = 70.0, 46.0, 560.0, 300.0, 18.0
 #: Pixels between points of two series at one value, so that their intervals can be seen.
@@ -17,7 +17,7 @@ _APART = 7.0
 
 
 def plotted_axis(axes: Sequence[Axis]) -> Axis:
-    """Return the parameter that is drawn along: the first of numbers, else the first."""
+    """Return the axis of the diagram: the first varied one with numbers, or else the first."""
     several = [axis for axis in axes if len(axis.values) > 1]
     return next((axis for axis in several if _numeric(axis)), several[0])
 
@@ -26,9 +26,9 @@ def campaign_picture(cells: Sequence[Cell], axes: Sequence[Axis], title: str) ->
     """Return an SVG: a point with its 95 % interval for each cell, a series for each further value.
 
     Args:
-        cells: what the cells of the grid have, each by the values of its axes.
-        axes: of which at least one has several values.
-        title: stands above.
+        cells: the cells of the grid.
+        axes: the axes of the grid; at least one has several values.
+        title: the title above the diagram.
     """
     axis = plotted_axis(axes)
     # A cell of an earlier grid may lack the parameter.
@@ -72,13 +72,13 @@ def _numeric(axis: Axis) -> bool:
 
 
 def _positions(axis: Axis) -> dict[str, float]:
-    """Return where each value of an axis is: numbers to scale, others side by side."""
+    """Return the x coordinate of each value: numbers to scale, others at equal distances."""
     if _numeric(axis):
         low, high = min(axis.values), max(axis.values)
         shares = [(value - low) / (high - low) for value in axis.values]
     else:
         shares = [number / (len(axis.values) - 1) for number in range(len(axis.values))]
-    # Points keep some room to both sides.
+    # Margins of 40 pixels at both sides.
     return {
         str(value): _LEFT + 40 + (_WIDTH - 80) * share
         for value, share in zip(axis.values, shares, strict=True)

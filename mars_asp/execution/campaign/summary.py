@@ -1,4 +1,4 @@
-"""The runs of a campaign together: shares with intervals, quantiles, warnings, the worst runs."""
+"""The summary of a campaign: shares with intervals, quantiles, warnings, the worst runs."""
 
 import json
 from collections import Counter
@@ -8,22 +8,22 @@ from math import ceil, inf, sqrt
 from typing import Any, NamedTuple
 
 PASS, FAIL, NOT_DECIDED = "pass", "fail", "not decided"
-#: So many of the runs that did not pass are shown.
+#: Maximal number of shown runs that did not pass.
 MOST_WORST = 5
-#: The quantile of the normal distribution that 95 % lie within, on both sides.
+#: The two-sided 95 % quantile of the normal distribution.
 _Z = 1.959963984540054
 _Result = Mapping[str, Any]
 
 
 class Share(NamedTuple):
-    """In how many of how many runs something held."""
+    """A share of runs: `held` of `of` runs have a property."""
 
     held: int
     of: int
 
     @property
     def interval(self) -> tuple[float, float]:
-        """The 95 % score interval of the share, as fractions; all of it where there is no run.
+        """The 95 % score interval of the share, as fractions; (0, 1) if there is no run.
 
         E. B. Wilson, "Probable inference, the law of succession, and statistical inference",
         Journal of the American Statistical Association 22 (1927), 209-212.
@@ -33,32 +33,32 @@ class Share(NamedTuple):
         share, spread = self.held / self.of, _Z * _Z / self.of
         half = _Z * sqrt(share * (1 - share) / self.of + spread / (4 * self.of))
         low, high = ((share + spread / 2 + side) / (1 + spread) for side in (-half, half))
-        # Exact at the ends, where rounding would leave a little.
+        # Exact at the ends, without rounding errors.
         return 0.0 if self.held == 0 else low, 1.0 if self.held == self.of else high
 
     @property
     def text(self) -> str:
-        """The share with its interval, as a table shows it."""
+        """The share with its interval as the text of a table."""
         low, high = self.interval
         return f"{self.held} of {self.of} ({100 * low:.1f}-{100 * high:.1f} %)"
 
 
-#: Percentages of runs, and the values that so many of them do not exceed.
+#: The percentages of the quantiles.
 QUANTILES = (5, 25, 50, 75, 95)
 
 
 class Spread(NamedTuple):
-    """Quantiles of a quantity, in its unit, over the runs that have it; inf where it never came."""
+    """Quantiles of a quantity over the `of` runs that have it; inf for a goal never reached."""
 
     of: int
     values: tuple[float, ...]
 
 
 class Cell(NamedTuple):
-    """The runs with one combination of values: how many passed, and in how many which one held.
+    """The runs with one combination of values: shares of passed runs and held requirements.
 
-    `in_control` has in how many a controller was in control at some time, `warnings` in how many
-    there was which warning.
+    `in_control` has the share of runs in which each controller was in control at some time,
+    `warnings` the number of runs with each warning.
     """
 
     vary: Mapping[str, Any]
@@ -70,13 +70,13 @@ class Cell(NamedTuple):
 
 
 def share_passed(results: Iterable[_Result]) -> Share:
-    """Return in how many runs all requirements held."""
+    """Return the share of runs that passed."""
     verdicts = [result["verdict"] for result in results]
     return Share(verdicts.count(PASS), len(verdicts))
 
 
 def _requirement_shares(results: Sequence[_Result]) -> dict[str, Share]:
-    """Return in how many runs each requirement held, of those in which it was decided."""
+    """Return for each requirement the share of runs in which it held, of the decided ones."""
     counts: dict[str, list[int]] = {}
     for result in results:
         for requirement in result["requirements"]:
@@ -87,14 +87,14 @@ def _requirement_shares(results: Sequence[_Result]) -> dict[str, Share]:
 
 
 def _control_shares(results: Sequence[_Result]) -> dict[str, Share]:
-    """Return in how many runs each controller was in control, of those that came to their end."""
+    """Return for each controller the share of the runs without error in which it had control."""
     times = [result["control_time"] for result in results if not result.get("error")]
     names = sorted({name for each in times for name in each})
     return {name: Share(sum(each.get(name, 0) > 0 for each in times), len(times)) for name in names}
 
 
 def cells(results: Iterable[_Result]) -> list[Cell]:
-    """Return the runs by what they vary, in the order of their first lines."""
+    """Return the runs grouped by their varied values, in the order of first lines."""
     groups: dict[str, list[_Result]] = {}
     for result in results:
         groups.setdefault(json.dumps(result["vary"], sort_keys=True), []).append(result)
@@ -114,7 +114,7 @@ def cell_of(vary: Mapping[str, Any], results: Sequence[_Result]) -> Cell:
 
 
 def fixed_values(groups: Sequence[Cell]) -> dict[str, Any]:
-    """Return the values that all cells have."""
+    """Return the keys with the same value in all cells."""
     first = groups[0].vary if groups else {}
     return {
         key: value
@@ -124,9 +124,9 @@ def fixed_values(groups: Sequence[Cell]) -> dict[str, Any]:
 
 
 def _spreads(results: Iterable[_Result]) -> dict[str, Spread]:
-    """Return the quantiles of clearance, and of the time and distance to places to reach.
+    """Return the quantiles of clearance, and of the times and distances of `reach` goals.
 
-    Of several robots with a place each has its own. A place that was not reached was reached never.
+    With several goals, each robot has its own quantiles. A goal that was not reached has time inf.
     """
     values: dict[str, list[float]] = {}
     for result in results:
@@ -147,7 +147,7 @@ def _spreads(results: Iterable[_Result]) -> dict[str, Spread]:
 
 
 def _warning_counts(results: Iterable[_Result]) -> dict[str, int]:
-    """Return in how many runs there was which warning, the most frequent first."""
+    """Return the number of runs with each warning, the most frequent first."""
     found = Counter(chain.from_iterable(result.get("warnings") or () for result in results))
     return dict(sorted(found.items(), key=lambda each: (-each[1], each[0])))
 
@@ -191,7 +191,7 @@ def _badness(requirement: str, result: _Result) -> tuple[float, ...]:
 
 
 def summary_json(results: Sequence[_Result], command: Callable[[_Result], str]) -> dict[str, Any]:
-    """Return the last line of a campaign; `command` is what repeats a run."""
+    """Return the last line of a campaign; `command` returns the command that repeats a run."""
     return {
         **_cell_json(cell_of({}, results)),
         "cells": [{"vary": cell.vary, **_cell_json(cell)} for cell in cells(results)],
@@ -222,7 +222,7 @@ def _shares_json(shares: Mapping[str, Share]) -> dict[str, object]:
 
 
 def _spread_json(spread: Spread) -> dict[str, object]:
-    """Return quantiles by their percentages; null for a place that was not reached."""
+    """Return quantiles by their percentages; null for a goal that was not reached."""
     values = zip(QUANTILES, spread.values, strict=True)
     shown = {str(percent): None if value == inf else value for percent, value in values}
     return {"of": spread.of, **shown}

@@ -1,4 +1,4 @@
-"""Carry out a specification as discrete events in simulated time; knows nothing of ASP."""
+"""Execution of a specification as discrete events in simulated time, without ASP."""
 
 from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.executor import Executor

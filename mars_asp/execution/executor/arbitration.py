@@ -8,15 +8,15 @@ from mars_asp.execution.executor.link import Link, Message, Observer
 from mars_asp.execution.executor.schedule import Schedule
 from mars_asp.output import listing
 
-#: The module that a stop or an average is ascribed to where no single one commanded it.
+#: The origin of a stop, which no module commanded.
 NOBODY = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Holding:
-    """From `since` (ns) on, `holder` (a module, or none) holds control of `node`, and why.
+    """The holder of control at a node from `since` (ns) on: a module or `NOBODY`, with the reason.
 
-    `through` is the controller of the node that handed the holder's message on.
+    `through` is the controller of the node that forwarded the holder's message.
     """
 
     node: str
@@ -27,7 +27,7 @@ class Holding:
 
 
 class FlatArbitration:
-    """At the end of each period sends the mean, function by function, of what arrived in it."""
+    """Sends the mean, for each function, of the commands of a period at its end."""
 
     def __init__(
         self, name: str, period: int, schedule: Schedule, rank: int, outputs: Sequence[Link]
@@ -40,18 +40,18 @@ class FlatArbitration:
         schedule.at(period, rank, self.end_period)
 
     def input(self, link: Link) -> Callable[[Message], None]:
-        """Return the function that takes the commands of one controller."""
+        """Return the receiver of the commands of one controller."""
         return self.arrived.append
 
     def end_period(self) -> None:
-        """Send the mean of the messages of a period, if any came."""
+        """Send the mean of the messages of the period, if there were any."""
         self.ends += 1
         self.schedule.at((self.ends + 1) * self.period, self.rank, self.end_period)
         if not self.arrived:
             return
         origins = sorted({message.origin for message in self.arrived})
         mean = mean_command([message.value for message in self.arrived])
-        # In place: the list's `append` is what the inputs call.
+        # Cleared in place, because the receivers are the list's `append`.
         self.arrived.clear()
         now = self.schedule.now
         for link in self.outputs:
@@ -59,7 +59,7 @@ class FlatArbitration:
 
 
 def mean_command(commands: Sequence[dict[str, float]]) -> dict[str, float]:
-    """Return for every function the mean of the commands that name it."""
+    """Return the mean rate of each function over the commands with this function."""
     named: dict[str, list[float]] = {}
     for command in commands:
         for function, rate in command.items():
@@ -80,9 +80,9 @@ class _Input:
 class HierarchicalArbitration:
     """Forwards the highest priority in force; resumes the next when a hold runs out.
 
-    `stops` says whether a stop is sent when nothing is left in force: an arbiter that only
-    feeds others leaves that to them. `suppressed` counts, by the module that said them, messages
-    that something higher kept from being forwarded.
+    With `stops`, a stop is sent when no message is in force; an arbiter that feeds only other
+    arbiters leaves this to them. `suppressed` counts, by origin, the messages that were not
+    forwarded because of a higher priority.
     """
 
     def __init__(
@@ -103,24 +103,24 @@ class HierarchicalArbitration:
         self.suppressed: Counter[str] = Counter()
 
     def input(self, link: Link, hold: int) -> Callable[[Message], None]:
-        """Return the function that takes the commands of one controller, in force for `hold` ns."""
+        """Return the receiver of the commands of one controller, in force for `hold` ns."""
         source = _Input(link, hold)
         self.inputs.append(source)
         return lambda message: self.receive(source, message)
 
     @property
     def in_force(self) -> tuple[tuple[Link, Sequence[tuple[int, int]]], ...]:
-        """Return each input, and from when until when (ns) a message of it was in force."""
+        """Return each input with begin and end (ns) of the periods in which it was in force."""
         return tuple((source.link, source.in_force) for source in self.inputs)
 
     def receive(self, source: _Input, message: Message) -> None:
-        """Take a message; forward it at once if it wins."""
+        """Receive a message; forward it at once if it wins."""
         now = self.schedule.now
         until = now + source.hold if message.until is None else message.until
         if until <= now:
             return
         source.message, source.until = message, until
-        # One count for all arbiters of a run orders the messages of a whole cascade.
+        # Arrival numbers are common to all arbiters, so they order messages through cascades.
         arrival = self.schedule.next_arrival() if message.arrival is None else message.arrival
         source.arrival = arrival
         since = now
@@ -135,19 +135,19 @@ class HierarchicalArbitration:
             return
         self.suppressed[message.origin] += 1
         if best is not None and source is self.winner:
-            # The arbiter behind it fell back to an older message than what is in force here.
+            # The arbiter that feeds this input fell back to an older message.
             self.forward(best, f"{source.link.source} fell back to an older message; ")
 
     def best(self) -> _Input | None:
-        """Return the input of the highest priority in force, among equals the latest."""
+        """Return the input in force with the highest priority (the latest of equals), or None."""
         now = self.schedule.now
         alive = [source for source in self.inputs if source.until > now]
         return max(alive, key=lambda s: (s.link.priority, s.arrival), default=None)
 
     def forward(self, source: _Input, before: str = "") -> None:
-        """Send an input's message on, with the time until which it is in force.
+        """Forward an input's message, with the end of its validity.
 
-        `before` is what made the input the winner, where that was no message of its own.
+        `before` is the reason why the input won, if that was not a message of its own.
         """
         message = source.message
         if message is None:
@@ -159,7 +159,7 @@ class HierarchicalArbitration:
             link.send(sent)
 
     def expire(self, source: _Input) -> None:
-        """Where the winner's hold has run out: resume the next, else send one stop."""
+        """If the winner's hold has run out, resume the next input, or else send one stop."""
         if source is not self.winner or source.until > self.schedule.now:
             return
         following = self.best()
@@ -174,7 +174,7 @@ class HierarchicalArbitration:
                 link.send(Message({}, now, NOBODY, until=now))
 
     def _rank_text(self, winner: _Input) -> str:
-        """Return how an input compares with the others in force."""
+        """Return the reason why an input wins over others in force, as text."""
         now, own = self.schedule.now, winner.link.priority
         others = [i for i in self.inputs if i is not winner and i.until > now]
         lower = [f"{i.link.source} ({i.link.priority})" for i in others if i.link.priority < own]

@@ -1,4 +1,4 @@
-"""What a module does, as far as the executor needs to know."""
+"""The behaviour of a module: its function and its timing."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -6,18 +6,18 @@ from typing import Any
 
 
 class AskedError(RuntimeError):
-    """What a module raises because somebody asked for that, to see what comes of it."""
+    """An exception that the scenario injects as a fault; it is not counted as a failure."""
 
 
 @dataclass(frozen=True, slots=True)
 class Behaviour:
-    """A module's function, and when it runs.
+    """A module's function and its timing.
 
     A sensor's `call()` returns a reading; an algorithm's takes the latest of each input; an
-    effector's takes a command. `period` (ns) is a sensor's where its annotation has no frequency,
-    and any other module's that nothing triggers. `delay` (ns) passes before a result is sent.
-    `position()` tells how far an effector's motions have come, in degrees and mm; without it, that
-    is reckoned from its commands. `place` is the file and line where a user defined the function.
+    effector's takes a command. `period` (ns) is for sensors whose annotation has no frequency, and
+    for other modules that no input triggers. `delay` (ns) passes before a result is sent.
+    `position()` returns the values of an effector's motions in degrees and mm; without it, they are
+    computed from its commands. `place` is the file and line of the user's function.
     """
 
     call: Callable[..., Any]

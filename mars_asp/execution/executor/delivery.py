@@ -1,4 +1,4 @@
-"""Delivery modes: when a source or a splitter sends what it has over a link."""
+"""Delivery modes: the times at which a source or a splitter sends messages over a link."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -13,18 +13,18 @@ from mars_asp.model.declarations import Mode
 WHEN_READY, AT_FREQUENCY, ON_REQUEST = "NotifyWhenReady", "NotifyAtFrequency", "RequestWhenReady"
 _ON_VALUE = "NotifyOnValue"
 
-#: Where messages enter a link: takes one, to send it now, later or never.
+#: The entry of a link: takes a message, and sends it now, later or never.
 Offer: TypeAlias = Callable[[Message], None]
 
 
 class Condition:
-    """Sends what fulfils a conditional mode."""
+    """Sends the messages that fulfil the condition of a mode."""
 
     def __init__(self, link: Link, mode: Mode) -> None:
         self.link, self.fulfilled, self.of = link, condition(mode), mode.of
 
     def offer(self, message: Message) -> None:
-        """Send a message that fulfils the condition."""
+        """Send a message if it fulfils the condition."""
         try:
             wanted = self.fulfilled(number_of(message.value, self.of))
         except (TypeError, ValueError, KeyError, AttributeError) as error:
@@ -35,11 +35,10 @@ class Condition:
 
 
 class TimeGrid:
-    """Sends the latest message at each deadline of a rate, also one that came in that instant.
+    """Sends the latest message at each tick of a rate, also one of the same instant.
 
-    With `again` a message that was sent before is repeated and counted as stale; until a first one
-    comes there is none to repeat. A least gap between messages would make 8.3 of 25 -> 10 Hz;
-    deadlines make 10.
+    With `again`, a message without a successor is repeated and counted as stale. Ticks lower 25 Hz
+    to 10 Hz exactly; a minimal gap between messages would give 8.3 Hz.
     """
 
     def __init__(
@@ -53,7 +52,7 @@ class TimeGrid:
         schedule.every(hz, rank, self.tick)
 
     def offer(self, message: Message) -> None:
-        """Keep a message for the next deadline."""
+        """Store a message for the next tick."""
         if self.link.begun is None:
             self.link.begun = self.schedule.now
         if self.fresh:
@@ -61,7 +60,7 @@ class TimeGrid:
         self.latest, self.fresh = message, True
 
     def tick(self) -> None:
-        """Send the latest message, if there is one to send."""
+        """Send the latest message, if it is new or repeated."""
         if self.latest is None or not (self.fresh or self.again):
             return
         self.link.stale += not self.fresh
@@ -70,9 +69,9 @@ class TimeGrid:
 
 
 class LatestBuffer:
-    """Keeps the latest unread message for a request; with none, the next answers it.
+    """Answers requests with the latest unread message, or else with the next one.
 
-    `upstream` is asked for one where the source makes messages only on request.
+    `upstream` requests a message from a source that makes messages only on request.
     """
 
     def __init__(self, link: Link, upstream: Callable[[], None] | None) -> None:
@@ -82,7 +81,7 @@ class LatestBuffer:
         link.request = self.request
 
     def offer(self, message: Message) -> None:
-        """Answer an outstanding request, or keep the message."""
+        """Answer an outstanding request with a message, or store the message."""
         if self.outstanding:
             self.outstanding = False
             self.link.send(message)
@@ -92,7 +91,7 @@ class LatestBuffer:
         self.unread = message
 
     def request(self) -> None:
-        """Answer with the unread message, else with the next."""
+        """Send the unread message, or else the next one that is offered."""
         if self.unread is not None:
             message, self.unread = self.unread, None
             self.link.send(message)
@@ -103,7 +102,7 @@ class LatestBuffer:
 
 
 class Poll:
-    """Asks a source that answers requests at each tick."""
+    """Requests a message at each tick from a source that answers requests."""
 
     def __init__(
         self,
@@ -127,9 +126,9 @@ def open_link(
     rank: int,
     upstream: Callable[[], None] | None,
 ) -> Offer:
-    """Return what takes messages made in a mode and at a rate (Hz), and sends as is asked.
+    """Return the entry of a link that delivers in a mode messages `made` in a mode and rate (Hz).
 
-    `rank` is the schedule's for a clock at the link; `upstream` asks the source for a message.
+    `rank` is the rank in the schedule of a clock of the link; `upstream` requests a message.
     """
     carried, rate = made
     if asked.name == ON_REQUEST:
@@ -147,24 +146,24 @@ def open_link(
 
 
 def number_of(value: Any, field: str | None) -> float:
-    """Return the number a condition is about: the message, or its field (or entry) by name."""
+    """Return the number that a condition tests: the message, or a named field or entry."""
     for part in field.split(".") if field else ():
         value = value[part] if isinstance(value, dict) else getattr(value, part)
     return float(value)
 
 
 def lacks_value(mode: Mode) -> bool:
-    """Whether a mode is about a value that it does not state, which no run can judge."""
+    """Whether a mode is `NotifyOnValue` without a value, which cannot be tested."""
     return mode.name == _ON_VALUE and not mode.arguments
 
 
 def condition(mode: Mode) -> Callable[[float], bool]:
-    """Return the test of one conditional mode; it remembers what it has seen.
+    """Return the test of one conditional mode; it depends on the numbers tested before.
 
-    NaN fulfils none and is not remembered: it is neither above nor below any number.
+    NaN fulfils no condition and has no effect on later tests.
 
     Raises:
-        ValueError: the mode sets no condition, or lacks the value it is about.
+        ValueError: the mode has no condition, or `NotifyOnValue` has no value.
     """
     test = _test(mode)
     return lambda x: not math.isnan(x) and test(x)
@@ -200,7 +199,7 @@ def _beyond(arguments: Sequence[Decimal], sign: float) -> Callable[[float], bool
 
 
 def _entering(value: Decimal, tolerance: Decimal) -> Callable[[float], bool]:
-    # Added as they are written: 30.1 is within 30 ± 0.1, though 30.1 - 30 in floats is more.
+    # Exact decimals: 30.1 is within 30 ± 0.1, though 30.1 - 30 in floats is more.
     least, most = float(value - tolerance), float(value + tolerance)
     inside = False
 
@@ -217,8 +216,8 @@ def _changing(least: Decimal) -> Callable[[float], bool]:
 
     def differs(x: float) -> bool:
         nonlocal delivered
-        # From what was last delivered, not last seen: else a slow drift would be lost.
-        # Infinity, which a sonar reads that sees nothing, less infinity is no number.
+        # Compared with the last delivered number: with the last tested one, drift would be lost.
+        # A sonar without a hit reads infinity, and infinity - infinity is NaN.
         if delivered is not None and (x == delivered or _difference(x, delivered) <= least):
             return False
         delivered = x
@@ -228,5 +227,5 @@ def _changing(least: Decimal) -> Callable[[float], bool]:
 
 
 def _difference(one: float, other: float) -> Decimal:
-    """Return how far two numbers, not the same infinity, are apart as they are written."""
+    """Return the exact difference of two decimals, which are not the same infinity."""
     return abs(Decimal(repr(one)) - Decimal(repr(other)))

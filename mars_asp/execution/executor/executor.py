@@ -1,4 +1,4 @@
-"""A specification at work: every module and node built and joined, stepped in simulated time."""
+"""The executor: builds and connects all modules and nodes, and steps in simulated time."""
 
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
@@ -33,11 +33,11 @@ DEFAULT_PERIOD = 100 * MILLISECOND
 class Executor:
     """Runs a specification (or a configuration's relationships directly).
 
-    `behaviours` has one entry for each module, converters included; modules may lack one only
-    if they are sinks. `command_timeout` is in ns. `observe` is told of all that happens.
+    `behaviours` has one entry for each module, converters included; only sinks may lack one.
+    `command_timeout` is in ns. `observe` is called with every event.
 
     Raises:
-        MarsError: modules have no behaviour, or nothing that would ever make them run.
+        MarsError: with all modules that have no behaviour or would never run, and all ambiguities.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Executor:
         self._left = self.plan.left_to_providers()
         for link in self.plan.links:
             link.schedule, link.observe = self.schedule, observe
-        # An arbiter is built before those it feeds: their timers then follow its own.
+        # In the order of cascades, so that timers of one instant are in this order as well.
         for name in sorted(self.plan.names, key=self.plan.depth):
             self.elements[name] = self._build(name)
         for name in self.plan.names:
@@ -75,7 +75,7 @@ class Executor:
 
     @property
     def failures(self) -> dict[str, Failures]:
-        """Return the exceptions of modules, converters and links that no scenario injects."""
+        """Return the exceptions that no scenario injected, by module, converter or link."""
         found = {
             self.plan.converter_of(name) or name: getattr(each, "failures", Failures())
             for name, each in self.elements.items()
@@ -87,16 +87,16 @@ class Executor:
 
     @property
     def run_counts(self) -> dict[str, int]:
-        """Return how often each module sensed or computed, or how many commands it got."""
+        """Return the number of runs of each module, or of received commands of an effector."""
         counts = ((name, getattr(each, "runs", None)) for name, each in self.elements.items())
         return {name: runs for name, runs in counts if runs is not None}
 
     def step_until(self, time: int) -> None:
-        """Run all events up to and including an instant (ns)."""
+        """Run all events up to and including a time (ns)."""
         self.schedule.step_until(time)
 
     def _data_ranks(self) -> list[tuple[int, bool]]:
-        """Return the ranks of joins and clocks: by depth, a module's own before its outputs'."""
+        """Return the keys (depth, is output) of the ranks of joins and clocks, in order."""
         plan = self.plan
         waiting = (name for name in plan.names if self._clock(name) or len(plan.data_in[name]) > 1)
         ranks = {(plan.data_depth[name], False) for name in waiting}
@@ -106,7 +106,7 @@ class Executor:
         return sorted(ranks)
 
     def _clock(self, name: str) -> Fraction | None:
-        """Return the rate in Hertz at which an algorithm or sink runs by its own clock, if so."""
+        """Return the rate in Hertz of an algorithm's or sink's own clock, or None."""
         mode, hz = self.plan.made(name)
         if self.plan.kind(name) == "data_out" and mode.name == ON_REQUEST:
             return None
@@ -116,7 +116,7 @@ class Executor:
         return hz
 
     def _refuse_incomplete(self) -> None:
-        """Report at once all that is unbound and all that could never run."""
+        """Raise MarsError with all unbound modules, ambiguities and modules that never run."""
         plan, problems = self.plan, []
         whole = plan.configuration.span
         spans = {name.text: name.span for name in plan.configuration.modules}
@@ -204,7 +204,7 @@ class Executor:
         return ControlSplitter(plan.control_out[name])
 
     def _position(self, name: str) -> Mapping[str, float]:
-        """Return how far the motions of a module have come, in degrees and mm."""
+        """Return the values of the motions of a module in degrees and mm."""
         return self.effectors[name].position() if name in self.effectors else {}
 
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
@@ -265,7 +265,7 @@ class Executor:
     def _offer(self, name: str, link: Link) -> Offer:
         made, asked = self.plan.made(name), self.plan.carried(link)[0]
         if self.plan.kind(name) == "data_transformer" and made[0].name != ON_REQUEST:
-            # It hands on the service of its input unchanged: conditions were met before.
+            # The link to its input applies the conditions already.
             return link.send
         rank = self._ranks.get((self.plan.data_depth[name], True), DATA)
         return open_link(link, asked, made, self.schedule, rank, self._upstream(name))

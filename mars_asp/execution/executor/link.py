@@ -16,10 +16,10 @@ from mars_asp.model.declarations import Mode
 
 
 class Message(NamedTuple):
-    """A value on its way: when (ns) and by which module it was made.
+    """A value with the time (ns) and the module of its origin.
 
-    A command that an arbiter hands on also carries until when (ns) it is in force and the
-    arrival number by which the latest among equals is known.
+    A command that an arbiter forwards also has the end (ns) of its validity, and its arrival
+    number, by which an arbiter finds the latest among equal priorities.
     """
 
     value: Any
@@ -29,22 +29,22 @@ class Message(NamedTuple):
     arrival: int | None = None
 
 
-#: Makes a message of a tuple of all its fields, at half the cost of calling the class.
+#: Makes a message from a tuple of all fields, at half the cost of calling the class.
 message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = partial(
     tuple.__new__, Message
 )
 
 
-#: Told of every delivery, holding and fault: time, what happened, where, and with what.
+#: Called with the time, kind, location and value of every delivery, holding and fault.
 Observer: TypeAlias = Callable[[int, str, str, object], None]
 
 
 @dataclass(slots=True)
 class Failures:
-    """How many exceptions were raised that the scenario did not ask for, and the first of them.
+    """The number of exceptions that no scenario injected, and the first of them.
 
-    `first` is its text, `at` (ns) when it was raised, `raised` its file and line in the code of the
-    user, where it has one, else the `place` of the function, and `inputs` what that was given.
+    `first` is its text, `at` its time (ns), `raised` its file and line in the user's code, or else
+    the `place` of the function, and `inputs` the arguments of the function.
     """
 
     place: tuple[str, int] | None = None
@@ -55,7 +55,7 @@ class Failures:
     inputs: tuple[str, ...] = ()
 
     def note(self, error: Exception, now: int, inputs: Sequence[object] = ()) -> None:
-        """Count an exception, unless it was asked for."""
+        """Count an exception, unless the scenario injected it."""
         if isinstance(error, AskedError):
             return
         self.count += 1
@@ -65,7 +65,7 @@ class Failures:
 
 
 def _text_of(error: Exception) -> str:
-    """Return the kind and the text of an exception; a text may itself raise."""
+    """Return class and text of an exception, or the class if its `__str__` raises."""
     name = type(error).__name__
     try:
         return f"{name}: {error}"
@@ -75,12 +75,12 @@ def _text_of(error: Exception) -> str:
 
 @dataclass(slots=True, eq=False)
 class Link:
-    """One relationship of the specification, and what has passed over it.
+    """One relationship of the specification, with the counts of its messages.
 
-    `dropped` counts by reason: `lowered` (a rate that was to be lowered), `unread` (overtaken
-    before it was requested), `overtaken` (by another command of the instant), `failed` (an
-    exception; `fault` says which was the first). `failures` are those of the link itself, which
-    cannot do with messages what it is to do. `hold` and ages are in ns.
+    `dropped` counts by reason: `lowered` (for a lower rate), `unread` (overtaken before it was
+    requested), `overtaken` (by another command of the instant), `failed` (an exception; `fault` is
+    the first). `failures` are exceptions of the link itself, for example of its condition. `hold`
+    and ages are in ns.
     """
 
     kind: Literal["data", "control"]
@@ -93,14 +93,14 @@ class Link:
     hold: int | None = None
     allocation: str | None = None
     client_port: str | None = None
-    #: The number of the input of its client that it feeds; several links may feed one.
+    #: The index of the input that the link feeds; several links may feed one input.
     slot: int = 0
     receive: Callable[[Message], None] = lambda message: None
     request: Callable[[], None] | None = None
     delivered: int = 0
-    #: When (ns) the last few were delivered.
+    #: The times (ns) of the last deliveries.
     latest: deque[int] = field(default_factory=lambda: deque(maxlen=8))
-    #: Since when (ns) there was a message to repeat, or None before; 0 where none is repeated.
+    #: The time (ns) of the first message to repeat, or None before; 0 if none is repeated.
     begun: int | None = 0
     stale: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
@@ -116,11 +116,11 @@ class Link:
         return bool(self.fault)
 
     def before(self, time: Fraction) -> int:
-        """Return how many messages were delivered before a time (ns) of the last few."""
+        """Return the number of messages before a time (ns), which must be a recent one."""
         return self.delivered - sum(at >= time for at in self.latest)
 
     def send(self, message: Message) -> None:
-        """Deliver at once."""
+        """Deliver a message at once."""
         now = self.schedule.now
         self.delivered += 1
         self.latest.append(now)
@@ -131,12 +131,12 @@ class Link:
         self.receive(message)
 
     def fail(self, error: Exception, message: Message) -> None:
-        """Count a message that the link itself cannot deal with."""
+        """Count an exception of the link itself, and the message that it drops."""
         self.failures.note(error, self.schedule.now, (message.value,))
         self.drop(error)
 
     def drop(self, error: Exception) -> None:
-        """Count a message that an exception dropped; the link is faulty from now on."""
+        """Count a message that an exception dropped; the link is then faulty."""
         self.dropped["failed"] += 1
         self.fault = self.fault or _text_of(error)
         if self.observe is not None:
@@ -151,7 +151,7 @@ def fail(
     now: int,
     inputs: Sequence[object] = (),
 ) -> None:
-    """Count an exception, and on every link the message that is lost by it."""
+    """Count an exception, and a dropped message on every link."""
     failures.note(error, now, inputs)
     for link in links:
         link.drop(error)

@@ -1,4 +1,4 @@
-"""Modules at work: what triggers them, and what becomes of their results."""
+"""Running modules: sensors, algorithms and effectors, with their triggers and results."""
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
@@ -15,7 +15,7 @@ COMMAND_TIMEOUT = 500 * MILLISECOND
 
 
 class Sensor:
-    """Samples its device at a rate, or, without one, when it is asked."""
+    """Samples its device at a rate, or on request if it has no rate."""
 
     def __init__(self, name: str, behaviour: Behaviour, hz: Fraction | None, schedule: Schedule):
         self.name, self.schedule = name, schedule
@@ -53,10 +53,10 @@ class Sensor:
 class Algorithm:
     """Computes with the latest of each input, once all have arrived.
 
-    Inputs that arrive in one instant make one computation. A data input that is pulled is requested
-    when the module runs, and the run waits for the answer. With `commands` its results are
-    commands, with `triggered` inputs make it run, and with `pulls` it requests some of them. `rank`
-    is that of its computations in the schedule.
+    Inputs that arrive in one instant cause one computation. A pulled data input is requested when
+    the module runs, and the run waits for the answer. With `commands` the results are commands,
+    with `triggered` inputs cause runs, and with `pulls` some inputs are pulled. `rank` is the rank
+    of the computations in the schedule.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Algorithm:
         self.run = self.ask if pulls else self.compute
         self.latest: list[Any] = []
         self.unheard: set[int] = set()
-        #: Inputs whose latest message no computation has read yet.
+        #: Inputs whose latest message is not yet used by a computation.
         self.unread: set[int] = set()
         self.pulled: list[tuple[int, Link]] = []
         self.missing: set[int] = set()
@@ -90,7 +90,7 @@ class Algorithm:
         self.runs = 0
 
     def input(self, link: Link, pulled: bool) -> Callable[[Message], None]:
-        """Return the receiver of the messages of one link; its input is `link.slot`."""
+        """Return the receiver of the messages of one link, which stores them by `link.slot`."""
         index, latest, unheard = link.slot, self.latest, self.unheard
         while len(latest) <= index:
             unheard.add(len(latest))
@@ -117,7 +117,7 @@ class Algorithm:
         return trigger if self.triggered else keep
 
     def keep_pulled(self, index: int, message: Message) -> None:
-        """Keep what was pulled; go on with the run that waited for it."""
+        """Store a pulled message; continue the waiting run if it was the last."""
         self.latest[index] = message.value
         self.unheard.discard(index)
         self.missing.discard(index)
@@ -126,7 +126,7 @@ class Algorithm:
             self.queue(self.compute)
 
     def ask(self) -> None:
-        """Request the pulled inputs; compute when all have been answered."""
+        """Request the pulled inputs; the computation follows the last answer."""
         self.queued = False
         if self.waiting:
             return
@@ -166,11 +166,10 @@ class Algorithm:
 
 
 class Effector:
-    """Obeys the latest command until the time until which an arbiter said that it is in force.
+    """Obeys the latest command as long as it is in force by its arbiter, then rests.
 
-    Where none said so, it rests when no command came for `timeout` ns.
-
-    Of a command it does not take what is `left` to an InheritanceNode that hears it, too.
+    Without an arbiter, it rests when no command came for `timeout` ns. It ignores the functions in
+    `left`, which an InheritanceNode with the same commands carries out.
     """
 
     def __init__(
@@ -190,11 +189,11 @@ class Effector:
         self.ways: dict[str, float] = {}
         self.rates: dict[str, float] = {}
         self.since = 0
-        #: How many commands it got.
+        #: The number of received commands.
         self.runs = 0
 
     def position(self) -> Mapping[str, float]:
-        """Return how far each motion has come, in degrees and mm, as told or as reckoned."""
+        """Return the value of each motion in degrees and mm, measured or else computed."""
         if self.behaviour.position is not None:
             return self.behaviour.position()
         seconds = (self.schedule.now - self.since) / SECOND
@@ -204,11 +203,11 @@ class Effector:
         return self.ways
 
     def input(self, link: Link) -> Callable[[Message], None]:
-        """Return the function that takes the commands of one link."""
+        """Return the receiver of the commands of one link."""
         return lambda message: self.receive(link, message)
 
     def receive(self, link: Link, message: Message) -> None:
-        """Take a command; it is applied when everything else of the instant is done."""
+        """Receive a command; it is applied after all other events of the instant."""
         self.runs += 1
         if self.left:
             taken = {f: rate for f, rate in message.value.items() if f not in self.left}
@@ -222,7 +221,7 @@ class Effector:
             self.schedule.at(due, self.schedule.effectors, lambda: self.expire(message))
 
     def apply(self, message: Message, link: Link | None) -> None:
-        """Carry out a link's command, unless a later one of the same instant took its place."""
+        """Carry out a command, unless a later one of the same instant replaced it."""
         if message is not self.message:
             return
         self.awaited = None
@@ -237,7 +236,7 @@ class Effector:
             self.applied.append((self.schedule.now, message.origin, message.value))
 
     def expire(self, message: Message) -> None:
-        """Rest, if no command has come since."""
+        """Rest, unless a command came after `message`."""
         if message is self.message:
             self.message = Message({}, self.schedule.now, "")
             self.apply(self.message, None)

@@ -1,4 +1,4 @@
-"""Nodes that carry data and control on: splitters, transformers, inheritance."""
+"""Nodes that forward data and control: splitters, DataTransformers, InheritanceNodes."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -27,7 +27,7 @@ class DataSplitter:
 
 
 class DataTransformer:
-    """Applies its converter; an exception drops the message and marks the output faulty."""
+    """Applies a converter; an exception drops the message and marks the outputs faulty."""
 
     def __init__(self, converter: Behaviour, outputs: list[Link], schedule: Schedule) -> None:
         self.convert, self.outputs, self.schedule = converter.call, outputs, schedule
@@ -35,7 +35,7 @@ class DataTransformer:
         self.offers: list[Offer] = []
 
     def receive(self, message: Message) -> None:
-        """Convert a message and hand it on."""
+        """Convert a message and offer it to every output."""
         try:
             value = copied(self.convert(copied(message.value)))
         except Exception as error:  # a converter's fault must not end the run
@@ -60,11 +60,12 @@ class ControlSplitter:
 class InheritanceNode:
     """Maps a command into the frames of the effectors that provide its functions.
 
-    `providers` are its outputs, nearest first, and `functions` what each provider has itself. Among
+    `providers` are its outputs, nearest first, and `functions` the own ones of each provider. Among
     similar providers the nearest takes a function, with the allocation `root` the farthest, with
-    `split` each an equal share; what nobody gives alone, a least support makes up at the posture of
-    the moment. Functions that are not named are zero: a stop reaches all, and who has no part in a
-    command any more gets one. What the commanded module does itself, its `own`, is left to it.
+    `split` each an equal share. A function of no single provider is composed by a minimal set of
+    providers at the present posture. Missing functions are zero: a stop reaches all providers, and
+    a provider that a command no longer needs is stopped. The `own` functions of the commanded
+    module are ignored.
     """
 
     def __init__(
@@ -81,7 +82,7 @@ class InheritanceNode:
         self.moving: set[str] = set()
 
     def receive(self, message: Message) -> None:
-        """Send each provider what falls to it."""
+        """Send each provider its share of a command."""
         commands: dict[str, dict[str, float]] = {name: {} for name in self.providers}
         lacking = []
         for function, rate in message.value.items():
@@ -102,9 +103,9 @@ class InheritanceNode:
                 link.fail(LookupError(f"nothing provides {names} at this posture"), message)
 
     def shares(self, function: str) -> list[tuple[str, str, float]]:
-        """Return who does what for one unit of a function: provider, native function, rate.
+        """Return the shares of one unit of a function: provider, native function, rate.
 
-        A grasp has no direction.
+        A grasp needs no transformation between frames.
         """
         if self.carrying is not None and function != GRASP:
             return self.carrying.shares(function, self.allocation)

@@ -1,4 +1,4 @@
-"""What a specification says about its links, before anything runs."""
+"""The links of a specification, their modes and rates, and the kinds of its modules."""
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
@@ -33,7 +33,7 @@ ENDLESS = 2**62
 
 
 class Slot(NamedTuple):
-    """An input of a module: its name and its place, if they are known, and its links."""
+    """An input of a module: its name and its position, or None if unknown, and its links."""
 
     name: str | None
     place: int | None
@@ -41,7 +41,7 @@ class Slot(NamedTuple):
 
 
 class Plan:
-    """The links of a specification, what each carries, and what each module offers."""
+    """The links of a specification, by their ends, and the properties of modules and links."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class Plan:
         self.inheriting = InheritanceNodes(configuration, self.modules)
         for relationship in configuration.relationships:
             self._add(relationship)
-        #: The inputs of each module, in the order in which it is given their messages.
+        #: The inputs of each module, in the order of the arguments of its function.
         self.slots = {name: self._slots(name) for name in {**self.data_in, **self.control_in}}
         ends = (end for link in self.links for end in (link.source, link.client))
         self.names = tuple(dict.fromkeys([*(n.text for n in configuration.modules), *ends]))
@@ -88,7 +88,7 @@ class Plan:
         out[link.source].append(link)
 
     def _slots(self, name: str) -> tuple[Slot, ...]:
-        """Number the inputs of a module that links feed, and return them in this order."""
+        """Return the inputs of a module that links feed, and set the `slot` of each link."""
         found: dict[tuple[bool, int, str], Slot] = {}
         declared = self._declared_inputs(name)
         data = self.data_in[name]
@@ -100,7 +100,7 @@ class Plan:
             else:
                 place = (next(free) if port is None else input_position(port) or 0) - 1
                 place = None if place < 0 else place
-            # Inputs without a place are in the order of their names, not of the lines.
+            # Inputs without a position are ordered by name, not by lines.
             key = place is None, place or 0, "" if place is not None else port or ""
             found.setdefault(key, Slot(port, place, [])).links.append(link)
         slots = [slot for _, slot in sorted(found.items(), key=itemgetter(0))]
@@ -111,7 +111,7 @@ class Plan:
         return tuple(slots)
 
     def left_open(self, link: Link) -> Sequence[str]:
-        """Return the inputs that a link could feed if it names none of several."""
+        """Return the inputs of the client if the link is ambiguous, or () if it is not."""
         known = self._declared_inputs(link.client)
         return known if link.client_port is None and len(known) > 1 else ()
 
@@ -119,11 +119,11 @@ class Plan:
         return tuple(inputs(self.modules[name])) if name in self.modules else ()
 
     def _data_depths(self) -> dict[str, int]:
-        """Return how many data links lie behind each module; on a cycle, those known to."""
+        """Return the length of the longest path of data links to each name, ignoring cycles."""
         left = {name: len(self.data_in[name]) for name in self.names}
         depths = dict.fromkeys(self.names, 0)
         ready = [name for name in self.names if not left[name]]
-        for name in ready:  # it grows
+        for name in ready:  # the loop appends to it
             for link in self.data_out[name]:
                 depths[link.client] = max(depths[link.client], depths[name] + 1)
                 left[link.client] -= 1
@@ -132,12 +132,12 @@ class Plan:
         return depths
 
     def input_name(self, link: Link) -> str | None:
-        """Return the name of the input that a data link feeds, or None if that is not known."""
+        """Return the name of the input that a data link feeds, or None if it is unknown."""
         known = self._declared_inputs(link.client) if link.kind == "data" else ()
         return link.client_port or (known[0] if len(known) == 1 else None)
 
     def origin_of(self, link: Link) -> str:
-        """Return the modules, or outputs of them, whose messages or commands come over a link."""
+        """Return the modules or outputs that send the messages or commands of a link, as text."""
         if link.kind == "control":
             return " or ".join(dict.fromkeys(self._commanders(link.source)))
         source, seen = link.source, set[str]()
@@ -147,7 +147,7 @@ class Plan:
         return source
 
     def targets_of(self, link: Link, seen: frozenset[str] = frozenset()) -> list[str]:
-        """Return the modules, or inputs of them, that messages or commands of a link are for."""
+        """Return the modules or inputs that receive the messages or commands of a link."""
         name = link.client
         if not self.is_node(name):
             port = link.client_port
@@ -159,20 +159,20 @@ class Plan:
         return list(dict.fromkeys(found))
 
     def converter_of(self, transformer: str) -> str | None:
-        """Return the converter that a DataTransformer applies, or None if none is declared."""
+        """Return the declared converter of a DataTransformer, or None."""
         declared = self.configuration.conversions
         return next((c.converter for c in declared if c.transformer == transformer), None)
 
     def is_node(self, name: str) -> bool:
-        """Whether a name is a node of the specification, not a module of the user."""
+        """Whether a name is an introduced node, not a module."""
         return name not in self.modules and self.configuration.node_kind(name) is not None
 
     def link_title(self, link: Link) -> str:
-        """Return the name of a link by the modules that it connects, through any nodes."""
+        """Return the title of a link: the modules that it connects, through any nodes."""
         return f"{self.origin_of(link)} -> {' and '.join(self.targets_of(link)) or link.client}"
 
     def topic_of(self, link: Link) -> str | None:
-        """Return the name of the messages of a link, or None between two nodes."""
+        """Return the topic of a link in recordings, or None for a link between two nodes."""
         origin, targets = self.origin_of(link), self.targets_of(link)
         if self.is_node(link.source):
             if self.is_node(link.client):
@@ -184,13 +184,13 @@ class Plan:
         return f"/{origin}/{targets[0] if targets else link.client}"
 
     def kind(self, name: str) -> str:
-        """Return the kind of a node, or what a module is to the executor."""
+        """Return the kind of a node, or sensor, data_out, control_out, sink or effector."""
         brought = None if name in self.modules else self.configuration.pack_kind(name)
         if brought is not None:
             carries_data = brought.carries == "data"
             if brought.behaves or name in self.behaviours:
                 return "data_out" if carries_data else "control_out"
-            # It hands on what it takes.
+            # Without behaviour, it forwards its input unchanged.
             return "data_splitter" if carries_data else "control_splitter"
         node = None if name in self.modules else self.configuration.node_kind(name)
         if node is not None:
@@ -209,7 +209,7 @@ class Plan:
         return self._guess(name)
 
     def _guess(self, name: str) -> str:
-        """Return the class of an undescribed module, by its relationships."""
+        """Return the kind of an undescribed module, by its relationships."""
         if self.control_out[name]:
             return "control_out"
         if self.data_out[name]:
@@ -217,13 +217,13 @@ class Plan:
         return "sink" if self.data_in[name] and not self.control_in[name] else "effector"
 
     def services(self, name: str) -> tuple[Service, ...]:
-        """Return the services of a module; none for a node or an undescribed module."""
+        """Return the services of a module; () for a node or an undescribed module."""
         return self.modules[name].services if name in self.modules else ()
 
     def offered(self, name: str) -> tuple[Mode, Fraction | None]:
-        """Return the mode in which a module makes data, and its rate in Hertz.
+        """Return the mode in which a module makes data, and its rate in Hertz or None.
 
-        A module that offers several makes what its single client asks for, else its first.
+        Of several offered modes, the one that its single link states is used, or else the first.
         """
         service = next((s for s in self.services(name) if s.kind in ("Sense", "DataOut")), None)
         if service is None or not service.modes:
@@ -235,7 +235,7 @@ class Plan:
         return mode, hz if mode.name == AT_FREQUENCY else None
 
     def carried(self, link: Link) -> tuple[Mode, Fraction | None]:
-        """Return the mode and rate of a link: stated, else those of its feeder, else offered."""
+        """Return the mode and rate of a link: stated, or else those of its source."""
         mode, hz = link.mode, link.hz
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
             fed, rate = self.made(link.source)
@@ -248,18 +248,18 @@ class Plan:
         return fed if is_node else self.offered(source)[0]
 
     def made(self, name: str) -> tuple[Mode, Fraction | None]:
-        """Return the mode and rate of what stands behind a module's or node's outputs."""
+        """Return the mode and rate of the messages of a module, or of the input of a node."""
         if self.kind(name) in ("data_splitter", "data_transformer"):
             feeding = self.data_in[name]
             return self.carried(feeding[0]) if feeding else (Mode(WHEN_READY), None)
         mode, hz = self.offered(name)
         if mode.name not in (AT_FREQUENCY, ON_REQUEST):
-            # What is made is raw: the link's own port sets the condition.
+            # The module sends each message; the link applies the condition of the mode.
             return Mode(WHEN_READY), None
         return mode, hz
 
     def rate(self, name: str, seen: frozenset[str] = frozenset()) -> Fraction | None:
-        """Return how often a module makes a message, in Hertz, where that is known."""
+        """Return the rate in Hertz at which a module makes messages, or None if unknown."""
         if name in seen:
             return None
         _, hz = self.offered(name)
@@ -277,16 +277,19 @@ class Plan:
         return declared or self.rate(feeding[0].source, seen | {name})
 
     def hold(self, link: Link) -> int:
-        """Return how long (ns) a message over a link into an arbiter stays in force."""
+        """Return how long (ns) a message of a link to an arbiter is in force."""
         if link.hold is not None:
             return link.hold
-        # Nodes copy, and InheritanceNodes map: how often is a matter of who speaks through them.
+        # Nodes do not change rates, so the rate is that of the only commander.
         commanders = self._commanders(link.source)
         hz = self.rate(commanders[0]) if len(commanders) == 1 else None
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
 
     def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
-        """Return how many arbiters and commanded controllers commands pass up to a node."""
+        """Return the maximal number of arbiters and commanded controllers on a path to a node.
+
+        The node itself counts as well.
+        """
         if name in seen:
             return 0
         kind = self.kind(name)
@@ -295,7 +298,7 @@ class Plan:
         return own + max(after, default=0)
 
     def reaches_effector(self, name: str, seen: frozenset[str] = frozenset()) -> bool:
-        """Return whether commands of a node reach an effector without another arbiter."""
+        """Whether commands of a node can reach an effector without another arbiter."""
         if name in seen:
             return False
         return any(
@@ -307,7 +310,7 @@ class Plan:
         )
 
     def providers(self, node: str) -> dict[str, Link]:
-        """Return an InheritanceNode's outputs by provider, nearest to the commanded one first."""
+        """Return an InheritanceNode's outputs by provider, nearest to its module first."""
         links = self._provider_links(node)
         way = self.inheriting.way_down(node)
         return {name: links[name] for name in way if name in links}
@@ -315,9 +318,9 @@ class Plan:
     def carrying(
         self, node: str, position: Callable[[str], Mapping[str, float]]
     ) -> "Carrying | None":
-        """Return how an InheritanceNode's providers move its module, none where nothing is mounted.
+        """Return how an InheritanceNode's providers move its module, or None without mounts.
 
-        `position` gives the present values of a module's motions in degrees and mm.
+        `position` returns the present values of a module's motions in degrees and mm.
         """
         way = self.inheriting.way_down(node)
         return (
@@ -325,14 +328,14 @@ class Plan:
         )
 
     def unknown_providers(self, node: str) -> list[str]:
-        """Return which of several providers nothing describes, so that none can be chosen."""
+        """Return the undescribed ones of several providers, which prevent a choice."""
         providers = self._provider_links(node)
         return [n for n in providers if n not in self.modules] if len(providers) > 1 else []
 
     def led_by_both(self, node: str) -> str | None:
-        """Return the module that an InheritanceNode stands for where its controllers lead it, too.
+        """Return the module of an InheritanceNode if a common controller commands both, or None.
 
-        They name functions that the module has and others.
+        The commands then have functions of the module and functions that it inherits.
         """
         through = self.inheriting.commanders(node)
         for name in self.inheriting.stands_for(node)[:1]:
@@ -341,7 +344,10 @@ class Plan:
         return None
 
     def left_to_providers(self) -> dict[str, frozenset[str]]:
-        """Return what InheritanceNodes carry out for modules that are led by both, by module."""
+        """Return, by module, the functions that an InheritanceNode carries out for it.
+
+        See `led_by_both`: only modules that get the same commands are included.
+        """
         left: dict[str, frozenset[str]] = {}
         for node in self.names:
             name = self.led_by_both(node) if self.kind(node) == "inheritance_node" else None
@@ -365,11 +371,11 @@ class Plan:
         }
 
     def _leads_on(self, name: str) -> bool:
-        """Whether commands come to a name from others and leave it for others."""
+        """Whether a node or module forwards commands."""
         return self.inheriting.hands_on(name) or self.kind(name) == "inheritance_node"
 
     def _commanders(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
-        """Return the modules whose commands come to a node, through whatever nodes."""
+        """Return the modules whose commands reach a name, through any nodes."""
         if name in seen:
             return []
         if not self._leads_on(name):

@@ -1,4 +1,4 @@
-"""The event loop: integer nanoseconds, timers in a heap, events of one instant in queues."""
+"""The event loop: times in integer ns, timers in a heap, events of one instant in queues."""
 
 import heapq
 from collections import deque
@@ -13,14 +13,14 @@ Action: TypeAlias = Callable[[], object]
 
 
 def tick_time(k: int, hz: Fraction) -> int:
-    """Return the instant, in ns, of tick `k` of a rate in Hertz: round(k * 1e9 / hz), exactly."""
-    # What `round(Fraction(...))` does, in whole numbers: ten times as fast.
+    """Return the time, in ns, of tick `k` of a rate in Hertz: round(k * 1e9 / hz), exactly."""
+    # Equal to `round(Fraction(...))`, but ten times as fast.
     whole, rest = divmod(k * SECOND * hz.denominator, hz.numerator)
     return whole + (2 * rest > hz.numerator or (2 * rest == hz.numerator and whole % 2))
 
 
 class Clock:
-    """What runs at every tick of one rate, from tick 0 on; one timer for all of it."""
+    """The actions that run at every tick of one rate, from tick 0 on, with one timer."""
 
     def __init__(self, hz: Fraction) -> None:
         self.hz, self.ticks = hz, 0
@@ -31,9 +31,9 @@ class Schedule:
     """Events by time, then by rank, then by sequence.
 
     The ranks: sensors; data that arrives; joins of data and the clocks of data modules and
-    splitters, `clocks` ranks of them, so that within one instant those nearer to a source run
-    first; control; arbiters and commanded controllers, one rank for each depth of cascade, so that
-    an inner one has settled before the one it feeds decides; effectors.
+    splitters, in `clocks` ranks, so that in one instant modules nearer to a source run first;
+    control; arbiters and commanded controllers, one rank for each depth of cascade, so that an
+    inner one decides before the one that it feeds; effectors.
     """
 
     def __init__(self, clocks: int = 1, arbiters: int = 1) -> None:
@@ -48,7 +48,7 @@ class Schedule:
         self._arrivals = 0
 
     def next_arrival(self) -> int:
-        """Return a number greater than any before."""
+        """Return the next arrival number, greater than all before."""
         self._arrivals += 1
         return self._arrivals
 
@@ -57,7 +57,7 @@ class Schedule:
         return self._queues[rank].append
 
     def at(self, time: int, rank: int, action: Action) -> None:
-        """Set a timer; a time that has passed means this instant."""
+        """Run an action at a time, or in this instant if the time has passed."""
         if time <= self.now:
             self._queues[rank].append(action)
             return
@@ -65,7 +65,7 @@ class Schedule:
         heapq.heappush(self._timers, (time, rank, self._sequence, action))
 
     def every(self, hz: Fraction, rank: int, action: Action) -> None:
-        """Run an action at every tick of a rate in Hertz; to be said before the first event."""
+        """Run an action at every tick of a rate in Hertz; call this before the first event."""
         clock = self._clocks.get((hz, rank))
         if clock is None:
             clock = self._clocks[hz, rank] = Clock(hz)
@@ -74,7 +74,7 @@ class Schedule:
         clock.actions.append(action)
 
     def step_until(self, time: int) -> None:
-        """Run every event up to and including `time`; then it is `time`."""
+        """Run every event up to and including `time`, then set the clock to it."""
         timers = self._timers
         self._settle()
         while timers and timers[0][0] <= time:
@@ -85,7 +85,7 @@ class Schedule:
         self.now = max(self.now, time)
 
     def _ring(self) -> None:
-        """Queue what the first timer is for."""
+        """Queue the actions of the first timer."""
         _, rank, _, due = heapq.heappop(self._timers)
         if isinstance(due, Clock):
             self._queues[rank].extend(due.actions)

@@ -66,7 +66,7 @@ def _one_of(kinds: Mapping[str, str], *required: str) -> _Schema:
 
 
 def _with_description(words: str, schema: _Schema) -> _Schema:
-    """Return a schema with the description of a valid value, for messages."""
+    """Return a schema with the description of a valid value, which messages show."""
     return {"description": words} | schema
 
 
@@ -349,7 +349,7 @@ def _unknown_key(
 
 
 def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema of a path in a scenario, for the stated kind of table."""
+    """Return the schema of a path in a scenario; of a table, that of the stated kind."""
     schema = _plain_schema(path, tables)
     return _of_kind(schema, _value_at(path, tables)) if "oneOf" in schema else schema
 

@@ -26,7 +26,9 @@ _NONE: Floats = np.empty((0, 3))
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """A search for the minimal gap of a pair: `least` returns it for a step, `note` records it.
+    """The search for the minimal gap of a robot to the world or to another robot.
+
+    `least` returns this gap in a step of some seconds, `note` records it. `closing` is in mm/s.
 
     A step is halved while its gap is at most `floor` (mm) and it can shrink by more than `fine`.
     """
@@ -174,7 +176,7 @@ class Fleet:
     ) -> list[MotionSegment]:
         """Return segments in which robots that drive into a touched obstacle only turn.
 
-        The velocities at this instant decide; for contacts between robots, the other is at rest.
+        The velocities at this instant decide; in contacts between robots, the other is at rest.
         """
         halted = list(ways)
 

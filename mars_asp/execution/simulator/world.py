@@ -20,7 +20,7 @@ _NONE: Floats = np.empty((0, 3))
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """A circle, which moves along the points of its `way` at `speed` mm/s, for ever.
+    """A circle, which moves along the points of its `way` at `speed` mm/s without end.
 
     It starts at `centre` and turns back at the last point, or goes round if that is `centre`.
     """
