@@ -122,7 +122,7 @@ def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
         MarsError: a pack has errors.
     """
     every = load_rulebook(packs, stages=("run",))
-    declared = _stated_in(every)
+    declared = _configuration_signatures(every)
     rules = tuple(replace(rule, stage="base") for rule in every.rules if rule.stage == "run")
     texts = tuple(("base", text) for stage, text in every.texts if stage == "run")
     texts += (("base", "".join(f"#defined {each}.\n" for each in sorted(declared))),)
@@ -142,7 +142,7 @@ def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
     return Rulebook(rules, texts, documented=documented, brought=every.brought)
 
 
-def _stated_in(rulebook: Rulebook) -> frozenset[Signature]:
+def _configuration_signatures(rulebook: Rulebook) -> frozenset[Signature]:
     """Return the predicates of configuration facts that rules on runs may use."""
     kinds = (each for each in rulebook.brought if isinstance(each, AttributeKind))
     own = (each.declaration.signature._replace(name=each.predicate) for each in kinds)
@@ -154,18 +154,18 @@ def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
     rulebook = rulebook or run_rulebook()
     plan = trial.executor.plan
     project = with_brought(Project(plan.configuration, plan.modules, ()), rulebook.brought)
-    wanted = frozenset(each.name for each in _stated_in(rulebook))
+    wanted = frozenset(each.name for each in _configuration_signatures(rulebook))
     facts = (*run_facts(trial), *project_facts(project, wanted=wanted))
     return judge_facts(facts, tuple(_judged_parts(trial)), rulebook, trial.scenario.span)
 
 
 def judge_facts(
-    facts: Iterable[Fact], asked: Sequence[str], rulebook: Rulebook, span: Span
+    facts: Iterable[Fact], requested: Sequence[str], rulebook: Rulebook, span: Span
 ) -> Judgement:
-    """Return the judgement of facts of a run; `asked` are the scenario's requirements."""
+    """Return the judgement of facts of a run; `requested` are the scenario's requirements."""
     facts = tuple(facts)
     analysis = analyse(facts, rulebook, span)
-    named = {**ALWAYS, **{name: ON_REQUEST[name] for name in asked}}
+    named = {**ALWAYS, **{name: ON_REQUEST[name] for name in requested}}
     # Each kind of consequence of a pack is a requirement with its name.
     built_in = {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values(), *WARNINGS}
     named |= {kind: kind for kind in sorted(consequence_kinds(rulebook) - built_in)}
@@ -196,7 +196,7 @@ def _facts(trial: Trial) -> Iterator[Fact]:
         first = failure_text(failures), failures.at // MILLISECOND
         yield _seen("failed", name, failures.count, *first)
     scenario = trial.scenario
-    asked = scenario.requirements
+    requirements = scenario.requirements
     for name in _judged_parts(trial):
         place = next(
             (r.places["reach"] for r in scenario.robots if name in r.places), scenario.span
@@ -204,15 +204,15 @@ def _facts(trial: Trial) -> Iterator[Fact]:
         yield _fact(scenario.places.get(name, place), "asked", Atom(name))
     yield from _robots(trial)
     yield from _at_work(trial)
-    for first, second in asked.get("exclusive", ()):
+    for first, second in requirements.get("exclusive", ()):
         for function in (first, second):
             if trial.is_active(function):
                 yield _seen("active", function)
         seconds, since = trial.together(first, second)
         yield _seen("together", first, second, _rounded(seconds * 1000), _rounded(since * 1000))
-    if "coverage" in asked:
+    if "coverage" in requirements:
         at_start, covered = (_rounded(share * 1000) for share in trial.coverages)
-        yield _seen("coverage", covered, _rounded(asked["coverage"] * 1000))
+        yield _seen("coverage", covered, _rounded(requirements["coverage"] * 1000))
         yield _seen("covered_at_start", at_start)
 
 
@@ -248,10 +248,10 @@ def _robots(trial: Trial) -> Iterator[Fact]:
             pair = frozenset({body.name, body.beside})
             if pair not in result:
                 result.add(pair)
-                least, asked = least_approach(body), scenario.requirements["clearance"]
-                numbers = body.clearance, asked, least.at if least else 0.0
-                told_so = (_rounded(number * 1000) for number in numbers)
-                yield _seen("clearance", body.name, body.beside, *told_so)
+                least, required = least_approach(body), scenario.requirements["clearance"]
+                numbers = body.clearance, required, least.at if least else 0.0
+                rounded = (_rounded(number * 1000) for number in numbers)
+                yield _seen("clearance", body.name, body.beside, *rounded)
     for robot in scenario.robots:
         if robot.reach is not None:
             yield from _place_facts(trial, robot, robot.reach)

@@ -215,9 +215,9 @@ class Trial:
 
 def _to_reach(robot: ScenarioRobot) -> tuple[Point, float, float]:
     """Return the `reach` goal of a robot: its centre, radius (mm) and deadline in seconds."""
-    asked = robot.reach or {}
-    x, y = asked["at"]
-    return (x, y), asked.get("radius", 200.0), asked.get("within", inf)
+    goal = robot.reach or {}
+    x, y = goal["at"]
+    return (x, y), goal.get("radius", 200.0), goal.get("within", inf)
 
 
 def stage_trial(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 
-class AskedError(RuntimeError):
+class InjectedError(RuntimeError):
     """An exception that the scenario injects as a fault; it is not counted as a failure."""
 
 

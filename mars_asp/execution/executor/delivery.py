@@ -120,7 +120,7 @@ class Poll:
 
 def open_link(
     link: Link,
-    asked: Mode,
+    mode: Mode,
     made: tuple[Mode, Fraction | None],
     schedule: Schedule,
     rank: int,
@@ -131,18 +131,18 @@ def open_link(
     `rank` is the rank in the schedule of a clock of the link; `upstream` requests a message.
     """
     carried, rate = made
-    if asked.name == ON_REQUEST:
+    if mode.name == ON_REQUEST:
         return LatestBuffer(link, upstream if carried.name == ON_REQUEST else None).offer
-    if asked.name == AT_FREQUENCY:
+    if mode.name == AT_FREQUENCY:
         hz = link.hz or rate
         if carried.name == ON_REQUEST and hz is not None and upstream is not None:
             return Poll(link, hz, schedule, rank, upstream).offer
         if hz is None or (carried.name == AT_FREQUENCY and hz == rate):
             return link.send
         return TimeGrid(link, hz, schedule, rank, again=carried.name != AT_FREQUENCY).offer
-    if asked.name == WHEN_READY or asked == carried:
+    if mode.name == WHEN_READY or mode == carried:
         return link.send
-    return Condition(link, asked).offer
+    return Condition(link, mode).offer
 
 
 def number_of(value: Any, field: str | None) -> float:

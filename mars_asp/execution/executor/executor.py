@@ -263,12 +263,12 @@ class Executor:
             link.receive = self._control_receiver(element, link)
 
     def _offer(self, name: str, link: Link) -> Offer:
-        made, asked = self.plan.made(name), self.plan.carried(link)[0]
+        made, mode = self.plan.made(name), self.plan.carried(link)[0]
         if self.plan.kind(name) == "data_transformer" and made[0].name != ON_REQUEST:
             # The link to its input applies the conditions already.
             return link.send
         rank = self._ranks.get((self.plan.data_depth[name], True), DATA)
-        return open_link(link, asked, made, self.schedule, rank, self._upstream(name))
+        return open_link(link, mode, made, self.schedule, rank, self._upstream(name))
 
     def _upstream(self, name: str) -> Callable[[], None] | None:
         if name in self._demands:

@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 from mars_asp.behaviour.imports import place_of
 from mars_asp.behaviour.values import shown
 from mars_asp.diagnostic import Span
-from mars_asp.execution.executor.behaviour import AskedError
+from mars_asp.execution.executor.behaviour import InjectedError
 from mars_asp.execution.executor.schedule import Schedule
 from mars_asp.model.declarations import Mode
 
@@ -56,7 +56,7 @@ class Failures:
 
     def note(self, error: Exception, now: int, inputs: Sequence[object] = ()) -> None:
         """Count an exception, unless the scenario injected it."""
-        if isinstance(error, AskedError):
+        if isinstance(error, InjectedError):
             return
         self.count += 1
         if self.count == 1:

@@ -228,8 +228,8 @@ class Plan:
         service = next((s for s in self.services(name) if s.kind in ("Sense", "DataOut")), None)
         if service is None or not service.modes:
             return Mode(WHEN_READY), None
-        asked = [link.mode for link in self.data_out[name] if link.mode is not None]
-        named = [mode for mode in service.modes if len(asked) == 1 and mode == asked[0]]
+        requested = [link.mode for link in self.data_out[name] if link.mode is not None]
+        named = [mode for mode in service.modes if len(requested) == 1 and mode == requested[0]]
         mode = (named or list(service.modes))[0]
         hz = None if service.hz is None else Fraction(service.hz)
         return mode, hz if mode.name == AT_FREQUENCY else None

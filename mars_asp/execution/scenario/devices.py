@@ -114,18 +114,18 @@ def _jointed(joint: JointDevice, clock: Clock) -> Behaviour:
 def _sensor(
     table: Mapping[str, Any], body: Body, place: Place, noise: Random
 ) -> Callable[[float], Any]:
-    def stated(*keys: str) -> dict[str, Any]:
+    def options(*keys: str) -> dict[str, Any]:
         return {key: table[key] for key in keys if key in table}
 
     kind, script = table.get("kind"), table.get("script", ())
     if kind == "sonar":
-        return sonar(body, place, noise, **stated("beams", "cone", "rays", "reach", "sigma"))
+        return sonar(body, place, noise, **options("beams", "cone", "rays", "reach", "sigma"))
     if kind == "lidar":
-        return lidar(body, place, noise, **stated("beams", "view", "reach", "sigma"))
+        return lidar(body, place, noise, **options("beams", "view", "reach", "sigma"))
     if kind == "marks":
-        return marks(body, place, **stated("view", "reach"))
+        return marks(body, place, **options("view", "reach"))
     if kind == "odometry":
-        return odometry(body, noise, **stated("sigma"))
+        return odometry(body, noise, **options("sigma"))
     if kind == "joystick":
         return joystick([(float(at), _scripted_command(*held)) for at, *held in script])
     return bumper(body)

@@ -15,7 +15,7 @@ from mars_asp.behaviour.imports import Folder, folder_of, place_of
 from mars_asp.behaviour.values import copied
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.execution.executor import Behaviour
-from mars_asp.execution.executor.behaviour import AskedError
+from mars_asp.execution.executor.behaviour import InjectedError
 from mars_asp.execution.executor.plan import Plan, Slot
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.scenario.read import Scenario
@@ -241,16 +241,16 @@ def bind_kinds(scenario: Scenario, specification: Configuration) -> Scenario:
     """
     kinds = {each.kind for each in specification.kinds}
     names = {name.text for name in specification.modules}
-    asked = [name for name in scenario.bindings if name in kinds - names]
-    bindings = {n: declared for n, declared in scenario.bindings.items() if n not in asked}
+    bound_kinds = [name for name in scenario.bindings if name in kinds - names]
+    bindings = {n: declared for n, declared in scenario.bindings.items() if n not in bound_kinds}
     places = dict(scenario.places)
-    for kind in asked:
+    for kind in bound_kinds:
         for name in (n.text for n in specification.modules):
             found = specification.pack_kind(name)
             if found is not None and found.kind == kind and name not in scenario.bindings:
                 bindings[name] = scenario.bindings[kind]
                 places[f"bindings.{name}"] = places[f"bindings.{kind}"]
-    return replace(scenario, bindings=bindings, places=places) if asked else scenario
+    return replace(scenario, bindings=bindings, places=places) if bound_kinds else scenario
 
 
 def bound_functions(
@@ -262,16 +262,16 @@ def bound_functions(
     """
     converters = [m.name for m in modules.values() if any(s.kind == "Converts" for s in m.services)]
     for name in dict.fromkeys([*names, *converters, *scenario.bindings]):
-        place = _stated_location(scenario.bindings.get(name, {}), modules.get(name), scenario)
+        place = _bound_location(scenario.bindings.get(name, {}), modules.get(name), scenario)
         if name not in scenario.devices and place is not None:
             yield name, place
 
 
-def _stated_location(
-    stated: Mapping[str, Any], module: Module | None, scenario: Scenario
+def _bound_location(
+    binding: Mapping[str, Any], module: Module | None, scenario: Scenario
 ) -> tuple[Path, str] | None:
-    if "python" in stated:
-        file, _, function = stated["python"].rpartition(":")
+    if "python" in binding:
+        file, _, function = binding["python"].rpartition(":")
         return scenario.path.parent / file, function
     for service in module.services if module else ():
         if service.function and service.span.path.endswith(".py"):
@@ -331,7 +331,7 @@ def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) ->
             last[0] = copied(behaviour.call(*inputs))
             return last[0]
         if kind == "throwing":
-            raise AskedError(f"`{name}` raises an exception, as the scenario demands")
+            raise InjectedError(f"`{name}` raises an exception, as the scenario demands")
         return last[0] if kind == "stuck" else None
 
     return replace(behaviour, call=call)

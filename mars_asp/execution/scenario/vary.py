@@ -186,7 +186,7 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
             if (first := places.setdefault(place, key)) != key:
                 raise _NoSuchKeyError(f"this is the same key as `{first}`", "state it once")
         except _NoSuchKeyError as error:
-            wrong.append(Mistake((), f"`{key}`: {error.told}", error.help))
+            wrong.append(Mistake((), f"`{key}`: {error.message}", error.help))
     # The tables without changes were valid.
     wrong = wrong or list(mistakes(tables)) or list(contradictions(tables, ()))
     found = [_variation_error(each.message, each.help) for each in wrong]
@@ -204,9 +204,9 @@ def switched_off(changes: Changes) -> Iterator[str]:
 
 
 class _NoSuchKeyError(Exception):
-    def __init__(self, told: str, help: str | None = None) -> None:
-        super().__init__(told)
-        self.told, self.help = told, help
+    def __init__(self, message: str, help: str | None = None) -> None:
+        super().__init__(message)
+        self.message, self.help = message, help
 
 
 def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str | int, ...]:
