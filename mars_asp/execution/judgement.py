@@ -33,7 +33,7 @@ from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, project_facts, with_brought
 from mars_asp.reasoning.rules import GIVEN_TO_RUNS, load_rulebook
 
-#: The kind of consequence that violates each requirement; these apply to all runs.
+#: Requirements of all runs, each with the kind of consequence that violates it.
 ALWAYS = {
     "services delivered": "undelivered_service",
     "one controller at a time": "shared_control",
@@ -49,7 +49,7 @@ ON_REQUEST = {
     "exclusive": "exclusive",
     "coverage": "coverage",
 }
-#: The kind of consequence by which the run ended too early to decide a requirement.
+#: Requirements, each with the kind of consequence by which a run is too short to decide it.
 UNDECIDED = {"services delivered": "undecided_service", "reach": "undecided_reach"}
 #: Kinds of consequences that weaken the verdict of a run.
 WARNINGS = ("module_never_ran", "input_never_came", "requirement_in_vain", "goal_in_obstacle")

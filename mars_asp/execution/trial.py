@@ -43,9 +43,8 @@ _TRIES = 10_000
 class Trial:
     """A run, recorded in `executor` and in `bodies`, which have the order of the scenario's robots.
 
-    `limits` are the maximal rates by module and function, `joints` the simulated joints and
-    grippers by module, `moves` the functions of each simulated device, `remarks` the warnings about
-    the scenario.
+    `limits` are maximal rates by module and function, `joints` joints and grippers by module,
+    `moves` the functions of each simulated device, `remarks` warnings about the scenario.
     """
 
     scenario: Scenario

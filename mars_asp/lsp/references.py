@@ -16,10 +16,7 @@ _PATHS = re.compile(r"[ \t]*@(sources|include)[ \t]+(.*)")
 
 
 def definition(scene: DocumentContext, position: Position) -> tuple[Place, ...]:
-    """Return the definitions of the module, port or path at a position.
-
-    A module is defined by its annotations, or else its entry in `@modules`.
-    """
+    """Return the definitions of the module (annotations or list), port or path at a position."""
     mention = scene.here.at(position)
     if mention is None:
         return tuple(_file_at(scene, position))
@@ -43,10 +40,7 @@ def references(scene: DocumentContext, position: Position) -> tuple[tuple[Place,
 def same_module(
     scene: DocumentContext, mention: Occurrence
 ) -> tuple[tuple[Place, Occurrence], ...]:
-    """Return the occurrences of a module, those of the open file first.
-
-    Two names denote the same module if they share a key, also through other robots and includes.
-    """
+    """Return the occurrences that share keys, also indirectly, with one; the open file first."""
     path = scene.here.text.path
     of_key: dict[_Key, list[tuple[Place, Occurrence]]] = {}
     keys_of: dict[tuple[Place, Occurrence], set[_Key]] = {}
@@ -83,7 +77,7 @@ def same_module(
 def _keys(
     robot: EditorRobot, file: OpenFile, mention: Occurrence, annotated: set[str], blocks: set[str]
 ) -> Iterator[_Key]:
-    """Yield the keys of an occurrence: all occurrences with a common key name one module."""
+    """Yield the keys of an occurrence; two occurrences with a common key name one module."""
     name = mention.name
     if not is_configuration(file.path) or (mention.role == "describing" and name not in blocks):
         yield _SOURCES, name

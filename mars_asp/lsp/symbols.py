@@ -13,7 +13,7 @@ Sort: TypeAlias = Literal["module", "predicate"]
 
 
 class Symbol(NamedTuple):
-    """A declared module or predicate: `place` is its name, `whole` its block or line."""
+    """A declared module or predicate: `place` is its name, `whole` its block, line or name."""
 
     name: str
     detail: str

@@ -140,7 +140,7 @@ class EditorWorkspace:
         return {each.place.path for each in self.found.pop(queried, ())}
 
     def idle(self) -> Iterator[str]:
-        """Yield the analysed files of whose robots no file is open."""
+        """Yield the analysed files whose robot, or whose source, has no open file."""
         for queried in tuple(self.found):
             robot = self.robots.get(queried)
             paths = {queried} if robot is None else {queried, *robot.paths}

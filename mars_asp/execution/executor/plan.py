@@ -286,10 +286,7 @@ class Plan:
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
 
     def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
-        """Return the maximal number of arbiters and commanded controllers on a path to a node.
-
-        The node itself counts as well.
-        """
+        """Return the maximal number of arbiters and commanded controllers on a path to a node."""
         if name in seen:
             return 0
         kind = self.kind(name)
@@ -344,10 +341,7 @@ class Plan:
         return None
 
     def left_to_providers(self) -> dict[str, frozenset[str]]:
-        """Return, by module, the functions that an InheritanceNode carries out for it.
-
-        See `led_by_both`: only modules that get the same commands are included.
-        """
+        """Return the functions that InheritanceNodes take over for modules of `led_by_both`."""
         left: dict[str, frozenset[str]] = {}
         for node in self.names:
             name = self.led_by_both(node) if self.kind(node) == "inheritance_node" else None

@@ -85,8 +85,7 @@ def _moved(body: Body, clock: Clock) -> Behaviour:
 def _mounted_on(plan: Plan, name: str, bodies: Mapping[str, Body]) -> tuple[list[str], str | None]:
     """Return the mounts of a device, from itself to a robot, and the robot's module.
 
-    A device without mounts is on the only robot; if there are several, the module is None. A part
-    has the mounts of its module.
+    Without mounts, this is the only robot, or None of several. A part has its module's mounts.
     """
     whole = name.rpartition(".")[0]
     chain = plan.inheriting.chain(whole if whole in plan.inheriting.mounts else name)

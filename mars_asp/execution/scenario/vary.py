@@ -232,7 +232,7 @@ def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str
 
 
 def _next_key(at: Any, part: str, found: list[str | int]) -> str | int:
-    """Return the key or index of `part` in a table or list."""
+    """Return the key or index that `part` denotes in a table or list at the path `found`."""
     name = ".".join(map(str, found))
     if isinstance(at, dict):
         return part

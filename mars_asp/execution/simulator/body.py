@@ -222,10 +222,7 @@ class Body:
             self.touched[other] = self.seconds
 
     def nearest(self, way: MotionSegment, step: float) -> float:
-        """Return the minimal gap (mm) to the world on a segment of `step` seconds.
-
-        See `least_gap`: gaps above `least` may be returned as inf.
-        """
+        """Return the minimal gap (mm) to the world in `step` seconds; see `least_gap`."""
 
         def gaps(edges: Floats) -> Floats:
             ends = way.points(edges.ravel()).reshape(-1, 4)

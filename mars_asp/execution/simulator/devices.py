@@ -60,10 +60,7 @@ class JointDevice:
 def mounted(
     body: Body, links: Sequence[tuple[float, float, float, JointDevice | None]] = ()
 ) -> Place:
-    """Return the function from times to the pose of a device at the end of links.
-
-    Each link is (forward, side, turn, joint), from the body outwards.
-    """
+    """Return the pose function of a device; links (forward, side, turn, joint) lead to it."""
 
     def place(seconds: float) -> Pose:
         body.advance(seconds)

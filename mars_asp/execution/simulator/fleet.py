@@ -28,9 +28,8 @@ _NONE: Floats = np.empty((0, 3))
 class _Search:
     """The search for the minimal gap of a robot to the world or to another robot.
 
-    `least` returns this gap in a step of some seconds, `note` records it. `closing` is in mm/s.
-
-    A step is halved while its gap is at most `floor` (mm) and it can shrink by more than `fine`.
+    `least` returns this gap in a step of some seconds, `note` records it; `closing` is in mm/s. A
+    step is halved while its gap is at most `floor` (mm) and can shrink by more than `fine` (mm).
     """
 
     least: Callable[[float], float]
