@@ -1,4 +1,4 @@
-"""Checks of the messages of a client: errors are reported to it, and sizes are limited."""
+"""Checks of the messages of a client: errors are sent back, and sizes are limited."""
 
 from collections import deque
 from dataclasses import dataclass

@@ -75,7 +75,7 @@ class ChangedLines(NamedTuple):
 
 @lru_cache(maxsize=4)
 def changed_lines(before: str, now: str) -> ChangedLines:
-    """Return the smallest block of lines that turns the first text into the second."""
+    """Return the smallest block of lines whose replacement turns `before` into `now`."""
     old, new = plain_lines(before).split("\n"), plain_lines(now).split("\n")
     pairs = enumerate(zip(old, new, strict=False))
     first = next((n for n, (a, b) in pairs if a != b), min(len(old), len(new)))

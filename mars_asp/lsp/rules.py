@@ -8,7 +8,7 @@ from mars_asp.lsp.rule_text import PredicateMention, RuleText, rule_text
 
 
 class Predicate(NamedTuple):
-    """A documented predicate: its head with arguments, its docstring and the location of that."""
+    """A documented predicate: its head with arguments, its docstring and the location."""
 
     name: str
     written: str
@@ -26,7 +26,7 @@ class Rules(NamedTuple):
 def predicate_mentions(
     here: RuleText, rules: Rules, texts: Mapping[str, str], key: tuple[str, int]
 ) -> Iterator[tuple[Place, PredicateMention]]:
-    """Yield the occurrences of a predicate: those in this text, then those in other files."""
+    """Yield the occurrences of a predicate in this text, then in other files."""
     path = here.text.path
     files = {path: here.mentions, **{p: m for p, m in rules.files.items() if p != path}}
     for name, mentions in files.items():

@@ -49,7 +49,7 @@ class EditorWorkspace:
         return None if text is None or not is_rules(path) else rule_text(path, text)
 
     def robots_of(self, path: str) -> tuple[EditorRobot, ...]:
-        """Return the robots with a file; the robot of which it is the configuration is first."""
+        """Return the robots that include a file; the robot of this configuration is first."""
         found = [robot for robot in self.robots.values() if path in robot.paths]
         return tuple(sorted(found, key=lambda robot: robot.path != path))
 

@@ -114,7 +114,7 @@ def cell_of(vary: Mapping[str, Any], results: Sequence[_Result]) -> Cell:
 
 
 def fixed_values(groups: Sequence[Cell]) -> dict[str, Any]:
-    """Return the keys with the same value in all cells."""
+    """Return the keys that have one value in all cells, with this value."""
     first = groups[0].vary if groups else {}
     return {
         key: value

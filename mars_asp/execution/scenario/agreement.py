@@ -108,7 +108,7 @@ def _unfit(plan: Plan, robot: ScenarioRobot) -> Iterator[Diagnostic]:
 
 
 def _faults(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
-    """Yield the faults that cannot be injected, so that their trial would prove nothing."""
+    """Yield an error for each fault that cannot be injected, as its trial would prove nothing."""
     able = {name for name, _ in bound_functions(plan.modules, scenario, plan.names)}
     reading = (n for n, d in scenario.devices.items() if d["kind"] not in (*_OBEYING, "platform"))
     able = (able | {*reading}) - {robot.module for robot in scenario.robots}
