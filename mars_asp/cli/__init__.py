@@ -1,7 +1,7 @@
 """The command line: one file for each command, imported when it is called.
 
 A command's file has `configure(parser)`, which adds its arguments, and `run(arguments)`, which
-returns the exit status and raises `MarsError` for what is wrong with the input.
+returns the exit status and raises `MarsError` for wrong input.
 """
 
 import os
@@ -21,7 +21,7 @@ def run_command(words: Sequence[str]) -> int:
     try:
         try:
             status = _run(words)
-        except SystemExit as exit_:  # argparse printed help or what is wrong
+        except SystemExit as exit_:  # argparse printed help or an error
             status = int(exit_.code or 0)
         sys.stdout.flush()
         sys.stderr.flush()
@@ -39,7 +39,7 @@ def run_command(words: Sequence[str]) -> int:
 
 
 def _discard(stream: TextIO) -> None:
-    """Give what is left in the buffer of a stream a dead end, as nothing takes it."""
+    """Redirect a stream to the null device, as its unwritten buffer would fail again at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -49,7 +49,7 @@ def run_here(words: Sequence[str]) -> int:
 
 
 def _without_double_dash(words: Sequence[str]) -> list[str]:
-    """Return words without the first `--`, after which a word is a path even if it has a dash."""
+    """Return the words without the first `--`, with `./` before later words that have a dash."""
     if "--" not in words:
         return list(words)
     at = words.index("--")
@@ -60,7 +60,7 @@ def _without_double_dash(words: Sequence[str]) -> list[str]:
 
 
 def _run(words: Sequence[str], contained: bool = True) -> int:
-    # What is imported takes of the time that a limit allows, too.
+    # A time limit includes the imports.
     started = time.monotonic()
     word, *further = ordered(words)
     if word == "--version":

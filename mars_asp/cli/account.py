@@ -1,4 +1,4 @@
-"""Accounts as text: who and what, then lines of the user's files, then what follows."""
+"""Accounts as text: a title with the answer, cited lines of the user's files, and notes."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,9 +8,9 @@ from mars_asp.output import visible
 from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Topic
 
-#: What is below the title is indented by more than what continues a line.
+#: The indents of text below a title, and of continuation lines.
 BELOW, FURTHER = "    ", "  "
-#: Between a line and what is said of it.
+#: Between a cited line and its label.
 _GAP = "   "
 
 
@@ -40,7 +40,7 @@ def account_json(account: Account) -> dict[str, object]:
 
 
 def _cited(cites: Sequence[Cited], width: int) -> Iterator[str]:
-    """Yield lines of the user's with their places, each in its column where that is narrow."""
+    """Yield the cited lines with their locations, each label beside its line or below it."""
     places = [visible(each.place) for each in cites]
     lines = [visible(line_at(each.span)) for each in cites]
     before = len(BELOW) + max(map(len, places), default=0) + len(FURTHER)

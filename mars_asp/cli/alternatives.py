@@ -1,4 +1,4 @@
-"""What `explain --alternatives` prints: why nothing costs less, and what costs as much or more."""
+"""The output of `explain --alternatives`: why the cost is minimal, and other specifications."""
 
 import argparse
 import sys
@@ -25,18 +25,18 @@ from mars_asp.reasoning.questions.needs import places
 from mars_asp.reasoning.rules import CONVERSION, COSTS, RELATIONSHIPS, by_name
 from mars_asp.reasoning.session import Reasoner
 
-#: So many needs are written out; JSON has the reasons of all.
+#: The text lists at most so many needs; JSON contains all.
 _MOST_NEEDS = 20
-#: So many nodes are named of which a need asks for one.
+#: The text lists at most so many nodes of a need.
 _MOST_NODES = 3
 #: Between the columns of the needs.
 _GAP = "  "
-#: Stands for a blank at which no line is broken.
+#: A blank at which no line is broken, until the text is wrapped.
 _KEPT = "\0"
 
 
 def run_alternatives(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
-    """Print alternatives; 1 where nothing realises the configuration, 3 where no time was left."""
+    """Print alternatives; return 1 if no specification exists or an error is reported."""
     most: int = arguments.alternatives
     is_json = arguments.format == "json"
     rulebook = rulebook_for(arguments, ("resolve", "account"))
@@ -87,7 +87,7 @@ def _alternative_lines(
 
 
 def _head(found: Alternatives) -> str:
-    """Return how many nodes there are, and what shows that fewer do not suffice."""
+    """Return the number of nodes, and why fewer do not suffice."""
     nodes, needs = found.nodes, len(found.needs)
     if not nodes:
         return "No node is needed."
@@ -132,7 +132,7 @@ def _needs_table(needs: Sequence[CertificateEntry], width: int) -> Iterator[str]
 
 
 def _row(number: int, need: CertificateEntry) -> tuple[str, str, str, str]:
-    """Return the number of a need, what it asks for, why, and the clause."""
+    """Return the number of a need, the nodes that satisfy it, the reason and the clause."""
     # In a table names need no quotes.
     reasons = [(each.what.replace("`", ""), each) for each in need.reasons]
     if not reasons:
@@ -149,7 +149,7 @@ def _row(number: int, need: CertificateEntry) -> tuple[str, str, str, str]:
 
 
 def _levels(found: Alternatives) -> Iterator[str]:
-    """Yield what is spent on the levels below the nodes, and whether another way costs the same."""
+    """Yield the costs below the nodes, and how many other specifications cost the same."""
     if not found.levels:
         return
     resolution = found.synthesis.resolution
@@ -189,7 +189,7 @@ def _conversion_list(found: Alternatives) -> str:
 
 
 def _relationships(found: Alternatives) -> str:
-    """Return how the lines of a specification come about, in whole numbers that add up."""
+    """Return how the number of relationships is composed, in whole numbers that add up."""
     specification, declared = found.synthesis.specification, found.declared
     nodes = specification.nodes
     lines = [r for r in specification.configuration.relationships if isinstance(r, Data | Control)]
@@ -222,7 +222,7 @@ def _relationships(found: Alternatives) -> str:
 
 
 def _example(found: Alternatives, arguments: argparse.Namespace, width: int) -> Iterator[str]:
-    """Yield the command that shows a need, and what it will say."""
+    """Yield the command that shows why a need exists, and the clause that it will report."""
     for need in found.needs[:_MOST_NEEDS]:
         for reason in need.reasons:
             if reason.why is not None and reason.lines and need.names:

@@ -28,12 +28,12 @@ from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
 from mars_asp.reasoning.findings import SEVERITIES
 from mars_asp.reasoning.project import Project, has_mounts
 
-#: What the verb prints its result in.
+#: The formats of the result.
 RESULT_FORMATS = FINDING_FORMATS
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     add_file(parser)
     add_stdin_filename(parser)
     add_selection(parser)
@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 @published
 def run(arguments: argparse.Namespace) -> int:
-    """Print the consequences; 1 where one is reported that is an error."""
+    """Print the consequences; return 1 if an error is reported."""
     project = read_project(arguments, quietly=True)
     rulebook = rulebook_for(arguments, JUDGING if project.trees else ("resolve",))
     selection = Selection(arguments, rulebook)
@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
 def analysis_lines(
     project: Project, analysis: Analysis, selected: Selected, arguments: argparse.Namespace
 ) -> Iterator[str]:
-    """Yield the lines of the text of an analysis; of the findings alone if it is quiet."""
+    """Yield the lines of the text of an analysis; with `--quiet` only the findings."""
     coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
     has_summary = not (arguments.quiet or arguments.write_baseline)
     yield from _analysis_text(analysis, selected, coloured, width, has_summary)
@@ -141,7 +141,7 @@ def _analysis_text(
     for consequence in selected.shown:
         found = diagnostic(consequence)
         if found.severity == "note":
-            # Nothing is wrong, so the line alone says what there is.
+            # Nothing is wrong, so the message suffices.
             found = replace(found, labels=(), help=None, effect=None, excerpt="")
         kind = paint(visible(consequence.kind), consequence.severity, coloured)
         yield from finding_lines(found, f"{kind}: {visible(found.message)}", coloured, width)
@@ -165,7 +165,7 @@ def _closing(
     arguments: argparse.Namespace,
     width: int,
 ) -> Iterator[str]:
-    """Yield how to go on, and what could not be checked."""
+    """Yield the command that suggests repairs, and the names that were not checked."""
     if selected.has_errors:
         # A command is not broken.
         yield f"For edits that remove the errors: {command('explain', arguments, '--repair')}"

@@ -1,4 +1,4 @@
-"""The verbs, the options that all of them have, and how words of a command line are read."""
+"""The commands, their common options, and the parser of a command line."""
 
 import argparse
 import importlib
@@ -25,20 +25,20 @@ _HELP = ("--help", "-h")
 _WRITING = frozenset(
     {"--fix", "--write-baseline", "-o", "--output", "--update", "--snapshot", "--junit"}
 )
-#: So alike are options that are proposed; the dashes make any two a little alike.
+#: The minimal similarity of proposed options; dashes make any two a little alike.
 _ALIKE = 0.7
-#: What every verb prints a result in; one with more of them names all as its `RESULT_FORMATS`.
+#: The formats of a command's result; a command with others has its own `RESULT_FORMATS`.
 FORMATS = ("text", "json")
 
 
 class Verb(NamedTuple):
-    """What a verb does, and a call of it."""
+    """The summary of a command, and an example call."""
 
     summary: str
     example: str
 
 
-#: The verbs, by what people want to do.
+#: The commands by purpose.
 GROUPS: Mapping[str, Mapping[str, Verb]] = {
     "Check a robot": {
         "check": Verb("report errors and warnings", "check my_ws/"),
@@ -104,14 +104,14 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
 }
 VERBS: Mapping[str, Verb] = {name: verb for of in GROUPS.values() for name, verb in of.items()}
 ALIASES = {"analyze": "analyse", "synthesize": "synthesise"}
-#: Commands of other tools, and those of this one that do the same.
+#: Commands of other tools, with the equivalent commands of this one.
 MEANT = {"format": "fmt", "lint": "check", "plot": "draw", "simulate": "run"}
 #: The modules of commands whose names are keywords of Python.
 _MODULES = {"import": "import_robot"}
 
 
 def help_text() -> str:
-    """Return the help of the whole command: each verb with an example, and the common options."""
+    """Return the help of the whole program: each command with an example, and common options."""
     from mars_asp.cli.wrapping import columns
 
     width = columns(sys.stdout)
@@ -145,7 +145,7 @@ def _value_name(action: argparse.Action) -> str:
 
 
 def _beside(head: str, text: str, width: int, margin: int = 14) -> list[str]:
-    """Return a text that stands beside a head, or below it where that is long."""
+    """Return the lines of a text to the right of a head, or below it if the head is too long."""
     lines = textwrap.wrap(text, max(20, width - margin), break_on_hyphens=False)
     if len(head.rstrip()) >= margin:
         return [head, *(f"{'':<{margin}}{line}" for line in lines)]
@@ -153,7 +153,7 @@ def _beside(head: str, text: str, width: int, margin: int = 14) -> list[str]:
 
 
 class Parser(argparse.ArgumentParser):
-    """Reports a wrong call, with status 2 and where help is to be found.
+    """A parser that exits with status 2 on a wrong call and names the command for help.
 
     An option is never abbreviated: `--fi` must not be `--fix`.
     """
@@ -171,7 +171,7 @@ class Parser(argparse.ArgumentParser):
         return [action for action in self._actions if not action.option_strings]
 
     def defaults(self) -> dict[str, Any]:
-        """Return the default of each argument, of those with one name the first."""
+        """Return the default of each argument; of arguments with one name, that of the first."""
         found: dict[str, Any] = {}
         for action in self._actions:
             if action.default is not argparse.SUPPRESS:
@@ -199,12 +199,12 @@ class Parser(argparse.ArgumentParser):
         self.exit(USAGE, "\n".join([*lines, ""]))
 
     def _print_message(self, message: str, file: "SupportsWrite[str] | None" = None) -> None:
-        """Print, and do not pass over in silence that there is no room for it, as argparse does."""
+        """Write a message, and raise OSError if that fails; argparse would ignore the error."""
         (file or sys.stderr).write(message)
 
 
 class _Formatter(argparse.HelpFormatter):
-    """Keeps the paragraphs of a text apart."""
+    """A help formatter that keeps paragraphs."""
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         parts = text.split("\n\n")
@@ -214,7 +214,7 @@ class _Formatter(argparse.HelpFormatter):
 
 
 def parser_of(word: str) -> tuple[ModuleType, Parser]:
-    """Return the module of a verb, which may be an alias, and what reads its words."""
+    """Return the module of a command, whose word may be an alias, and its parser."""
     verb = ALIASES.get(word, word)
     module = importlib.import_module(f"mars_asp.cli.{_MODULES.get(verb, verb)}")
     description = (module.__doc__ or "").partition("\n")[0]
@@ -242,19 +242,19 @@ def parser_of(word: str) -> tuple[ModuleType, Parser]:
 
 
 def arguments_of(command: str, **values: object) -> argparse.Namespace:
-    """Return the arguments of a command without output on a terminal, called with these values.
+    """Return the arguments of a quiet call of a command.
 
-    Options without a value have their default.
+    `values` are the values of arguments; all others have their defaults.
     """
     given = {"quiet": True, "color": "never", "started": time.monotonic(), **values}
     return argparse.Namespace(**{**parser_of(command)[1].defaults(), **given})
 
 
 def ordered(words: Sequence[str]) -> list[str]:
-    """Return the words of a command line with the command first, and the options before it after.
+    """Return the words of a command line with the command first.
 
-    `help` is `--help`, and `help COMMAND` is `COMMAND --help`. Ends with status 2 where there is no
-    such command or option.
+    Options that precede the command are moved after it. `help` becomes `--help`, and `help COMMAND`
+    becomes `COMMAND --help`. An unknown command or option exits with status 2.
     """
     parser = Parser(prog="mars-asp", add_help=False)
     common_options(parser)
@@ -295,7 +295,7 @@ def ordered(words: Sequence[str]) -> list[str]:
 
 
 def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FORMATS) -> None:
-    """Add the options of every verb, of which a verb may print its result in more `formats`."""
+    """Add the options of every command; `formats` are the formats of the command's result."""
     add = parser.add_argument
     add(
         "--rules",

@@ -1,7 +1,7 @@
-"""Baselines: files that list findings which are known, so that only new ones are reported.
+"""Baselines: files that list known findings, so that only new findings are reported.
 
-A finding is known by its file, its kind, its subject and who takes part, and so wherever its lines
-move to. One that is there twice is listed twice. Paths are relative to the folder of the baseline.
+An entry identifies a finding by file, kind, subject and participants, not by its line. A finding
+that occurs twice is listed twice. Paths are relative to the folder of the baseline.
 """
 
 import json
@@ -24,7 +24,7 @@ from mars_asp.reasoning.analysis import Consequence
 _FORMAT, _VERSION = "mars-baseline", 1
 #: Some 200,000 findings.
 _MOST_BYTES = 32 * 1024 * 1024
-#: So many findings are named that are no more.
+#: A note names at most so many entries without a finding.
 _MOST_NAMED = 5
 #: The start of each baseline, however it is laid out.
 _START = re.compile(rb'\s*\{\s*"format"\s*:\s*"mars-baseline"')
@@ -32,7 +32,7 @@ _KEYS = ("file", "kind", "subject", "participants")
 
 
 class BaselineEntry(NamedTuple):
-    """What a baseline holds of one finding; such entries are in the order of the file."""
+    """A finding that a baseline lists; sorted entries have the order of the file."""
 
     file: str
     kind: str
@@ -41,15 +41,15 @@ class BaselineEntry(NamedTuple):
 
 
 class Baseline:
-    """Findings that are known; `path` is shown in messages."""
+    """Known findings; `path` is shown in messages."""
 
     def __init__(self, path: str, entries: Iterable[BaselineEntry]) -> None:
-        """Take what a baseline lists."""
+        """Store the entries of the baseline at `path`."""
         self.path = path
         self._left = Counter(entries)
 
     def takes(self, finding: Consequence | Diagnostic) -> bool:
-        """Whether a finding is listed, more often than it was looked up before."""
+        """Whether an unused entry lists a finding; the entry is used up."""
         known = known_of(finding, self.path)
         if not self._left[known]:
             return False
@@ -57,7 +57,7 @@ class Baseline:
         return True
 
     def unmatched(self, files: Iterable[str]) -> Iterator[Diagnostic]:
-        """Yield a note on what is listed of files that were read, or are no more, and not found."""
+        """Yield a note on the unused entries whose file was read or does not exist."""
         read = {_relative(path, self.path) for path in files}
         folder = Path(self.path).parent
         gone = [
@@ -84,7 +84,7 @@ class Baseline:
 
 
 def known_of(finding: Consequence | Diagnostic, baseline: str) -> BaselineEntry:
-    """Return the entry of a finding, or of a message on reading, in the baseline of a path."""
+    """Return the entry of a finding, or of a message on reading, in the baseline at a path."""
     if isinstance(finding, Diagnostic):
         file = _relative(finding.span.path, baseline)
         return BaselineEntry(file, finding.kind or finding.code, finding.message, ())
@@ -94,7 +94,7 @@ def known_of(finding: Consequence | Diagnostic, baseline: str) -> BaselineEntry:
 
 @cache
 def _relative(path: str, baseline: str) -> str:
-    """Return a path as seen from the folder of a baseline; what is no file stays as it is."""
+    """Return a path relative to the folder of a baseline; names like `<stdin>` stay as they are."""
     if path.startswith("<"):
         return path
     folder = os.path.realpath(Path(baseline).parent)
@@ -102,7 +102,7 @@ def _relative(path: str, baseline: str) -> str:
 
 
 def baseline_text(findings: Iterable[Consequence | Diagnostic], path: str) -> str:
-    """Return a baseline of findings, sorted and one a line, which is written to a path."""
+    """Return the text of a baseline for a path: the findings, sorted, one a line."""
     entries = sorted(known_of(each, path) for each in findings)
     lines = [json.dumps(entry._asdict(), ensure_ascii=False) for entry in entries]
     inside = "".join(f"\n  {line}," for line in lines).removesuffix(",")
@@ -111,12 +111,12 @@ def baseline_text(findings: Iterable[Consequence | Diagnostic], path: str) -> st
 
 
 def check_replaceable(path: str) -> None:
-    """Check that a baseline may be written to a path: no other file is there.
+    """Check that writing a baseline to a path replaces no other file.
 
     Raises:
         MarsError: a file is there that is neither empty nor a baseline.
     """
-    # A pipe would be waited for, and what cannot be read cannot be written either.
+    # Opening a pipe would block, and an unreadable file cannot be written either.
     if not os.path.isfile(path) or not os.access(path, os.R_OK):  # noqa: PTH113 -- never raises
         return
     with Path(path).open("rb") as file:
@@ -131,7 +131,7 @@ def read_baseline(path: str) -> Baseline:
     """Read a baseline.
 
     Raises:
-        MarsError: it cannot be read, or is none.
+        MarsError: the file cannot be read, or is not a baseline.
     """
     is_input = path == STANDARD_INPUT
     raw = read_standard_input(_MOST_BYTES + 1) if is_input else read_bytes(Path(path), _MOST_BYTES)
@@ -164,7 +164,7 @@ def _entry(path: str, number: int, value: object) -> BaselineEntry:
     """Return an entry of a baseline.
 
     Raises:
-        MarsError: it is none.
+        MarsError: the value is not an entry.
     """
     fields = [value.get(key) for key in _KEYS] if isinstance(value, dict) else []
     match fields:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     add = parser.add_argument
     add_file(parser)
     add("--scenario", metavar="S.toml", required=True, help="world and robot")
@@ -95,7 +95,7 @@ def _positive_integer(text: str) -> int:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Carry out the runs that are missing; 1 where one did not pass."""
+    """Carry out the missing runs; return 1 if a run did not pass or no specification exists."""
     load_freely("mars_asp.execution.trial", "mars_asp.cli.campaign_job")
     from mars_asp.cli.campaign_job import hashes, job_of, needs_of
     from mars_asp.execution.campaign.journal import ended_run, header_of, in_order
@@ -135,10 +135,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_engine(arguments: argparse.Namespace) -> None:
-    """Refuse a cluster that cannot be used, and options that contradict each other.
+    """Check that the options do not contradict each other, and that a cluster can be used.
 
     Raises:
-        MarsError: Dask is not installed, or two engines are requested.
+        MarsError: Dask is not installed, two engines are requested, or `--fresh` has no file.
     """
     from mars_asp.cli.campaign_dask import has_dask
 
@@ -160,10 +160,10 @@ def _check_engine(arguments: argparse.Namespace) -> None:
 
 
 def _grid(arguments: argparse.Namespace, text: str, path: Path) -> "Grid":
-    """Return the runs that are asked for.
+    """Return the requested runs.
 
     Raises:
-        MarsError: the scenario, or what is varied in it, is wrong; all of it.
+        MarsError: the scenario, a varied value or an option is wrong; has all wrong values.
     """
     from mars_asp.execution.campaign.grid import MOST_RUNS, Grid
     from mars_asp.execution.scenario.read import read_scenario
@@ -190,11 +190,11 @@ def _grid(arguments: argparse.Namespace, text: str, path: Path) -> "Grid":
 
 
 def _journal(header: bytes, arguments: argparse.Namespace) -> "Journal":
-    """Return the runs that the output has already.
+    """Return the runs that the output file already contains.
 
     Raises:
-        MarsError: it is of another campaign.
-        OSError: it cannot be read.
+        MarsError: the file is not a regular one, or is of another campaign.
+        OSError: the file cannot be read.
     """
     from mars_asp.execution.campaign.journal import Journal, read_journal
 
@@ -226,7 +226,7 @@ def _outcomes(
 
 
 def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Yield problems with the run that they kept from beginning."""
+    """Yield problems, each with the run that it prevented."""
     from mars_asp.execution.scenario.vary import written_change
 
     changes = [written_change(key, value) for key, value in run.changes.items()]
@@ -237,7 +237,7 @@ def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
 
 
 class Progress:
-    """How far a campaign is."""
+    """The progress of a campaign."""
 
     def __init__(self, grid: "Grid", ended: "Mapping[str, FinishedRun]", missing: int) -> None:
         from mars_asp.execution.campaign.summary import share_passed
@@ -245,7 +245,7 @@ class Progress:
         before = [ended[each.name].result for each in grid.runs() if each.name in ended]
         self.passed: Share = share_passed(before)
         self.now, self.missing = 0, missing
-        #: How many runs there were when one was first seen, and after how many seconds.
+        #: The number of ended runs when the first of them was seen, and the seconds until then.
         self.first: tuple[int, float] | None = None
 
     def take(self, ended: "FinishedRun") -> None:
@@ -257,7 +257,7 @@ class Progress:
         self.now += 1
 
     def line(self, wall: float) -> str:
-        """Return the line that shows it after so many seconds."""
+        """Return the line of progress after `wall` seconds."""
         left = self.missing - self.now
         total = self.passed.of + left
         # Until a first run has ended, workers were being started.
@@ -281,7 +281,7 @@ def _duration(seconds: float) -> str:
 def _finish(
     header: bytes, ended: "Sequence[FinishedRun]", grid: "Grid", arguments: argparse.Namespace
 ) -> int:
-    """Write what a campaign has come to; 1 where a run did not pass."""
+    """Write the results, plot and summary of a campaign; return 1 if a run did not pass."""
     import json
 
     from mars_asp.cli.campaign_table import print_table

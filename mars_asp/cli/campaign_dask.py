@@ -1,7 +1,7 @@
-"""Runs of a campaign on the workers of a Dask scheduler that others have started.
+"""Runs of a campaign on the workers of a running Dask scheduler.
 
-What travels are the pickled job and the runs; a worker needs mars-asp, the scheduler does not.
-Each thread of a worker has a server of its own, which carries out one run after another.
+The client sends the pickled job and the runs; workers need mars-asp, the scheduler does not.
+Each thread of a worker has its own server, which carries out one run after another.
 """
 
 import hashlib
@@ -23,13 +23,13 @@ from mars_asp.execution.campaign.grid import Run
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-#: So many runs are handed to the scheduler at a time.
+#: At most so many runs are submitted to the scheduler at a time.
 _AT_A_TIME = 1000
-#: Seconds between two looks at a cluster that delivers nothing.
+#: Seconds between two checks of a cluster that delivers no outcome.
 _GLANCE = 1.0
-#: Seconds within which a scheduler answers, and for which none of its workers may be there.
+#: Seconds to wait for the scheduler, and seconds that it may be without workers.
 _ANSWER, _PATIENCE = 10.0, 60.0
-#: A run whose workers are lost so often is not tried again.
+#: A run whose workers are lost is submitted at most so often.
 _TRIES = 5
 
 
@@ -44,7 +44,7 @@ def on_cluster(job: bytes, runs: Sequence[Run], address: str) -> Iterator[tuple[
     Raises:
         MarsError: the cluster cannot be reached, is lost, or has no workers.
     """
-    # Its logs are about its own machinery; what concerns a run comes as its outcome.
+    # Logs of Dask are about its own machinery; problems of a run are in its outcome.
     logging.disable(logging.CRITICAL)
     try:
         with _client(address) as client:
@@ -70,7 +70,7 @@ def _outcomes(
     client: "Client", job: bytes, runs: Sequence[Run], shown: str
 ) -> Iterator[tuple[Run, RunOutcome]]:
     name = hashlib.sha256(job).hexdigest()[:16]
-    # A task, so that the cluster makes it again where the worker that holds it is lost.
+    # The job is a task, so that the cluster computes it again if its worker is lost.
     shared = client.submit(bytes, job, key=f"mars-asp-job-{name}", pure=False)
     task, ended = _task(), SimpleQueue[Any]()
     pending: dict[str, tuple[Run, int, Future[Any]]] = {}
@@ -132,7 +132,7 @@ def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
 
 
 def _task() -> Callable[[str, bytes, tuple[Any, ...]], RunOutcome | None]:
-    """Return what a worker does; only there it needs mars-asp, and not in the scheduler."""
+    """Return the worker's function; its body imports mars-asp, which the scheduler may lack."""
 
     def carry_out(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome | None:
         from mars_asp.cli.campaign_dask import carry_out_here
@@ -151,7 +151,7 @@ _here = threading.local()
 def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome | None:
     """Carry out a run in the server of this thread.
 
-    Return None if it is not wanted any more, or the server was lost twice.
+    Return None if the run is no longer wanted, or if the server was lost twice.
     """
     from distributed import get_worker
 
@@ -173,7 +173,7 @@ def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome
         outcome: RunOutcome | None = _here.server.ask(Run(*run), wanted)
         if outcome is not None:
             return outcome
-        # It may have waited for too long, and ended.
+        # The server may have ended because it was idle for too long.
         _here.job = _here.server = None
         if not wanted():
             break

@@ -1,4 +1,4 @@
-"""What the runs of a campaign have in common, and what their results depend on."""
+"""The job of a campaign, the files that its runs import, and the digests of its input."""
 
 import argparse
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from mars_asp.reasoning.project import Project
 
 
 class JobNeeds(NamedTuple):
-    """What the runs of a campaign import, by absolute paths, and warnings about their scenarios."""
+    """The files that the runs of a campaign import, by absolute path, and warnings on scenarios."""
 
     code: Mapping[str, bytes]
     remarks: Sequence[Diagnostic]
@@ -36,10 +36,10 @@ def needs_of(
     text: str,
     path: Path,
 ) -> JobNeeds:
-    """Return the Python files that runs import, and what is odd about any of their scenarios.
+    """Return the Python files that runs import, and the warnings about their scenarios.
 
     Raises:
-        MarsError: a file is missing, or the specification has no place for what is stated.
+        MarsError: a file is missing, or a scenario does not fit the specification.
     """
     plan = Plan(*in_parts(specification, modules), {})
     files: dict[Path, None] = {}
@@ -69,7 +69,7 @@ def job_of(
     """Return the values that all runs share."""
     most = memory_limit(arguments)
     if most is not None and arguments.memory_limit is None:
-        # What there is has to do for all of them.
+        # All workers share the available memory.
         most /= arguments.workers
     files = code if arguments.cluster else None
     seconds = arguments.run_limit
@@ -81,7 +81,7 @@ def job_of(
 def hashes(
     project: Project, text: str, code: Mapping[str, bytes], arguments: argparse.Namespace
 ) -> tuple[str, str]:
-    """Return a digest of a configuration, its sources, its rules and a scenario."""
+    """Return the digests of a configuration with sources and rules, and of a scenario with code."""
     configuration = project.configuration
     spans = [
         *(name.span for name in configuration.modules),

@@ -1,7 +1,7 @@
-"""The runs of a campaign, each in a child with interpreter state, memory and time of its own.
+"""Runs of a campaign, each in a child process with its own state, memory and time.
 
-So no run depends on those before it, and no behaviour can hang or end more than its own run. A
-worker of Dask has threads and cannot fork: it asks a server that has none.
+So no run depends on an earlier one, and no behaviour can hang or end another run. A worker of Dask
+has threads and cannot fork, so it sends its runs to a server without threads.
 """
 
 import gc
@@ -30,7 +30,7 @@ from mars_asp.execution.scenario.read import Scenario, read_scenario
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration, Module
 
-#: A run whose process ends without a result is carried out so often: it may have been killed.
+#: A run whose process ends without a result is tried so often: it may have been killed.
 _TRIES = 3
 #: Seconds without a request after which a server ends.
 _IDLE = 60.0
@@ -42,10 +42,10 @@ _PRELOADED = ("ctypes", "clingo", "numpy", "mars_asp.asp.trace", "mars_asp.execu
 class Job:
     """The values that all runs of a campaign share.
 
-    `path` is that of the scenario, `folder` the one in which they are carried out. `files` are the
-    contents of Python files by their absolute paths, where others cannot see these. `seconds` is
-    how long each run may take, without it 60 s and ten times its simulated time; `megabytes` how
-    much memory. `rulebook` judges them.
+    `path` is the path of the scenario, `folder` the working folder of the runs. `files` are the
+    contents of Python files by absolute path, for machines that lack these files. `seconds` limits
+    the time of a run (None: 60 s and ten times its simulated time), `megabytes` its memory.
+    `rulebook` judges the runs.
     """
 
     specification: Configuration
@@ -61,7 +61,7 @@ class Job:
 
 
 class RunOutcome(NamedTuple):
-    """The result of a run, or else the errors of its input."""
+    """The result of a run, or the errors of its input."""
 
     result: Mapping[str, Any] | None
     problems: tuple[Diagnostic, ...] = ()
@@ -71,12 +71,12 @@ class Runs:
     """Carries out runs of a job; the scenario of each cell is read once."""
 
     def __init__(self, job: Job, root: str = "") -> None:
-        """Prepare for forks; no result shows `root`, which begins the paths of this process."""
+        """Import and warm up before forks; results omit `root`, a prefix of the paths of a job."""
         self._job, self._root = job, root.encode()
         self._scenarios: dict[str, Scenario] = {}
         for name in _PRELOADED:
             importlib.import_module(name)
-        # Each child would fill caches again; and no collection is to copy what is shared.
+        # Children share the filled caches; a garbage collection would copy the shared memory.
         _warm_up(job.rulebook)
         gc.collect()
         gc.freeze()
@@ -87,7 +87,7 @@ class Runs:
     ) -> Generator[tuple[Run, RunOutcome]]:
         """Yield runs with their outcomes as they end; `workers` are carried out at a time.
 
-        They are ended when one of the watched pipes is closed.
+        The runs are ended when one of the `watched` pipes is closed.
         """
         answers = ask(
             runs,
@@ -130,7 +130,7 @@ class Runs:
         """Carry out a run in this child; return its result or its errors as JSON."""
         if hasattr(os, "fork"):
             end_with_parent()
-            # The output of behaviours is no part of a result; `run` shows it.
+            # Results omit the output of behaviours; `run` shows it.
             nowhere = os.open(os.devnull, os.O_RDWR)
             os.dup2(nowhere, 0)
             os.dup2(nowhere, 1)
@@ -156,13 +156,13 @@ class Runs:
         except MemoryError:
             text = "the memory limit ended the run; --memory-limit MB allows more"
             found = {"result": _unfinished(scenario, NOT_DECIDED, text)}
-        # No result depends on where it was found.
+        # A result does not depend on the folder of its files.
         raw = json.dumps(found, ensure_ascii=False).encode("utf-8", "surrogatepass")
         return raw.replace(self._root, b"") if self._root else raw
 
 
 def _warm_up(rulebook: Rulebook) -> None:
-    """Carry out and judge a run without the code of others."""
+    """Fill caches by a run of built-in behaviours that is judged."""
     robot = "@specification\n@modules P, C\nP is_controlled_by C\n"
     world = "walls = [[[900, -900], [900, 900]]]\nscatter.count = 3"
     hand = 'kind = "joystick"\nscript = [[0, "Trans_Z", 200], [0.5, "Rotn_Y", 20]]'
@@ -173,7 +173,7 @@ def _warm_up(rulebook: Rulebook) -> None:
 
 
 def _unfinished(scenario: Scenario, verdict: str, error: str) -> dict[str, object]:
-    """Return the result of a run that did not come to its end: the keys of `run`, and why."""
+    """Return the result of a run that was ended early: the keys of `run`, and the error."""
     return {
         "verdict": verdict,
         "requirements": [],
@@ -193,7 +193,7 @@ def _unfinished(scenario: Scenario, verdict: str, error: str) -> dict[str, objec
 
 
 def serve_runs() -> None:
-    """Carry out the runs that standard input requests, until it is closed or requests no more."""
+    """Carry out the runs that standard input requests, until it is closed or idle."""
     with ExitStack() as stack:
         serve(partial(_begin, stack), _IDLE)
 
@@ -203,7 +203,7 @@ def _begin(stack: ExitStack, given: int, raw: bytes) -> Callable[[Run], RunOutco
     job: Job = pickle.loads(raw)
     root = ""
     if job.files is not None:
-        # An interpreter calls the folder that it is in by the target of a link.
+        # The interpreter names its working folder by the path without links.
         root = os.path.realpath(stack.enter_context(tempfile.TemporaryDirectory()))
         job = _unpacked(job, root)
     os.chdir(job.folder)
@@ -217,7 +217,7 @@ def _begin(stack: ExitStack, given: int, raw: bytes) -> Callable[[Run], RunOutco
 
 
 def _unpacked(job: Job, root: str) -> Job:
-    """Write the files of a job below a folder, which its paths then begin with."""
+    """Write the files of a job below the folder `root`; return the job with paths inside it."""
 
     def moved(path: str) -> str:
         return f"{root}{path}" if path.startswith("/") else path

@@ -21,20 +21,20 @@ from mars_asp.execution.scenario.vary import written_change
 from mars_asp.output import counted, visible
 
 _Result = Mapping[str, Any]
-#: How the table calls quantities, and their units.
+#: The titles of quantities in the table, and their units.
 _TITLES = {
     "min_clearance_mm": ("least clearance", "mm"),
     "reached_s": ("time to reach", "s"),
     "nearest_to_place_mm": ("distance to place", "mm"),
 }
-#: Those of the quantiles that the table shows.
+#: The quantiles in the table.
 _SHOWN = (5, 50, 95)
 
 
 def print_table(
     results: Sequence[_Result], commands: Sequence[Mapping[str, Any]], stream: TextIO
 ) -> None:
-    """Print what runs show together; `commands` repeat the worst of them."""
+    """Print the table of results; `commands` repeat the worst runs."""
     for line in _shares_table(results, columns(stream)):
         print(line, file=stream)
     shown = worst(results)
@@ -50,10 +50,10 @@ def print_table(
 
 
 def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
-    """Yield shares of each cell: runs that passed, requirements and controllers; then quantiles.
+    """Yield the shares of each cell: passed runs, requirements and controllers; then quantiles.
 
-    Requirements that always held are one line, and so are controllers that always or never were in
-    control, and warnings of as many runs.
+    Requirements that always held share one line; so do controllers that were always or never in
+    control, and warnings that occur in equally many runs.
     """
     whole, groups = cell_of({}, results), cells(results)
     passed, controls = whole.passed, whole.in_control
@@ -87,7 +87,7 @@ def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
     fixed = ", ".join(written_change(*each) for each in fixed_values(groups).items())
     head = f"{counted(passed.of, 'run')}{' with ' * bool(fixed)}{fixed}"
     yield from map(visible, wrapped(f"{head}, intervals of 95 % (Wilson)", width, "", "  "))
-    # One cell has what all have.
+    # A single cell has the same results as the whole.
     yield from _aligned(rows if len(groups) > 1 else [row for row in rows if not row[0]])
     if always:
         head = f"passed in every run ({passed.of} of {passed.of}): "
@@ -107,7 +107,7 @@ def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
 
 
 def _spread_title(name: str) -> tuple[str, str]:
-    """Return the title and the unit of a quantity, which may be that of one of several robots."""
+    """Return the title and the unit of a quantity; `ROBOT.QUANTITY` has the robot in its title."""
     robot, _, quantity = name.rpartition(".")
     title, unit = _TITLES[quantity]
     return f"{title} of {robot}" if robot else title, unit
@@ -125,7 +125,7 @@ def _spread_text(spread: Spread, unit: str) -> str:
 
 
 def _aligned(rows: Sequence[tuple[str, str, str]]) -> Iterator[str]:
-    """Yield the lines of a table; where several follow of one requirement, it is named once."""
+    """Yield the lines of a table; a name is omitted if the line above has the same."""
     names = max((width_of(visible(name)) for _, name, _ in rows), default=0)
     labels = max((width_of(visible(label)) for label, _, _ in rows), default=0)
     before = None
@@ -141,13 +141,13 @@ def _filled(text: str, width: int) -> str:
 
 
 def _label(cell: Cell, fixed: Mapping[str, Any]) -> str:
-    """Return what a cell has and others have not; a cell of the scenario as it is has a dash."""
+    """Return the values that distinguish a cell from the others, or a dash if there are none."""
     declared = (written_change(*each) for each in cell.vary.items() if each[0] not in fixed)
     return ", ".join(declared) or "-"
 
 
 def _result_text(result: _Result) -> str:
-    """Return which run it was, and what became of it."""
+    """Return the seed and the changes of a run, with its outcome."""
     named = [f"seed {result['seed']}", *(written_change(*each) for each in result["vary"].items())]
     violated = [r["name"] for r in result["requirements"] if r["holds"] is False]
     undecided = [r["name"] for r in result["requirements"] if r["holds"] is None]

@@ -16,7 +16,7 @@ from mars_asp.reasoning.questions.capability import CapabilityAnswer, capability
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     add_file(parser)
     parser.add_argument(
         "query", metavar="QUERY", help='such as "Rotn_Y of Camera while Trans_Z of Platform"'
@@ -24,7 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the answer; 1 where it is no."""
+    """Print the answer; return 1 if it is no."""
     project = read_project(arguments)
     answer = capability(project, rulebook_for(arguments, ("can", "account")), arguments.query)
     if arguments.format == "json":

@@ -1,4 +1,4 @@
-"""How much cases hold of the rules: which of these fire, and which changes of them are noticed."""
+"""Coverage of rules by cases, and mutants of rules that the cases notice."""
 
 import argparse
 import os
@@ -20,7 +20,7 @@ from mars_asp.reasoning.findings import EXPANSIONS
 
 
 class Measured(NamedTuple):
-    """Coverage and mutants for programs and for people, and 1 where something is not held."""
+    """Coverage and mutants as JSON and as lines; `status` is 1 if a rule or mutant is missed."""
 
     result: Mapping[str, object]
     lines: Sequence[str]

@@ -14,7 +14,7 @@ from mars_asp.output import counted, visible
 
 
 class CaseFileResult(NamedTuple):
-    """A file of cases that was run: what came of it, or what is wrong with it, and the seconds."""
+    """A case file that was run: its outcome, or the problems of reading it, and the seconds."""
 
     path: Path
     outcome: Outcome | None
@@ -28,9 +28,9 @@ def print_outcomes(
     measured: Mapping[str, object],
     lines: Iterable[str],
 ) -> None:
-    """Print the cases that failed, with what they expect and what was found, and how many.
+    """Print the failed cases with expected and actual results, and the numbers of cases.
 
-    `measured` is what else was asked for, for programs, and `lines` the same for people.
+    `measured` holds further results for JSON, and `lines` the same results as text.
     """
     checks = [(outcome, check) for outcome in outcomes for check in outcome.checks]
     failed = sum(not check.passed for _, check in checks)

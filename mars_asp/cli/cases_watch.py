@@ -1,4 +1,4 @@
-"""Cases that run again whenever a file of theirs or of their rules changes."""
+"""Case files that run again whenever they or their rules change."""
 
 import argparse
 import sys
@@ -12,15 +12,15 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.cases.places import pack_of_case
 from mars_asp.reasoning.packs import MANIFEST
 
-#: Seconds between two looks at the files.
+#: Seconds between two checks of the files.
 _BEAT = 0.3
 _PATTERNS = ("*.lp", "*.mars", MANIFEST)
 
 
 def watched(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
-    """Run cases now and after each change; it ends when the command is ended."""
+    """Run cases now and after each change, until the command is interrupted."""
     while True:
-        # What a worker prints to standard output is shown when it ends, and this one does not.
+        # The standard output of a worker is shown when it ends, and this one does not end.
         before = _stamps(arguments)
         with redirect_stdout(sys.stderr):
             try:
@@ -33,7 +33,7 @@ def watched(run: Callable[[argparse.Namespace], int], arguments: argparse.Namesp
 
 
 def _stamps(arguments: argparse.Namespace) -> Mapping[Path, tuple[int, int]]:
-    """Return when each file was changed, and its size."""
+    """Return the time of the last change of each file, and its size."""
     found: dict[Path, tuple[int, int]] = {}
     for path in _watched_files(arguments):
         with suppress(OSError):

@@ -58,12 +58,12 @@ _FAILING: Mapping[str, tuple[Severity, ...]] = {
     "warning": ("error", "warning"),
     "never": (),
 }
-#: Of a larger robot a repair takes longer to find than people wait for a check.
+#: Repairs of larger robots take longer than users wait for a check.
 _MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument(
         "files",
         metavar="PATH",
@@ -111,7 +111,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Report the findings; 1 where one is bad enough to fail, 2 where a file cannot be read."""
+    """Report the findings; return 1 if one reaches `--fail-on`, 2 if a file cannot be read."""
     if problem := _conflict_of_options(arguments):
         print(f"mars-asp check: {problem}", file=sys.stderr)
         return 2
@@ -163,7 +163,7 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
 
 
 def _conflict_of_options(arguments: argparse.Namespace) -> str | None:
-    """Return why options do not go together, or None if they do."""
+    """Return why options contradict each other, or None if they do not."""
     if arguments.stdin_filename and STANDARD_INPUT not in arguments.files:
         return "--stdin-filename names the text of `-`: add `-`"
     if arguments.diff and (arguments.format not in TEXT_FORMATS or arguments.statistics):
@@ -204,7 +204,7 @@ def check(
         except MarsError as error:
             if all(each.span.path.startswith("--") for each in error.diagnostics):
                 raise
-            # Settings, and sources that the command names, are those of many robots.
+            # Many robots share settings and named sources: report each of their errors once.
             new = (each for each in error.diagnostics if each not in of_settings)
             one.append_results(map(Result, new))
             of_settings.update(
@@ -223,7 +223,7 @@ def check(
 
 
 def _each_once(names: Iterable[str]) -> list[str]:
-    """Return the names of files without those of a file that was named before."""
+    """Return the names of files, each file once by its first name."""
     first: dict[str, str] = {}
     for name in names:
         first.setdefault(name if name == STANDARD_INPUT else os.path.realpath(name), name)
@@ -239,7 +239,7 @@ def _check(
     edited: dict[object, tuple[str, bytes]],
     seen: "_Seen",
 ) -> None:
-    """Read and judge a robot, of standard input if it `is_input`.
+    """Read and judge a robot, from standard input if `is_input`.
 
     Raises:
         MarsError: its files or sources are wrong.
@@ -300,7 +300,7 @@ def judge(
         one.instances = instances_of(project.configuration)
     one.append_results(_with_suggestions(results_of(selected), sole))
     one.append_results(map(Result, (*unread, *unapplied_packs(project, rules(JUDGING)))))
-    # Another robot that includes the file is judged by what it holds until all are checked.
+    # Until all robots are checked, others that include the file are judged by its old content.
     for path, _, _ in one.written:
         forget(path)
     if project.format is not None and arguments.fix:
@@ -322,7 +322,7 @@ def _sole_repairs(
 
 
 def _with_suggestions(results: Iterable[Result], sole: "Iterable[Repair]") -> Iterator[Result]:
-    """Yield results, each finding that has exactly one repair with it."""
+    """Yield results; findings with exactly one repair get it as their suggestion."""
     mends = {(r.consequence.spans, r.consequence.message): r.mends[0] for r in sole}
     for each in results:
         found = each.consequence
@@ -343,11 +343,11 @@ def _fix(
     one: Checked,
     edited: dict[object, tuple[str, bytes]],
 ) -> "AppliedFix | None":
-    """Apply repairs to the files; return nothing where none could be applied.
+    """Apply repairs to files; return None if none could be applied or a file cannot be changed.
 
-    The files are written at the end, all of a robot or none. The new content of each is added to
-    `edited`, by the identity of the file, with the robot for which it is. Robots that share a file
-    have to agree on it.
+    The files are written at the end, all of a robot or none. `edited` maps the identity of each
+    file to the robot that changes it and the new content; robots that share a file have to agree
+    on the content.
     """
     from mars_asp.reasoning.questions.fix import fix
     from mars_asp.reasoning.questions.repair import STAGES
@@ -400,7 +400,7 @@ def _decoded(raw: bytes) -> str:
     raise ConflictError
 
 
-#: Why a file that is no `.mars` file stays as it is.
+#: Why files in other formats stay as they are.
 _FOREIGN = "repairs are edits of `.mars` files"
 _BY_HAND = "change it by hand, as the help of each finding suggests"
 _AGAIN = "run the command again"

@@ -53,15 +53,15 @@ class Checked:
     mended: "tuple[Repair, ...]" = ()
     #: How many findings have exactly one repair that was not applied.
     mendable: int = 0
-    #: How many of the only repairs do not go together with those that were applied.
+    #: How many sole repairs conflict with the applied ones.
     left_out: int = 0
-    #: The files that are changed for it: path, new content, and old.
+    #: The files that repairs change: path, new content, old content.
     written: list[tuple[str, bytes, bytes]] = field(default_factory=list)
     #: The text of standard input after the repairs.
     text: str | None = None
     #: The changes of standard input as a unified diff.
     change: str = ""
-    #: How many findings a comment or a baseline hides.
+    #: How many findings are hidden, by `comment` or `baseline`.
     hidden: Counter[str] = field(default_factory=Counter)
     #: The launch files that were judged, each by itself.
     launch_files: tuple[str, ...] = ()
@@ -70,7 +70,7 @@ class Checked:
     instances: Mapping[str, str] = field(default_factory=dict)
 
     def append_results(self, results: Iterable[Result]) -> None:
-        """Keep and count results."""
+        """Append results and count them."""
         for each in results:
             self.results.append(each)
             if each.hidden is None:
@@ -87,8 +87,8 @@ def write_report(
 ) -> None:
     """Write the findings, then notes and the summary to standard error.
 
-    This function alone decides on streams. Findings go to `--output`, else to standard output. They
-    go to standard error where standard output is for a repaired text or a baseline.
+    Only this function decides on streams. Findings go to `--output`, else to standard output; but
+    to standard error if standard output is for a repaired text or a baseline.
     """
     output = None if arguments.output == STANDARD_INPUT else arguments.output
     repairs_input = (
@@ -152,7 +152,7 @@ def _diagnostic_text(
 
 
 def _statistics(results: Iterable[Result]) -> Iterator[str]:
-    """Yield a line for each kind of findings, or code of errors: their number, and the name."""
+    """Yield the number and name of each kind of finding or code of error, a line each."""
     names = (each.diagnostic.kind or each.diagnostic.code for each in results)
     numbers = Counter(names)
     width = len(str(max(numbers.values(), default=0)))
@@ -196,7 +196,7 @@ def _closing(
 def _summary_sentences(
     checked: Sequence[Checked], remarks: Sequence[Result], arguments: argparse.Namespace
 ) -> Iterator[str]:
-    """Yield the numbers of findings and repairs, and of the files."""
+    """Yield the sentences with the numbers of findings, repairs and files."""
     total: Counter[Severity] = sum((one.counted for one in checked), Counter())
     read = [path for one in checked for path in (one.path, *one.further)]
     folders = sum(os.path.isdir(path) for path in read)  # noqa: PTH112 -- never raises
@@ -266,7 +266,7 @@ def _check_document(
     shown = _unhidden(checked, remarks)
     findings, notes = reported_findings(shown), list(filter(is_note, shown))
     if arguments.quiet:
-        # What was not read of a file no program may miss.
+        # Programs must learn of unread parts of a file even with `--quiet`.
         notes = [each for each in notes if each.diagnostic.code == NOT_READ]
     severities = Counter(each.diagnostic.severity for each in findings)
     return {

@@ -8,12 +8,12 @@ from mars_asp.cli.arguments import ALIASES, VERBS, Parser, parser_of
 
 #: The options that take kinds of findings, with commas between them.
 _LISTS = frozenset({"--select", "--ignore"})
-#: The command that words are completed of.
+#: The command whose words are completed.
 _COMMAND = "mars-asp"
 
 
 class _Option(NamedTuple):
-    """An option: how it is written, what it does, whether a value follows, and which there are."""
+    """An option: its names, its help, whether a value follows, and the possible values."""
 
     names: tuple[str, ...]
     about: str
@@ -26,7 +26,7 @@ _HELP = _Option(("--help", "-h"), "", False, ())
 
 
 class _CommandWords(NamedTuple):
-    """What may follow a verb, which has several names: options, and words that are no files."""
+    """The names of a command, its help, its options, and the words that may follow it."""
 
     names: tuple[str, ...]
     about: str
@@ -35,7 +35,7 @@ class _CommandWords(NamedTuple):
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     shells = tuple(_SCRIPTS)
     parser.add_argument("shell", nargs="?", choices=shells, metavar="SHELL", help=", ".join(shells))
     parser.epilog = (
@@ -46,7 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the script for a shell; without one the shells there are."""
+    """Print the script for a shell; without a shell, print the supported shells."""
     if arguments.shell is None:
         print("\n".join(_SCRIPTS))
         return 0
@@ -84,7 +84,7 @@ def _kinds() -> list[str]:
 
 
 def _common_options() -> list[argparse.Action]:
-    """Return the common options with their help, which a verb leaves to that of the command."""
+    """Return the common options with their help, which the parser of a command omits."""
     from mars_asp.cli.arguments import common_options
 
     parser = Parser(add_help=False)
@@ -119,7 +119,7 @@ def _bash(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
     yield "                break ;;"
     yield "        esac"
     yield "    done"
-    # Readline takes `--format=json` for three words.
+    # Readline splits `--format=json` into three words.
     yield '    if [[ $word == "=" ]]; then'
     yield "        word="
     yield '    elif [[ $before == "=" ]]; then'
@@ -207,7 +207,7 @@ def _fish(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
 
 
 def _shell_word(text: str) -> str:
-    """Return a text as one word of a shell."""
+    """Return a text quoted as one word of a shell."""
     return "'" + text.replace("'", "'\\''") + "'"
 
 

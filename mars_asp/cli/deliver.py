@@ -1,8 +1,8 @@
 """The output of a command: standard output and files, whole or not at all.
 
-In a worker everything is sent through a pipe, as messages: a name and values. The command collects
+A worker sends its output through a pipe, as messages of a name and values. The command collects
 them and writes everything when the worker has sent its exit status, so a worker that was ended, or
-that code of the user broke off, leaves nothing.
+that user code broke off, leaves nothing.
 """
 
 import errno
@@ -20,7 +20,7 @@ from mars_asp.diagnostic import refusal
 from mars_asp.output import AtomicFile, GrowingFile, replace_together, visible, write_whole
 from mars_asp.reading import files_read
 
-#: So much of a file that grows is sent at a time.
+#: So many bytes of a file in parts are sent at a time.
 _PORTION = 1 << 16
 #: The pipe to the command, in a worker, and the process that may write to it.
 _pipe: int | None = None
@@ -29,16 +29,16 @@ _writer: int | None = None
 _growing: GrowingFile | None = None
 #: The identities of outputs.
 _claimed: set[object] = set()
-#: What several threads send must not be mixed.
+#: Keeps the messages of several threads from mixing.
 _sending = threading.Lock()
 
 
 class ChangedError(OSError):
-    """A file that is to be replaced is not what was read."""
+    """A file to replace has changed since it was read."""
 
 
 class OutputFile(NamedTuple):
-    """A file to write. `read` is a digest of what it held when it was read, to be replaced."""
+    """A file to write; `read` is the digest of the old content if the file is to be replaced."""
 
     path: str
     content: bytes
@@ -46,11 +46,11 @@ class OutputFile(NamedTuple):
 
 
 def write_file(path: str, content: str | bytes, read: bytes | None = None) -> None:
-    """Write a file, in a worker when the verb has ended. `read` is what it must still hold.
+    """Write a file, in a worker after the command has ended; `read` is the expected old content.
 
     Raises:
-        OSError: it cannot be written, or holds something else by now.
-        MarsError: it was read as an input, or is another output.
+        OSError: the file cannot be written, or its content has changed.
+        MarsError: the file was read as an input, or is another output.
     """
     if read is None:
         _claim(path)
@@ -59,24 +59,24 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
 
 
 def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
-    """Replace files, all or none, in a worker when the verb has ended.
+    """Replace files, all or none, in a worker after the command has ended.
 
-    Each is its path, its new content, and what it must still hold.
+    Each entry has the path, the new content, and the expected old content.
 
     Raises:
-        OSError: one cannot be written, or holds something else by now.
+        OSError: a file cannot be written, or its content has changed.
     """
     _write_files([OutputFile(path, content, _digest(read)) for path, content, read in files])
 
 
 def grow_file(path: str, kept: int, size: int) -> None:
-    """Begin to write lines to a file, behind the first `kept` of its `size` bytes.
+    """Begin to write lines to a file, after the first `kept` of its `size` bytes.
 
-    It is locked until a file of its path is written whole, or the command ends.
+    The file is locked until `write_file` replaces it, or the command ends.
 
     Raises:
-        OSError: it cannot be written.
-        MarsError: it was read as an input.
+        OSError: the file cannot be written.
+        MarsError: the file was read as an input.
     """
     global _growing  # noqa: PLW0603 -- there is one
     _check_unread(path)
@@ -90,7 +90,7 @@ def add_line(line: bytes) -> None:
     """Write a line to the file that grows, at once.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the line cannot be written.
     """
     if _pipe is not None:
         _send("line", line)
@@ -116,7 +116,7 @@ def end_growing() -> None:
 
 
 def file_key(path: str) -> object:
-    """Return the identity of a file, however it is named; None of one that is not regular."""
+    """Return the identity of a file, whatever its name; None if it is not a regular file."""
     try:
         status = os.stat(path)  # noqa: PTH116 -- a path that may be no text
     except (OSError, ValueError):
@@ -125,7 +125,7 @@ def file_key(path: str) -> object:
 
 
 def begin_outputs() -> None:
-    """Begin a command, which has read and written no file yet."""
+    """Clear the files that were read and written, at the start of a command."""
     files_read.clear()
     _claimed.clear()
 
@@ -134,7 +134,7 @@ def _check_unread(path: str) -> object:
     """Return the identity of an output.
 
     Raises:
-        MarsError: it was read as an input.
+        MarsError: the file was read as an input.
     """
     key = file_key(path)
     if key in files_read:
@@ -144,10 +144,10 @@ def _check_unread(path: str) -> object:
 
 
 def _claim(path: str) -> None:
-    """Note an output.
+    """Register an output.
 
     Raises:
-        MarsError: it was read as an input, or is another output.
+        MarsError: the file was read as an input, or is another output.
     """
     key = _check_unread(path)
     if key is not None and key in _claimed:
@@ -156,23 +156,23 @@ def _claim(path: str) -> None:
 
 
 class Parts:
-    """A file that is written in parts, which `send` takes."""
+    """A file that is written in parts, each passed to `send`."""
 
     def __init__(self, send: Callable[[bytes], object]) -> None:
         self._send, self._gathered, self._sent = send, bytearray(), 0
 
     def write(self, content: bytes) -> None:
-        """Write more of it."""
+        """Append content."""
         self._gathered += content
         if len(self._gathered) >= _PORTION:
             self.flush()
 
     def tell(self) -> int:
-        """Return how many bytes of it were written."""
+        """Return the number of bytes written so far."""
         return self._sent + len(self._gathered)
 
     def flush(self) -> None:
-        """Send what was gathered."""
+        """Send the buffered content."""
         self._sent += len(self._gathered)
         self._send(bytes(self._gathered))
         self._gathered.clear()
@@ -180,13 +180,13 @@ class Parts:
 
 @contextmanager
 def streamed(path: str) -> Iterator[Parts]:
-    """Yield a file that is on the disk while it is written, but appears when the block has ended.
+    """Yield a file that is written to the disk in parts, and appears when the block has ended.
 
-    In a worker it appears when the verb has ended. Where the block raises, it never does.
+    In a worker it appears after the command has ended. If the block raises, it never appears.
 
     Raises:
-        OSError: it cannot be written.
-        MarsError: it was read as an input, or is another output.
+        OSError: the file cannot be written.
+        MarsError: the file was read as an input, or is another output.
     """
     _claim(path)
     if _pipe is not None:
@@ -211,8 +211,8 @@ def streamed(path: str) -> Iterator[Parts]:
 def to_pipe(pipe: int) -> None:
     """Send standard output and files through a pipe.
 
-    What writes to the descriptor of standard output past Python reaches standard error: it is no
-    part of a result.
+    Writes to the descriptor of standard output that bypass Python reach standard error: they do
+    not belong to the result.
     """
     global _pipe, _writer
     _pipe, _writer = pipe, os.getpid()
@@ -230,7 +230,7 @@ class _Text(io.TextIOWrapper):
 
 
 class _Output(io.RawIOBase):
-    """Sends what is written to it; a terminal where the command's own output is one."""
+    """A stream that sends its data; it is a terminal if the command's own output is one."""
 
     def __init__(self, terminal: bool) -> None:
         self._terminal = terminal
@@ -248,16 +248,16 @@ class _Output(io.RawIOBase):
 
 
 def runs_code_of(paths: Iterable[str]) -> None:
-    """Tell the parent whose code runs from now on, in case that it ends the worker."""
+    """Send the paths of the user's files whose code runs next, as it may end the worker."""
     if _pipe is not None:
         _send("code", tuple(paths))
 
 
 def end(status: int) -> None:
-    """Tell the parent that nothing follows, and the exit status.
+    """Send the exit status as the last message.
 
     Raises:
-        ValueError: somebody closed standard output.
+        ValueError: user code closed standard output.
     """
     sys.stdout.flush()
     _send("end", status)
@@ -265,7 +265,7 @@ def end(status: int) -> None:
 
 def _send(*message: object) -> None:
     assert _pipe is not None
-    # A process that code of the user forked delivers nothing.
+    # A process that user code forked must not deliver anything.
     if os.getpid() == _writer:
         with _sending:
             send(_pipe, message)
@@ -275,7 +275,7 @@ def _send(*message: object) -> None:
 
 
 class WorkerOutput:
-    """The messages of a worker; `status` is None until the last one.
+    """The messages of a worker; `status` is None until the last one has arrived.
 
     `code` are the files of the user whose code the worker runs.
     """
@@ -286,20 +286,20 @@ class WorkerOutput:
         self.closing = ""
         #: Groups of files of which all or none are written.
         self.files: list[list[OutputFile]] = []
-        #: Files that come in parts, by their paths, and those of them that are whole.
+        #: Files that arrive in parts, by path, and the paths of the complete ones.
         self._begun: dict[str, AtomicFile] = {}
         self._whole: set[str] = set()
         self._unwritten: dict[str, OSError] = {}
         self.code: tuple[str, ...] = ()
         self.status: int | None = None
-        #: Whether a line could not be written, so that there is no point in going on.
+        #: Whether a line could not be written, so that continuing is pointless.
         self.failed = False
 
     def take(self, message: object) -> None:
         """Store the values of a message, or write a line or a part of a file.
 
         Raises:
-            ValueError: it is no message of a worker; code of the user wrote it to the pipe.
+            ValueError: the message is not from the worker's own code; user code wrote to the pipe.
         """
         match message:
             case "output", bytes(raw):
@@ -325,7 +325,7 @@ class WorkerOutput:
                 raise ValueError(message)
 
     def _grow(self, write: Callable[[], None]) -> None:
-        """Open the file that grows, or write a line to it, unless that failed before."""
+        """Open the file that grows, or write a line to it, unless an earlier write failed."""
         if self.failed:
             return
         try:
@@ -335,7 +335,7 @@ class WorkerOutput:
             self.failed = True
 
     def _extend(self, path: str, content: bytes) -> None:
-        """Write more of a file beside the one that it replaces; failures are reported later."""
+        """Append to a new file beside the one that it replaces; failures are reported later."""
         if path in self._unwritten:
             return
         try:
@@ -346,7 +346,7 @@ class WorkerOutput:
             self._unwritten[path] = error
 
     def drop(self) -> None:
-        """Remove what was not delivered of files that came in parts."""
+        """Remove the files in parts that were not delivered."""
         for begun in self._begun.values():
             begun.drop()
 
@@ -354,7 +354,7 @@ class WorkerOutput:
         """Write files, then standard output; return the exit status.
 
         Raises:
-            BrokenPipeError: nobody reads standard output any more.
+            BrokenPipeError: the reader of standard output is gone.
         """
         is_unwritten = False
         for path in sorted(self._whole):
@@ -388,7 +388,7 @@ class WorkerOutput:
 
 
 def _write_out(chunks: list[bytes]) -> None:
-    """Write to the descriptor itself: Python's buffers lose what does not fit on a full disk."""
+    """Write to the descriptor itself: Python's buffers would lose data on a full disk."""
     for chunk in chunks:
         rest = memoryview(chunk)
         while rest:
@@ -396,7 +396,7 @@ def _write_out(chunks: list[bytes]) -> None:
 
 
 def _write_files(files: list[OutputFile]) -> None:
-    """Write files, all or none, in a worker when the verb has ended."""
+    """Write files, all or none, in a worker after the command has ended."""
     if _pipe is not None:
         for file in files:
             if file.read is not None:
@@ -420,10 +420,10 @@ def _write_files(files: list[OutputFile]) -> None:
 
 
 def _check_unchanged(file: OutputFile) -> None:
-    """Check that a file is what was read, and may be written.
+    """Check that a file has not changed since it was read, and may be written.
 
     Raises:
-        OSError: it is not, or is read-only.
+        OSError: the file has changed, or is read-only.
     """
     with open(file.path, "rb") as there:  # noqa: PTH123 -- a path that may be no text
         _check_writable(file.path)
@@ -433,10 +433,10 @@ def _check_unchanged(file: OutputFile) -> None:
 
 
 def is_writable(path: str) -> bool:
-    """Return whether a file may be written, by its mode as well, which root could ignore.
+    """Whether a file may be written, also by its mode, which root could ignore.
 
     Raises:
-        OSError: it is not there.
+        OSError: the file does not exist.
     """
     return bool(os.stat(path).st_mode & 0o222) and os.access(path, os.W_OK)  # noqa: PTH116 -- raw
 

@@ -1,4 +1,4 @@
-"""Diagnostics as text and as JSON, and those of most commands on standard error."""
+"""Diagnostics as text and as JSON, and their output on standard error."""
 
 import argparse
 import os
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.analysis import Analysis
 
 _CODES = {"error": "31", "warning": "33", "note": "36", "dim": "2", "strong": "1"}
-#: Further lines of a message are indented less than what belongs to it.
+#: The indents of continuation lines, and of the lines that belong to a message.
 _FURTHER, _INSIDE = "  ", "    "
-#: So many further places are shown; JSON has all.
+#: The text shows at most so many further locations; JSON has all.
 _MOST_PLACES = 10
-#: Of what was not read fewer are: it is no finding.
+#: Notes on unread parts of a file show fewer locations.
 _MOST_UNREAD = 2
-#: Of a longer line only what is near the place is quoted, with so many characters before it.
+#: A longer line is quoted only near the location, from so many characters before it.
 _LONGEST, _BEFORE = 400, 40
 _TAB = 4
 
 
 class Suggestion(NamedTuple):
-    """The one repair of a finding: what it does, which lines change, and what then warns."""
+    """The one repair of a finding: its message, the changed lines, and new warnings."""
 
     message: str
     edits: "tuple[LineEdit, ...]"
@@ -42,12 +42,12 @@ _NO_SUGGESTIONS: Mapping[Diagnostic, Suggestion] = MappingProxyType({})
 
 
 def paint(text: str, style: str, coloured: bool) -> str:
-    """Return a text in a style, where colours are wanted."""
+    """Return a text in a style if `coloured`, else the text."""
     return f"\x1b[{_CODES[style]}m{text}\x1b[0m" if coloured else text
 
 
 def colours(arguments: argparse.Namespace, stream: object) -> bool:
-    """Whether a stream is coloured: as asked, else as the environment says, else on a terminal.
+    """Whether a stream is coloured: by `--color`, else by the environment, else on a terminal.
 
     `NO_COLOR` and `FORCE_COLOR` count where they are not empty (no-color.org, force-color.org).
     """
@@ -62,12 +62,12 @@ def colours(arguments: argparse.Namespace, stream: object) -> bool:
 
 
 def report_error(error: MarsError, arguments: argparse.Namespace) -> None:
-    """Print everything that a stage found wrong."""
+    """Print all errors that a stage raised."""
     report(error.diagnostics, arguments)
 
 
 def report_unrealisable(path: str, analysis: "Analysis", arguments: argparse.Namespace) -> None:
-    """Print that no specification realises the configuration at `path`, and the errors of it."""
+    """Print that no specification realises the configuration at `path`, and its errors."""
     from mars_asp.reasoning.questions.unrealised import unrealised
 
     message = unrealised(analysis)
@@ -85,14 +85,14 @@ def report(
     arguments: argparse.Namespace,
     suggestions: Mapping[Diagnostic, Suggestion] = _NO_SUGGESTIONS,
 ) -> None:
-    """Print diagnostics in the order given, with repairs of some; `--quiet` leaves out notes.
+    """Print diagnostics in the order of the argument, with repairs; `--quiet` omits notes.
 
-    They are JSON objects, one a line, where the format is JSON.
+    In the format JSON each diagnostic is a JSON object on a line.
     """
     for whole in diagnostics:
         diagnostic = brief(whole)
         for_programs = arguments.format in ("json", "jsonl")
-        # What was not read of a file no program may miss.
+        # Programs must learn of unread parts of a file even with `--quiet`.
         result = for_programs and diagnostic.code == NOT_READ
         if arguments.quiet and diagnostic.severity == "note" and not result:
             continue
@@ -109,7 +109,7 @@ def report(
 
 
 def suggestion_lines(suggestion: Suggestion | None, width: int) -> Iterator[str]:
-    """Yield the lines that show the one repair of a finding, or none."""
+    """Yield the lines that show the one repair of a finding; none without a suggestion."""
     if suggestion is not None:
         yield from wrapped(visible(suggestion.message), width, f"{_INSIDE}fix: ", f"{_INSIDE}     ")
         for edit in suggestion.edits:
@@ -172,10 +172,11 @@ def concise_text(diagnostic: Diagnostic, coloured: bool = False) -> str:
 def diagnostic_text(
     diagnostic: Diagnostic, coloured: bool = False, width: int = 80, *, whole_head: bool = False
 ) -> str:
-    """Return the concise text of a diagnostic and the lines that belong to it.
+    """Return the concise text of a diagnostic, and the lines with its details.
 
-    These are the quoted line with a caret under the place, further places with their labels, a
-    sentence on what will happen, and help. Lines are no wider than `width`, but for quoted ones,
+    The details are the quoted line with a caret at the location, further locations with labels,
+    the effect and the help. Lines are no wider than `width`, except for quoted ones, long words and
+    a whole head.
     long words and a whole head.
     """
     message = _named_message(diagnostic, coloured)
@@ -205,9 +206,9 @@ def finding_lines(
     *,
     whole_head: bool = False,
 ) -> Iterator[str]:
-    """Yield the lines of a diagnostic with `message` in the place of its own.
+    """Yield the lines of a diagnostic with `message` in place of its own message.
 
-    A whole head is one line, however long it is.
+    With `whole_head` the head is one line, however long it is.
     """
     head = _place_and_severity(diagnostic, coloured)
     if whole_head:
@@ -230,7 +231,7 @@ def finding_lines(
 
 
 class _QuotedLine(NamedTuple):
-    """A line as it is shown, and the columns before and under what is marked in it."""
+    """A line as it is shown, the columns before the marked range, and the width of the range."""
 
     text: str
     before: int
@@ -238,7 +239,7 @@ class _QuotedLine(NamedTuple):
 
 
 def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[str]:
-    """Yield the lines of files that a diagnostic is about, each marked where that is."""
+    """Yield the quoted lines of a diagnostic, each with marks under its location."""
     most = _MOST_UNREAD if diagnostic.code == NOT_READ else _MOST_PLACES
     places = [(diagnostic.span, ""), *diagnostic.labels[:most]]
     shown = [_quote_line(diagnostic.span, diagnostic.excerpt)]
@@ -276,7 +277,7 @@ def _mark(
     coloured: bool,
     width: int,
 ) -> Iterator[str]:
-    """Yield the marks under a quoted line, and the label beside them, or below where it is long."""
+    """Yield the marks under a quoted line, and the label beside them, or below if it is long."""
     style = severity if is_first else "note"
     gutter = paint(f"{_INSIDE}{' ' * margin} |", "dim", coloured)
     marks = paint(("^" if is_first else "-") * line.marked, style, coloured)

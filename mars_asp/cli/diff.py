@@ -21,14 +21,14 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument("old", metavar="OLD", help="a `.mars` file, or a foreign file or folder")
     parser.add_argument("new", metavar="NEW", help="the same robot as it is now")
     parser.epilog = "exit status: 1 where an error appeared, else 0, whether or not they differ"
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what changed; 1 where an error appeared, 3 where no time was left."""
+    """Print the changes; return 1 if an error appeared."""
     check_inputs(arguments.old, arguments.new)
     old, new = (read_project(arguments, path) for path in (arguments.old, arguments.new))
     rulebook, budget = rulebook_for(arguments), Budget(arguments.time_limit)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 FORMATS = ("svg", "png", "dot", "mmd")
 
 
-#: Of these we make pictures ourselves; of the others programs do.
+#: The formats that are laid out here; other programs lay out the others.
 _PAINTED = ("svg", "png")
 #: Kinds of relationships, by the words of the command line.
 _KINDS: "Mapping[str, LineKind]" = {"data": "data", "control": "control", "mounts": "mount"}
@@ -35,7 +35,7 @@ _DEPTH = 1
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     add_file(parser)
     parser.add_argument(
         "-o",
@@ -94,7 +94,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the picture."""
+    """Write the diagram."""
     ending = "svg" if arguments.output == "-" else Path(arguments.output).suffix[1:].lower()
     kind = arguments.kind or ending
     if kind not in FORMATS:
@@ -130,10 +130,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str | bytes:
-    """Return a picture of a project in one of the formats.
+    """Return the diagram of a project in one of the formats.
 
     Raises:
-        MarsError: there is no such module, or the picture is too large.
+        MarsError: `--about` names no module, or the diagram is too large.
     """
     picture = _part(project, kind in _PAINTED, arguments)
     return _drawn(picture, kind, arguments.layout, whole_file(project.configuration.path))
@@ -164,27 +164,27 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
         shown = of_kinds(shown, arguments.only, name)
     if name is not None:
         shown = about(shown, name, _DEPTH if arguments.depth is None else arguments.depth, port)
-    # Programs that read the others lay them out themselves.
+    # Other programs lay out the other formats.
     if is_painted and not arguments.whole:
         shown = fitting(shown, drawn_width, name)
     return replace(shown, remark=left_out(whole, shown) or "")
 
 
 def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple[str, str | None]:
-    """Return the name of a box, and the port of it that is meant, as a configuration writes them.
+    """Return the names of a box and of its requested port, as a configuration writes them.
 
     Raises:
-        MarsError: there is none of that name.
+        MarsError: there is no module or port of that name.
     """
     from mars_asp.reasoning.project import port_names
 
     names = {box.name for box in picture.boxes}
     module, port = read_end(written) or (written, None)
-    # What a picture shows is taken as it is, too.
+    # A name may be written as the diagram shows it.
     for name in (visible(written), visible(module) if port is None else ""):
         if name in names:
             return name, None
-    # What nothing describes has the ports that lines name.
+    # A module without a description has the ports that relationships name.
     ends = {*port_names(project).values()}
     for line in project.configuration.relationships:
         if isinstance(line, Data):
@@ -199,7 +199,7 @@ def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple
         near, known = nearest(written, own), known if own else "no line joins a port of it"
     else:
         what, known = f"`{written}` is not a module or port", "--about takes MODULE or MODULE.PORT"
-        # A topic alone means whoever publishes it.
+        # A topic alone means the port of its first publisher.
         tails = (picture.boxes[line.tail] for line in picture.lines if line.outlet == written)
         sent = (f"{box.name}.{written}" for box in tails)
         near = next(sent, None) or nearest(written, (*names, *ports))

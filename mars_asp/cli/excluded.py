@@ -24,9 +24,9 @@ class Excluded:
     """Decides which paths below a folder are passed over; each file of patterns is read once."""
 
     def __init__(self, root: Path, more: Sequence[tuple[Path, Sequence[str]]] = ()) -> None:
-        """Take the folder, and patterns besides those of git with the folders they are relative to.
+        """Store the folder, and further patterns with the folders that they are relative to.
 
-        A pattern that names the folder itself counts for nothing in it.
+        A pattern that matches the folder itself has no effect in it.
         """
         self._given, self._root = root, root.resolve()
         self._read: dict[Path, tuple[_Patterns, ...]] = {}
@@ -36,7 +36,7 @@ class Excluded:
         self._besides = tuple(each for each in patterns if not self._names_root(each))
 
     def __call__(self, path: Path, is_folder: bool) -> bool:
-        """Whether a path, of a folder or not, is passed over."""
+        """Whether a path, which may be a folder, is passed over."""
         is_given = path.is_relative_to(self._given)
         whole = self._root / path.relative_to(self._given) if is_given else path
         written = f"{whole.as_posix()}{'/' * is_folder}"
@@ -76,15 +76,15 @@ def _spec_of(file: Path) -> GitIgnoreSpec:
         return _spec_of_lines(())
 
 
-# A folder is walked for its robots, and each workspace again; some files have thousands of lines.
+# A folder is searched and then each workspace in it; some files have thousands of patterns.
 @lru_cache(maxsize=64)
 def _spec_of_lines(lines: tuple[str, ...]) -> GitIgnoreSpec:
-    """Return the patterns of lines, without those that take very long to compare with a name."""
+    """Return the patterns of lines, without those that are very slow to match."""
     quick = [line for line in lines if not _SLOW.search(line)]
     try:
         return GitIgnoreSpec.from_lines(quick)
     except ValueError:
-        # Git passes over patterns that are none, such as a lone `!`.
+        # Git ignores invalid patterns, such as a lone `!`.
         return GitIgnoreSpec.from_lines(filter(_is_pattern, quick))
 
 
@@ -99,7 +99,7 @@ def _is_pattern(line: str) -> bool:
 def excluded_in(
     arguments: argparse.Namespace, root: Path, settings_folder: Path | None = None
 ) -> Excluded:
-    """Return the paths that a command passes over in a folder, by the settings of it or another.
+    """Return the exclusions in a folder, by the settings of `settings_folder` or of the folder.
 
     Raises:
         MarsError: the settings of the folder are wrong.
@@ -111,7 +111,7 @@ def excluded_in(
 
 
 def _anchored(pattern: str) -> str:
-    """Return a pattern as in `.gitignore` for one that begins as a path, `./packs` or absolute."""
+    """Return a pattern as in `.gitignore`: `./packs` and absolute paths become anchored ones."""
     if pattern.startswith("./"):
         return pattern[1:]
     here = f"{Path.cwd()}/"
@@ -119,7 +119,7 @@ def _anchored(pattern: str) -> str:
 
 
 def add_exclusion(parser: argparse.ArgumentParser) -> None:
-    """Add the options of commands that go through folders."""
+    """Add the options of commands that search folders."""
     parser.add_argument(
         "--exclude",
         metavar="PATTERN",

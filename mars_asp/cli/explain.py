@@ -54,19 +54,19 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.questions.absences import Absence
     from mars_asp.reasoning.questions.why_not import WhyNot
 
-#: The verb's output has one format more than that of others.
+#: This command has one format more than others.
 RESULT_FORMATS = ("text", "json", "jsonl")
 MOST_ALTERNATIVES = 1000
-#: Deep enough to say which premise fails; why that one does is the next question.
+#: Deep enough to show the failed premise; a further question explains its failure.
 ABSENCE_DEPTH = 1
-#: So deep is an absence followed at most, one grounding for each level.
+#: An absence is followed at most so deep, with one grounding for each level.
 _MOST_LEVELS = 60
-#: Of the lines that an answer speaks of so many are shown.
+#: An answer shows at most so many of the lines that it is about.
 _MOST_EVIDENCE = 6
-#: Before the command that lists other specifications of the same cost.
 _LINE = re.compile(r"(.+\.\w+):([0-9]+)(?::[0-9]+)?")
+#: Precedes the command that lists other specifications of the same cost.
 _TO_LIST = "To list them: "
-#: A page of everything about more modules has no traces, which would be too large for browsers.
+#: An HTML report on more modules has no traces, as it would be too large for browsers.
 _MOST_TRACED = 2_000
 _TOO_MANY_TRACES = (
     f"This page has no traces and no answers to why not, as there are more than {_MOST_TRACED} "
@@ -76,7 +76,7 @@ _TOO_MANY_TRACES = (
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     add_file(parser)
     parser.add_argument(
         "subject",
@@ -134,7 +134,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the traces; 3 where no time was left."""
+    """Print the explanation; return 1 if an error is reported."""
     _split_location(arguments)
     rule = _rule_or_kind(arguments)
     if rule is not None:
@@ -150,7 +150,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     project = read_project(arguments, quietly=True)
     subject = arguments.about if arguments.subject is None else arguments.subject
-    # A name may be asked for as the configuration writes it.
+    # The subject may be a name as the configuration writes it, such as a quoted one.
     subject = subject and (read_name(subject) or subject)
     if subject not in {name.text for name in project.configuration.modules}:
         subject = subject and _place(subject, arguments)
@@ -181,8 +181,8 @@ def run(arguments: argparse.Namespace) -> int:
 class Explained(NamedTuple):
     """The reported topics of an explanation, and the sentences about all of them.
 
-    `messages` are those on reading the robot. Of a page, `consequences` are those that are topics,
-    `absent` are the reasons why there is not more, and `specification` is drawn.
+    `messages` are about reading the robot. Only an HTML report has a `specification` to draw,
+    `absent` atoms with their reasons, and the `consequences` that are topics.
     """
 
     subject: str | None
@@ -197,7 +197,7 @@ class Explained(NamedTuple):
 
 
 def explained(project: Project, subject: str | None, arguments: argparse.Namespace) -> Explained:
-    """Return why each consequence and node is there, or those that a subject names.
+    """Return why each consequence and node exists, or those that `subject` names.
 
     Raises:
         MarsError: the subject names nothing, or rules, settings or a baseline are wrong.
@@ -236,20 +236,20 @@ def explained(project: Project, subject: str | None, arguments: argparse.Namespa
     synthesis = answer.synthesis
     specified = None if synthesis is None else synthesis.specification.configuration
     consequences = _among_topics(answer, topics) if is_page else ()
-    # Traces need no grounding, which takes as much memory, so that is not kept.
+    # The grounding takes as much memory as traces, which do not need it, so it is not kept.
     return Explained(
         subject, topics, closing, has_errors, messages, traced, specified, absent, consequences
     )
 
 
 def _among_topics(answer: Explanation, topics: Sequence[Topic]) -> tuple[Consequence, ...]:
-    """Return the consequences that are topics."""
+    """Return the consequences that are among the topics."""
     atoms = {topic.atom for topic in topics}
     return tuple(each for each in answer.analysis.consequences if each.atom in atoms)
 
 
 def explanation_html(found: Explained, project: Project) -> str:
-    """Return an explanation as a page of its own."""
+    """Return an explanation as an HTML report."""
     from mars_asp.cli.explain_page import explanation_page
 
     return explanation_page(
@@ -264,9 +264,9 @@ def explanation_html(found: Explained, project: Project) -> str:
 
 
 def explanation_text(found: Explained, arguments: argparse.Namespace) -> Iterator[str]:
-    """Yield the parts of an explanation in the format of the arguments."""
+    """Yield the parts of an explanation in the requested format."""
     if arguments.format == "text":
-        # Of a subject without topics the closing sentence is the answer.
+        # Without topics, the closing sentence is the answer about the subject.
         is_answer = found.subject is not None and not found.topics
         width = columns(sys.stdout)
         closing = [
@@ -324,10 +324,10 @@ def _no_finding(
     of: str,
     arguments: argparse.Namespace,
 ) -> str | None:
-    """Return that no finding is about a subject, or None if the subject is none of findings.
+    """Return that no finding is about a subject, or None if findings do not have such subjects.
 
     Raises:
-        MarsError: it is like the name of a node or topic, and the launch files do not have it.
+        MarsError: `subject` is a node, topic or file name that the launch files do not have.
     """
     if subject in {name.text for name in project.configuration.modules}:
         return f"no finding about `{subject}` in {of}"
@@ -359,9 +359,9 @@ def _wants_traces(arguments: argparse.Namespace) -> bool:
 def _reported(
     answer: Explanation, selection: Selection, project: Project
 ) -> tuple[tuple[Topic, ...], bool]:
-    """Return the topics that are reported, and whether an error is.
+    """Return the reported topics, and whether an error is reported.
 
-    Who asks about something is told of it, whatever hides it elsewhere.
+    Topics of a requested subject are reported even if their findings are hidden elsewhere.
     """
     if answer.subject is not None or selection.leaves_all(project):
         return answer.topics, selection.has_errors(project, answer.analysis)
@@ -372,7 +372,7 @@ def _reported(
 
 
 def _resting(answer: Explanation, lines: Sequence[Span]) -> Iterator[Topic]:
-    """Yield the topics of which one of some lines is a cause."""
+    """Yield the topics that cite one of some lines."""
     wanted = {(span.path, span.line) for span in lines}
     for topic in answer.topics:
         cites = () if topic.account is None else topic.account.cites
@@ -415,7 +415,7 @@ def _split_location(arguments: argparse.Namespace) -> None:
 
 
 def _place(subject: str, arguments: argparse.Namespace) -> str:
-    """Return a location as the spans of the robot have it, without its column."""
+    """Return `FILE:LINE` with the path that spans have; any other subject as it is."""
     match = _LINE.fullmatch(subject)
     if match is None:
         return subject
@@ -427,7 +427,7 @@ def _place(subject: str, arguments: argparse.Namespace) -> str:
 
 
 def _is_file(word: str, files: Sequence[str]) -> bool:
-    """Whether a word names a file, and no module; beside our own files a folder is none."""
+    """Whether a word names a file or, unless a `.mars` file is before it, a folder."""
     if word == STANDARD_INPUT or Path(word).is_file():
         return True
     is_folder = word != "" and Path(word).is_dir()
@@ -467,10 +467,10 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
 
 
 def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DEPTH) -> "WhyNot":
-    """Return why there is no atom; a relationship may be stated as a configuration does.
+    """Return why an atom is absent; `atom` may be a relationship as a configuration states it.
 
     Raises:
-        MarsError: rules that clingo refuses, or the atom names neither a module nor a kind.
+        MarsError: clingo refuses rules, or the atom names neither a module nor a kind.
     """
     from mars_asp.reasoning.questions.why_not import why_not
 
@@ -482,7 +482,7 @@ def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DE
 
 
 def _misplaced_words(arguments: argparse.Namespace) -> str | None:
-    """Return that the subject is before the only file, or is not the only one; None if neither."""
+    """Return the error of a subject before the only file, or of a second subject, or None."""
     # A word with a suffix may be the path of a file that is missing.
     words = [
         each
@@ -500,7 +500,7 @@ def _misplaced_words(arguments: argparse.Namespace) -> str | None:
 
 
 def _levels(depth: int | None) -> int:
-    """Return how many levels of rules are tried."""
+    """Return how many levels of rules are searched for a depth."""
     return _MOST_LEVELS if depth is None else 2 * depth
 
 
@@ -535,7 +535,7 @@ def _why_no_finding(
     subject: str,
     arguments: argparse.Namespace,
 ) -> "WhyNot | None":
-    """Return why the launch files give no finding, or None if that is not the question."""
+    """Return why the launch files have no such finding, or None if `subject` is not a finding."""
     from mars_asp.reasoning.questions.why_no_finding import why_no_finding
 
     levels = _levels(getattr(arguments, "depth", ABSENCE_DEPTH))
@@ -543,7 +543,7 @@ def _why_no_finding(
 
 
 def _of_line(answer: str, relationship: StatedRelationship) -> str:
-    """Return an answer about an atom as one about the line that says the same."""
+    """Return an answer about an atom as one about the relationship of the same meaning."""
     reason = answer.removeprefix(f"No {relationship.atom}: ")
     if reason != answer:
         return f"{reason[:1].upper()}{reason[1:]}"
@@ -553,7 +553,7 @@ def _of_line(answer: str, relationship: StatedRelationship) -> str:
 def why_not_paragraphs(
     answer: "WhyNot", arguments: argparse.Namespace, format: str | None
 ) -> Iterator[Sequence[str]]:
-    """Yield the lines of the answer, then those that it speaks of and what would give one."""
+    """Yield the lines of an answer, its evidence, the change that gives the atom, and commands."""
     width = columns(sys.stdout)
 
     def below(text: str) -> Sequence[str]:
@@ -562,7 +562,7 @@ def why_not_paragraphs(
     yield wrapped(visible(answer.answer), width, "", FURTHER)
     yield [*located_lines(answer.evidence, BELOW, _MOST_EVIDENCE)]
     if answer.to_get is not None:
-        # The lines of others' files are not ours.
+        # Edits apply to `.mars` files, and not to foreign ones.
         where = f", in what `mars-asp import {format}` prints" if format else ""
         yield below(f"To get one{where}: {answer.to_get}")
     if answer.extra is not None:
@@ -610,7 +610,7 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
 def _topic_lines(
     topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace
 ) -> Iterator[str]:
-    """Yield the lines of topics: accounts, or traces where these are wanted or all there is."""
+    """Yield the lines of topics: accounts, or traces if requested or if an account is missing."""
     if not topics:
         return
     coloured = colours(arguments, sys.stdout)
@@ -630,9 +630,9 @@ def _topic_lines(
 
 
 def _covered_by_nodes(topics: Sequence[Topic]) -> Iterator[str]:
-    """Yield the consequences whose lines are among those of the node that resolves them.
+    """Yield the consequences whose lines are all cited by the node that resolves them.
 
-    The paragraph about the node names them, so they have none of their own. Errors and warnings do.
+    The paragraph of the node covers these consequences. Errors and warnings have their own.
     """
     lines = {
         topic.name: {each.span[:2] for each in topic.account.cites}

@@ -1,6 +1,6 @@
-"""Explanations as one page: the findings, the picture, the reasons, and the lines that cause them.
+"""Explanations as an HTML report: findings, diagram, reasons, and the lines that cause them.
 
-Nothing is fetched, and only the page's own script may run in it, whatever the names are.
+The report fetches nothing, and runs only its own script, whatever the names contain.
 """
 
 import contextlib
@@ -35,15 +35,15 @@ from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.absences import Absence
 from mars_asp.reasoning.questions.explain import Topic
 
-#: Larger pictures take long to draw, and nobody finds anything in them.
+#: Larger diagrams take long to draw and are unreadable.
 MOST_BOXES = 500
-#: Of longer files only the lines are shown that something is said of.
+#: Of longer files only the cited lines are shown.
 MOST_LINES = 20_000
-#: Stands for a module in a text that is said of many; no text that people see has it.
+#: Replaces the module in a text about many modules; visible texts never contain it.
 NAME = "\x01"
-#: Of the lines that an answer speaks of so many are shown.
+#: An answer shows at most so many of the lines that it is about.
 _MOST_EVIDENCE = 6
-#: The headings, and which topics stand below each.
+#: The headings, and the severities or sorts of the topics below each.
 _SORTS: Mapping[str, tuple[str, ...]] = {
     "Errors": ("error",),
     "Warnings": ("warning",),
@@ -64,13 +64,13 @@ def explanation_page(
     absent: Sequence[Absence],
     closing: Iterable[str],
 ) -> str:
-    """Return an HTML page of topics, with a picture of the specification where there is one.
+    """Return an HTML report of topics, with a diagram of the specification or the configuration.
 
-    Topics that are `found` are marked in the picture. `messages` are on reading the files,
-    `closing` are sentences on the whole. The page answers why something is `absent`.
+    `found` are the consequences to mark in the diagram, `messages` are about reading the files,
+    and `closing` are sentences about all topics. The report answers why something is `absent`.
     """
     sources = _Sources(project.configuration.path)
-    # The user's own file comes first, and is shown also where nothing is found in it.
+    # The user's own file comes first, and is shown even without findings in it.
     sources.name(project.configuration.path)
     numbers = {topic.name: number for number, topic in enumerate(topics, 1)}
     findings = number_findings(found)
@@ -108,7 +108,7 @@ def _part(ending: str) -> str:
 
 
 def _code_html(text: str) -> str:
-    """Return a text as HTML, in which names stand between backticks."""
+    """Return a text as HTML, with code for names between backticks."""
     return re.sub("`([^`]*)`", r"<code>\1</code>", escape(visible(text)))
 
 
@@ -117,7 +117,7 @@ def _code_html(text: str) -> str:
 
 @dataclass
 class _Sources:
-    """The files that something is said of, by their paths, and which lines of them are cited."""
+    """The files of the report by path, and the cited lines of each."""
 
     configuration: str
     _numbers: dict[str, int] = field(default_factory=dict)
@@ -125,7 +125,7 @@ class _Sources:
     _cited: dict[str, set[int]] = field(default_factory=dict)
 
     def name(self, path: str) -> str:
-        """Return how a file is called: by its path from the folder of the configuration."""
+        """Return the shown name of a file: its path from the folder of the configuration."""
         if path not in self._lines:
             self._numbers[path] = len(self._numbers) + 1
             self._lines[path], self._cited[path] = lines_of(path), set()
@@ -133,7 +133,7 @@ class _Sources:
         return visible(path.removeprefix(folder + slash))
 
     def cite(self, path: str, line: int) -> str | None:
-        """Return the id of a line in the page, or None if the file does not have it."""
+        """Return the id of a line in the report, or None if the file has no such line."""
         self.name(path)
         if not 0 < line <= len(self._lines[path]):
             return None
@@ -141,7 +141,7 @@ class _Sources:
         return f"f{self._numbers[path]}-{line}"
 
     def link(self, span: Span, place: str) -> str:
-        """Return a link to a line, which is called `place`."""
+        """Return a link to a line with the text `place`, or only the text without such a line."""
         line = self.cite(span.path, span.line)
         shown = escape(visible(place))
         return shown if line is None else f'<a class="place" href="#{line}">{shown}</a>'
@@ -189,9 +189,9 @@ def _messages(heading: str, messages: Sequence[Diagnostic], sources: _Sources) -
 
 
 class _Topics(NamedTuple):
-    """The topics of a page with their numbers by name, and the findings by their atoms.
+    """The topics of an HTML report with their numbers by name, and the findings by their atoms.
 
-    `muxes` are those of the user, by the names of the nodes that they realise.
+    `muxes` are the user's muxes by the names of the nodes that they realise.
     """
 
     topics: Sequence[Topic]
@@ -269,10 +269,10 @@ class _Topics(NamedTuple):
 
 
 def _traces(topics: Sequence[Topic], sources: _Sources) -> dict[str, Any]:
-    """Return the steps of all traces, each once, and for each topic the numbers of its own.
+    """Return the steps of all traces, each once, and the numbers of the steps of each topic.
 
-    A step has its `kind`, what it `says`, where that is in words, the line that it is `at`, its
-    `rule`, the numbers of the steps that it follows `from`, and of `others` that give the same.
+    A step has its `kind`, its text (`says`), the id of its line (`at`), its `rule`, the numbers of
+    its premises (`from`), and those of `others`: further derivations of the same atom.
     """
     steps: list[dict[str, Any]] = []
     why: list[list[int]] = []
@@ -312,7 +312,7 @@ def _is_untraced(topic: Topic) -> bool:
 
 
 def _question(absent: Sequence[Absence], module_numbers: Mapping[str, int]) -> str:
-    """Return where somebody asks why something is absent; a script answers."""
+    """Return the form for questions why something is absent; a script answers them."""
     if not absent:
         return ""
     kinds = list(dict.fromkeys(each.kind for each in absent))
@@ -346,8 +346,8 @@ def _answers(
 ) -> dict[str, Any]:
     """Return why something is absent: for each of `names` an answer for each of `kinds`.
 
-    An answer is `null`, where there is none, or a list of the number of one of `texts`, in which
-    `NAME` stands for the module, and the ids of lines that it speaks of, or of a topic on the page.
+    An answer is `null` or a list: an index of `texts`, in which `NAME` replaces the module, and the
+    ids of a topic and of the lines that the text is about.
     """
     kinds = {kind: number for number, kind in enumerate(dict.fromkeys(a.kind for a in absent))}
     answers: dict[str, list[list[int | str] | None]] = {}
@@ -404,8 +404,8 @@ def _targets(
 ) -> dict[str | int, str]:
     """Return the links of findings by their numbers, and of boxes by their names.
 
-    A box leads to its first finding, else to the node that it is or to the gravest topic about it.
-    One without a topic leads to the question why not.
+    A box leads to its first finding, else to its node or to the gravest topic about it. A box
+    without a topic leads to the question why not.
     """
     found: dict[str | int, str] = {}
     order = [sort for sorts in (*_SORTS.values(), *_FURTHER_SORTS.values()) for sort in sorts]

@@ -7,7 +7,7 @@ from mars_asp.cli.inputs import add_file, read_project
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument("to", metavar="FORMAT", choices=("urdf",), help="`urdf`")
     add_file(parser)
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")

@@ -23,12 +23,12 @@ from mars_asp.output import visible
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument("paths", nargs="+", metavar="PATH", help="files, folders or globs")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the modules; 1 where an annotation is wrong, 2 where a file cannot be read at all."""
+    """Print the modules; return 1 if an annotation is wrong, 2 if a file cannot be read."""
     check_settings(arguments)
     paths: list[Path] = []
     for word in (*arguments.paths, *arguments.sources):
@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
             for line in module_lines(module):
                 print(visible(line))
     errors = [d.code for d in found.diagnostics if d.severity == "error"]
-    # These are about a file as a whole, and what it holds is not known.
+    # Such an error is about a whole file, so the modules in it are unknown.
     return 2 if any(code.startswith("MARS3") for code in errors) else int(bool(errors))
 
 
@@ -103,7 +103,7 @@ def _json_number(value: Decimal | Fraction | None) -> int | float | None:
 
 
 def module_lines(module: Module) -> Iterator[str]:
-    """Yield lines about the module that annotations describe."""
+    """Yield the lines of text about a module in annotated sources."""
     classes = ", ".join(module_classes(module)) or "no class"
     yield f"{module.name} ({classes})  {module.span.path}:{module.span.line}"
     for service in module.services:

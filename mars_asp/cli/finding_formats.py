@@ -1,4 +1,4 @@
-"""Findings for other programs: all of them on standard output, when everything was read."""
+"""Findings in formats for other programs, printed together after everything was read."""
 
 import argparse
 from collections.abc import Callable, Sequence
@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from mars_asp.cli.results import Result
 from mars_asp.diagnostic import MarsError
 
-#: What the verbs print that list findings and nothing else.
+#: The formats of commands that list findings only.
 FINDING_FORMATS = ("text", "json", "sarif", "github")
 
 
 def is_published(arguments: argparse.Namespace) -> bool:
-    """Whether results go to standard output, all of them when everything was read."""
+    """Whether results are printed for other programs, together after everything was read."""
     return arguments.format in ("sarif", "github")
 
 
@@ -36,14 +36,14 @@ def published_text(results: Sequence[Result], arguments: argparse.Namespace, sta
 
 
 def is_note(result: Result) -> bool:
-    """Whether a result is a note about reading, and no finding."""
+    """Whether a result is a note about reading, and not a finding."""
     return result.diagnostic.severity == "note" and result.consequence is None
 
 
 def published(
     run: Callable[[argparse.Namespace], int],
 ) -> Callable[[argparse.Namespace], int]:
-    """Return a verb's `run` that prints what is wrong with the input as results, too."""
+    """Return the `run` of a command, changed so that it prints errors of the input as results."""
 
     def running(arguments: argparse.Namespace) -> int:
         try:

@@ -29,7 +29,7 @@ _NO_END = "\\ No newline at end of file"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument(
         "files",
         metavar="PATH",
@@ -53,7 +53,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Lay out each file; 1 where it only shows one to change, 2 where one has errors."""
+    """Format files; return 1 if `--check` or `--diff` shows a change, 2 if a file has errors."""
     if STANDARD_INPUT in arguments.files and len(arguments.files) > 1:
         print(
             "mars-asp fmt: `-` must be the only file, because its text goes to standard output",
@@ -103,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _files_of(path: str, arguments: argparse.Namespace) -> list[str]:
-    """Return the `.mars` files of a folder, or a file that is named.
+    """Return the `.mars` files of a folder, or a named file itself.
 
     Raises:
         MarsError: the folder has none, or its settings are wrong.
@@ -129,7 +129,7 @@ def unified_diff(name: str, before: str, after: str) -> str:
 
 
 def _format(name: str, shown: str, is_written: bool) -> tuple[bool, str, str]:
-    """Return whether a file's bytes change, its text and the new one, which may be written."""
+    """Return whether a file's bytes change, its text and the new text; write if `is_written`."""
     piped = name == STANDARD_INPUT
     raw = read_standard_input() if piped else read_bytes(Path(name))
     before = decode(raw, shown)

@@ -9,16 +9,16 @@ from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration, Name
 from mars_asp.output import listing
 
-#: So many instances are named before the others are counted.
+#: Of more than `_MOST_NAMED` instances only the first `_NAMED` are named.
 _NAMED, _MOST_NAMED = 2, 4
-#: Replaces the name of an instance where texts are compared.
+#: Replaces the name of an instance to compare texts.
 _ANY = "\0"
 
 
 def fold(results: Iterable[Result], instances: Mapping[str, str]) -> list[Result]:
-    """Return results, those that differ in the name of an instance as one.
+    """Return results; those that differ only in the name of an instance become one.
 
-    `instances` has the name of each instance by its modules. Findings whose repairs edit different
+    `instances` maps each module to the name of its instance. Findings whose repairs edit different
     lines are not folded.
     """
     alike: dict[object, list[tuple[str, Result]]] = {}
@@ -32,7 +32,7 @@ def fold(results: Iterable[Result], instances: Mapping[str, str]) -> list[Result
 
 
 def instances_of(configuration: Configuration) -> Mapping[str, str]:
-    """Return by the name of each module that has twins the part that is its own.
+    """Return the name of the instance by the name of each module that has twins.
 
     A module of an included file has one location, however often the file is included.
     """
@@ -64,7 +64,7 @@ def natural_order(text: str) -> tuple[object, ...]:
 
 
 def _texts(found: Diagnostic, name: str) -> object:
-    """Return the parts of a finding without the name of its instance."""
+    """Return a finding as a key to compare, without the name of its instance."""
     pattern = re.compile(rf"(?<=`){re.escape(name)}(?=[`./])")
     texts = (found.message, found.help, found.effect, *(text for _, text in found.labels))
     plain = tuple(text and pattern.sub(_ANY, text) for text in texts)
@@ -72,7 +72,7 @@ def _texts(found: Diagnostic, name: str) -> object:
 
 
 def _name_instances(same: Sequence[tuple[str, Result]]) -> Result:
-    """Return one result, with its repair, of several that differ in the name of an instance."""
+    """Return one result, with its repair, for several that differ in the name of an instance."""
     if len(same) == 1:
         return same[0][1]
     names = sorted({name for name, _ in same}, key=natural_order)

@@ -11,7 +11,7 @@ _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
     """Yield a command for each result that is not hidden.
 
-    What values may not hold is escaped as `@actions/core` does.
+    Forbidden characters in values are escaped as by `@actions/core`.
     """
     for result in results:
         if result.hidden is not None:
@@ -22,7 +22,7 @@ def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
             span = found.span
             # An annotation of a whole file is shown at its first line.
             properties = {"file": seen_from_root(span.path)[0], "line": max(1, span.line)}
-            # The runner refuses columns of what goes on in another line.
+            # The runner refuses columns of a range of several lines.
             if not span.line:
                 pass
             elif span.line == span.end_line:

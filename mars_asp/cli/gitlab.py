@@ -12,7 +12,7 @@ from mars_asp.output import visible
 
 
 def code_quality_report(findings: Iterable[Result]) -> list[dict[str, object]]:
-    """Return an entry for each finding; paths are those of the repository."""
+    """Return an entry for each finding; paths are relative to the repository."""
     alike: Counter[BaselineEntry] = Counter()
     return [_entry(each, alike) for each in findings]
 
@@ -34,9 +34,9 @@ def _entry(finding: Result, alike: Counter[BaselineEntry]) -> dict[str, object]:
 
 
 def _fingerprint(finding: Result, alike: Counter[BaselineEntry]) -> str:
-    """Return a digest of the entry that a baseline has of a finding, and its number among equal.
+    """Return a digest of the baseline entry of a finding, and of its number among equal entries.
 
-    It has no line, so that it stays when lines move.
+    The digest is independent of the line, so it stays when lines move.
     """
     baseline = str(root_of(Path.cwd()) / "baseline.json")
     known = known_of(finding.consequence or finding.diagnostic, baseline)

@@ -1,6 +1,6 @@
 """Comments that hide findings: `mars: ignore[KIND, KIND] reason`, in the syntax of their file.
 
-Such a comment is about findings whose first place is on its own line.
+Such a comment hides findings whose first location is on its own line.
 """
 
 import re
@@ -15,19 +15,19 @@ from mars_asp.language.parse import MOST_BYTES, plain_lines
 from mars_asp.model.names import QUOTED
 from mars_asp.reading import overlay_bytes, read_file
 
-# Few files have such comments, so no pattern is compiled before one does.
-#: What a file must hold to be looked into, in single bytes and in both orders of UTF-16.
+# Few files have such comments, so no other pattern is compiled without this one.
+#: The mark of a file with such comments, in single bytes and in both orders of UTF-16.
 _MARK = rb"m\0?a\0?r\0?s\0?:[ \t\0]*i\0?g\0?n\0?o\0?r\0?e"
 _DIRECTIVE = (
     r"(?<![\w.:-])mars:[ \t]*ignore(?:[ \t]*\[(?P<kinds>[^\]\n]*)\](?P<reason>[^\n]*)|(?![\w-]))"
 )
 _KIND = r"[^\s,](?:[^,]*[^\s,])?"
-#: What opens a comment, and what closes one behind the reason.
+#: The opening of a comment, and the end of one after the reason.
 _OPENING = r"(?://+|/\*+|#+|%+\{?|<!--)[!\s*]*"
 _CLOSING = r"[ \t]*(?:\*/|-->|%\})?[ \t]*$"
 _LINE, _BLOCK = r"//[^\n]*+", r"/\*[\s\S]*?(?:\*/|\Z)"
 _STRING = r'"(?:\\[\s\S]|[^"\\\n])*+"?'
-#: Comments of languages that no annotated source is in; whatever else is matched is none.
+#: Comments of languages without annotated sources; matches without a group are other texts.
 _COMMENTS = {
     # A path of `@sources` may hold what would open a comment elsewhere.
     "mars": (
@@ -47,7 +47,7 @@ _SUFFIXES = {
 
 
 class Ignore(NamedTuple):
-    """A comment that hides findings of some kinds, each with its place; `span` is the comment's."""
+    """A comment that hides findings of some kinds, with their locations and that of the comment."""
 
     kinds: tuple[tuple[str, Span], ...]
     reason: str
@@ -57,7 +57,7 @@ class Ignore(NamedTuple):
 def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ignore]:
     r"""Yield the comments of a text that hide findings, in its order.
 
-    `text` has `\n` for every line end. Without a `language` the path and the text tell it.
+    `text` has `\n` for every line end. By default path and text determine the `language`.
     """
     if "mars:" not in text or re.search(_DIRECTIVE, text) is None:
         return
@@ -73,7 +73,7 @@ def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ig
         for match in directive.finditer(text, begin, end):
             at = match.start()
             if match["kinds"] is None:
-                # A sentence may speak of ignoring something.
+                # A sentence may mention ignoring something.
                 opening = opens.match(text, begin, end)
                 if opening is None or opening.end() != at:
                     continue
@@ -88,7 +88,7 @@ def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ig
 
 
 def ignores_of(path: str) -> Iterator[Ignore]:
-    """Yield the comments of a file that hide findings; none where it cannot be read."""
+    """Yield the comments of a file that hide findings; none if it cannot be read."""
     raw = overlay_bytes(Path(path))
     if raw is None:
         try:
@@ -110,7 +110,7 @@ def decoded(raw: bytes) -> str:
 
 
 def _language_of(path: str, text: str) -> str:
-    """Return the language of a file by its suffix, else by how it begins."""
+    """Return the language of a file by its suffix, else by its first characters."""
     found = _SUFFIXES.get(Path(path).suffix.lower())
     if found is not None:
         return found
@@ -120,7 +120,7 @@ def _language_of(path: str, text: str) -> str:
 
 
 def _comments(text: str, language: str) -> Iterable[tuple[int, int]]:
-    """Return where the comments of a text begin and end."""
+    """Return the ranges of the comments in a text."""
     if language == "yaml":
         return _yaml_comments(text)
     if language in _COMMENTS:
@@ -132,7 +132,7 @@ def _comments(text: str, language: str) -> Iterable[tuple[int, int]]:
 
 
 def _yaml_comments(text: str) -> Iterator[tuple[int, int]]:
-    """Yield where comments are that hold what is looked for; none where a text is no YAML."""
+    """Yield the ranges of comments with `mars:`; none if a text is not YAML."""
     import yaml
 
     scalars: list[tuple[int, int]] = []
@@ -140,7 +140,7 @@ def _yaml_comments(text: str) -> Iterator[tuple[int, int]]:
         for token in yaml.scan(text, Loader=yaml.SafeLoader):
             if isinstance(token, yaml.ScalarToken):
                 begin, end = token.start_mark.index, token.end_mark.index
-                # A comment may stand behind what opens a block.
+                # A comment may follow the indicator that opens a block.
                 block = token.style in ("|", ">")
                 scalars.append((text.find("\n", begin) if block else begin, end))
     except yaml.YAMLError:

@@ -21,7 +21,7 @@ _FORMATS = tuple(READERS)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument(
         "origin",
         metavar="FORMAT",
@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the configuration; without a format the formats there are."""
+    """Print the configuration; without a format, print the supported formats."""
     if arguments.origin is None:
         print("\n".join(_FORMATS))
         return 0
@@ -70,7 +70,7 @@ def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     """Return a parsed URDF document, and its `.mars` text.
 
     Raises:
-        MarsError: what is wrong with the document.
+        MarsError: the document has errors.
     """
     from mars_asp.exchange.urdf import MOST_BYTES as MOST_OF_URDF
     from mars_asp.exchange.urdf import import_urdfs
@@ -84,7 +84,7 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     """Return the parsed foreign files, and their `.mars` text.
 
     Raises:
-        MarsError: what is wrong with the files.
+        MarsError: the files have errors.
     """
     files = []
     for name in arguments.files:
@@ -111,7 +111,7 @@ def check_one_tree(trees: Sequence[LaunchTree], configuration: Configuration) ->
     """Check that the launch files of a folder start one robot.
 
     Raises:
-        MarsError: they start several, which it lists.
+        MarsError: several launch files start a robot; the message lists them.
     """
     if len(trees) > 1:
         message = f"{len(trees)} launch files start a robot each, and one is imported"
@@ -121,10 +121,10 @@ def check_one_tree(trees: Sequence[LaunchTree], configuration: Configuration) ->
 
 
 def _read_text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:
-    """Return the text of a file or of standard input, and how the file is shown.
+    """Return the text of a file or of standard input, and the shown name of the file.
 
     Raises:
-        MarsError: it is too large, or no text.
+        MarsError: the input is too large, or is not text.
     """
     piped = name == STANDARD_INPUT
     shown = "<stdin>" if piped else name

@@ -1,4 +1,4 @@
-"""What the verbs that reason have in common: read, load the rules, analyse."""
+"""The input of the commands that reason: read files, load rules, analyse."""
 
 import argparse
 import os
@@ -38,24 +38,24 @@ if TYPE_CHECKING:
     from mars_asp.exchange.folders import FolderRobots
 
 STANDARD_INPUT = "-"
-#: The suffixes of files that robots consist of, and that are none by themselves.
+#: The suffixes of files that belong to robots, but are not robots by themselves.
 _PARTS = frozenset(
     ".c .cc .cpp .cxx .h .hpp .py .rs .java .go .m .xml .urdf .launch .yaml .yml .json .toml .md "
     ".cmake".split()
 )
 _CONFIGURATION = re.compile(r"(?m)^\s*@(?:configuration|specification|modules)\b")
-#: What a robot may be.
+#: The files and folders that are robots.
 ROBOTS = (
     "robots are `.mars` files, packages and launch files of ROS, twist_mux files, "
     "dataflows of dora, dumps of ROS graphs and URDF documents"
 )
 #: The stages of rules that judge a robot.
 JUDGING = ("resolve", "launch")
-#: Where verbs keep what they read first.
+#: The arguments of commands that may name the first input.
 _FILES = ("files", "file", "old", "specification")
-#: Of several robots in a folder a message names so many.
+#: A message names at most so many robots of a folder.
 _MOST_NAMED = 10
-#: What standard input is called in places.
+#: The name of standard input in locations.
 SHOWN_INPUT = "<stdin>"
 
 
@@ -63,7 +63,7 @@ def read_input(shown: str) -> str:
     """Return the text of standard input; `shown` is its name in messages.
 
     Raises:
-        MarsError: it is too large, or no text.
+        MarsError: the input is too large, or is not text.
     """
     return decode(read_standard_input(MOST_BYTES + 1), shown)
 
@@ -87,7 +87,7 @@ def check_inputs(*paths: str) -> None:
     """Check that standard input is read for one file alone.
 
     Raises:
-        MarsError: it is named twice, or a path is empty.
+        MarsError: standard input is named twice, or a path is empty.
     """
     if "" in paths:
         help_text = "name a file or folder; `.` is this folder"
@@ -100,12 +100,12 @@ def check_inputs(*paths: str) -> None:
 
 
 def read_specification(arguments: argparse.Namespace, path: str) -> Project:
-    """Read a specification with its own sources, a foreign file as the specification it is.
+    """Read a specification with its own sources; a foreign file is read as a specification.
 
-    A source that is missing is a warning: the configuration may describe the modules.
+    A missing source is a warning: the configuration may describe the modules.
 
     Raises:
-        MarsError: what is wrong with its files.
+        MarsError: the files have errors.
     """
     with stage(arguments, f"reading {visible(path)}"):
         text = None
@@ -126,16 +126,16 @@ def read_specification(arguments: argparse.Namespace, path: str) -> Project:
 def read_project(
     arguments: argparse.Namespace, path: str | None = None, *, quietly: bool = False
 ) -> Project:
-    """Read the project of a verb's FILE, or of all of them, and report the messages on that.
+    """Read the project of FILE, or of all FILE arguments, and report the messages on reading.
 
     Args:
         arguments: The words of the command.
         path: The file, if not those of the command.
-        quietly: Whether the verb reports the messages itself, as far as they are selected. Other
-            verbs take all launch trees for one robot, which is a message.
+        quietly: Whether the command reports the messages itself, if they are selected. Other
+            commands merge all launch trees into one robot, and report that.
 
     Raises:
-        MarsError: what is wrong with its files.
+        MarsError: the files have errors.
     """
     path, *further = arguments.files if path is None else (path,)
     check_inputs(path, *further)
@@ -182,7 +182,7 @@ def _parse(
     `further` are foreign files of the same robot.
 
     Raises:
-        MarsError: what is wrong with the file.
+        MarsError: the file has errors.
     """
     if getattr(arguments, "launch", ()) and not os.path.isdir(path):  # noqa: PTH112 -- never raises
         message = "--launch chooses a robot of a folder, and this is a file"
@@ -207,10 +207,10 @@ def _parse(
 
 
 def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None) -> ForeignFile:
-    """Read a file, if that was not done, and see which format it is in.
+    """Read a file, unless `text` is its content, and detect its format.
 
     Raises:
-        MarsError: it cannot be read.
+        MarsError: the file cannot be read, or is not a robot by itself.
     """
     if text is None and path == STANDARD_INPUT:
         path = shown_input(arguments)
@@ -218,14 +218,14 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
     if text is None and os.path.isdir(path):  # noqa: PTH112 -- never raises
         return ForeignFile(path, "", "ros2")
     if text is None:
-        # What comes through a pipe comes once.
+        # A pipe can be read only once.
         streamed: dict[str, str] = vars(arguments).setdefault("streamed", {})
         text = streamed.get(path) or read_text(Path(path))
         if not Path(path).is_file():
             streamed[path] = text
     else:
         text = plain_lines(text)
-    # What is wrong with a file is shown in its own lines.
+    # Messages about a file quote its lines.
     remember(path, text)
     format = arguments.from_format or recognised(text)
     if format == "mars" and arguments.from_format is None and is_other_file(path, text):
@@ -239,7 +239,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
 
 
 def is_other_file(path: str, text: str) -> bool:
-    """Return whether a file is a source, a document or the like, by its suffix and its text."""
+    """Whether a file is a source, a document or the like, by its suffix and its text."""
     suffix = Path(path).suffix.lower()
     if "\0" in text or suffix not in _PARTS:
         return False
@@ -250,7 +250,7 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
     """Return the path of the robot in a folder; any other path as it is.
 
     Raises:
-        MarsError: there is none, or there are several.
+        MarsError: there is no robot, or there are several.
     """
     if not os.path.isdir(path):  # noqa: PTH112 -- never raises
         return path
@@ -271,7 +271,7 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
 
 
 def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots":
-    """Return the robots in a folder; with `--launch` or `--from ros2` it is one of ROS.
+    """Return the robots in a folder; with `--launch` or `--from ros2`, one workspace of ROS.
 
     Raises:
         MarsError: the folder cannot be read; its settings are wrong, or exclude each robot.
@@ -287,7 +287,7 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
     excluded = excluded_in(arguments, Path(path))
     launch = [Path(each).resolve() for each in getattr(arguments, "launch", ())]
     if launch or arguments.from_format == "ros2":
-        # Of several workspaces in the folder, the one that holds the launch files.
+        # Of several workspaces in the folder, take the one with the launch files.
         is_path = launch and all(each.is_file() for each in launch)
         robots = robots_in(Path(path), excluded).paths if is_path else ()
         folders = [
@@ -323,7 +323,7 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
 
 
 def _print_settings(arguments: argparse.Namespace, folder: Path) -> None:
-    """Print with `--verbose` which settings file counts for a folder."""
+    """Print with `--verbose` the path of the settings that apply to a folder."""
     if arguments.verbose:
         path = settings_of(arguments, folder).path
         detail(arguments, f"settings {path}" if path else "no settings")
@@ -335,7 +335,7 @@ def _nothing_in(path: str) -> Diagnostic:
 
 
 class RobotFiles(NamedTuple):
-    """The files of a robot, with notes on the folder that they are in, or its problems."""
+    """The files of a robot with notes about their folder, or the problems of reading them."""
 
     paths: list[str]
     notes: tuple[Diagnostic, ...] = ()
@@ -345,8 +345,8 @@ class RobotFiles(NamedTuple):
 def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFiles]:
     """Return the files of each robot.
 
-    Each robot in a folder is one by itself. Files of other tools that are named are one robot
-    together, at the place of the first.
+    Each robot in a folder is separate. Named foreign files are one robot together, in the order
+    of the first.
     """
     found: list[RobotFiles] = []
     foreign: list[str] = []
@@ -377,7 +377,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
             if not foreign:
                 found.append(RobotFiles(foreign))
             foreign.append(path)
-    # A file may be named, and be in a folder that is.
+    # A file may be named, and also be in a named folder.
     first: dict[tuple[str, ...], RobotFiles] = {}
     for robot in found:
         first.setdefault(tuple(map(os.path.realpath, robot.paths)), robot)
@@ -385,7 +385,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
 
 
 def is_excluded(arguments: argparse.Namespace, path: str) -> bool:
-    """Whether a path that is named is one of those that a command passes over.
+    """Whether a named path is among those that a command passes over.
 
     Raises:
         MarsError: the settings of its folder are wrong.
@@ -414,10 +414,10 @@ def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
 def load(
     arguments: argparse.Namespace, path: str, text: str | None = None, further: Sequence[str] = ()
 ) -> Project:
-    """Read a project, `text` in the place of its file; `further` are foreign files of the robot.
+    """Read a project, with `text` as its file if not None; `further` are foreign files of it.
 
     Raises:
-        MarsError: what is wrong with its files.
+        MarsError: the files have errors.
     """
     with stage(arguments, f"reading {visible(path)}"):
         parsed, text, foreign = _parse(arguments, path, text, further)
@@ -433,16 +433,16 @@ def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("reso
     """Load the built-in rules, and the packs of `--rules` and of the settings.
 
     Raises:
-        MarsError: what is wrong with rule files.
+        MarsError: the rule files have errors.
     """
     return load_rulebook(packs_of(arguments), stages, trusted=arguments.trust)
 
 
 def packs_of(arguments: argparse.Namespace) -> list[Path]:
-    """Return the packs that the settings of the first file name, and then those of `--rules`.
+    """Return the packs in the settings of the first file, and then those of `--rules`.
 
     Raises:
-        MarsError: what is wrong with the settings.
+        MarsError: the settings have errors.
     """
     named = (getattr(arguments, each, None) for each in _FILES)
     first = next((each for each in named if each), ".")
@@ -458,7 +458,7 @@ def analyse_project(
     """Return the consequences of a project.
 
     Raises:
-        MarsError: rules that clingo refuses.
+        MarsError: clingo refuses the rules.
     """
     with stage(arguments, "analysing"):
         facts = project_facts(project)
@@ -469,7 +469,7 @@ def judge_project(project: Project, rulebook: Rulebook, arguments: argparse.Name
     """Return the findings in a project: in its launch trees, or else its consequences.
 
     Raises:
-        MarsError: rules that clingo refuses.
+        MarsError: clingo refuses the rules.
     """
     if not project.trees:
         return analyse_project(project, rulebook, arguments)
@@ -478,7 +478,7 @@ def judge_project(project: Project, rulebook: Rulebook, arguments: argparse.Name
 
 
 def unapplied_packs(project: Project, rulebook: Rulebook) -> Iterator[Diagnostic]:
-    """Yield the note that rule packs do not judge the launch trees of a project, if it has some."""
+    """Yield the note that rule packs do not judge launch trees, if a project has some."""
     if project.trees and rulebook.packs:
         message = "rule packs judge configurations, so they were not applied to the launch trees"
         help_text = "write one with `mars-asp import ros2 FILE -o robot.mars`, and check that"

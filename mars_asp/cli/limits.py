@@ -1,4 +1,4 @@
-"""How much time and memory a verb may take, and what is said when that is not enough."""
+"""The limits of time and memory of a command, and the messages when one is exceeded."""
 
 import argparse
 import contextlib
@@ -15,8 +15,8 @@ from mars_asp.cli.diagnostic_text import report_error
 from mars_asp.diagnostic import MarsError, refusal
 from mars_asp.output import visible
 
-#: Where the control groups of Linux are, and the files in them that tell how much memory theirs
-#: may have, in bytes or `max`, in the second version and in the first.
+#: The folder of the control groups of Linux, and the names of the files in them with the memory
+#: limit, in bytes or `max`, in the second version and in the first.
 _GROUPS = Path("/sys/fs/cgroup")
 _MOST = ("memory.max", "memory.limit_in_bytes")
 _MEGABYTE = 1 << 20
@@ -29,7 +29,7 @@ _INPUTS = (
 
 
 def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
-    """Run a verb here; report what it raises and return its exit status."""
+    """Run a command in this process; report its errors and return its exit status."""
     try:
         check_outputs(arguments)
         return run(arguments)
@@ -40,7 +40,7 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
         say_memory_ended(arguments)
         return 3
     except (RuntimeError, ImportError) as error:
-        # clingo hands on what C++ says when there is no memory, and Python what the loader says.
+        # Without memory clingo passes on an error of C++, and Python one of the loader.
         if not any(item in str(error) for item in ("bad_alloc", "failed to map segment")):
             raise
         say_memory_ended(arguments)
@@ -61,22 +61,22 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
 
 
 def check_outputs(arguments: argparse.Namespace) -> None:
-    """Check, before anything runs, that no option names an input or another output to write.
+    """Check, before anything runs, that no output is an input or another output.
 
     Raises:
-        MarsError: one does.
+        MarsError: an output is also another file of the command.
     """
     begin_outputs()
     given = vars(arguments)
     named = {each: given[each] for each in _OUTPUTS if given.get(each) not in (None, "-")}
     if given.get("fresh") is False:
-        # A campaign goes on with its file, and refuses any other.
+        # A campaign continues its own file, and refuses any other.
         named.pop("output", None)
     if not named:
         return
     words = [given[each] for each in _INPUTS if given.get(each) is not None]
     words = [word for each in words for word in ([each] if isinstance(each, str) else each)]
-    # What comes twice through a pipe or a folder is another matter.
+    # Pipes and folders have no key, so they may be named twice.
     used = {file_key(word): word for word in words}
     for path in named.values():
         key = file_key(path)
@@ -89,9 +89,9 @@ def check_outputs(arguments: argparse.Namespace) -> None:
 
 
 def seconds_to_search(arguments: argparse.Namespace) -> float | None:
-    """Return how long a search may take so that what it finds is judged and printed in time.
+    """Return the seconds for a search such that its result is judged and printed in time.
 
-    Judging takes about as long as all that came before the search.
+    Judging takes about as long as everything before the search.
     """
     if arguments.time_limit is None:
         return None
@@ -100,7 +100,7 @@ def seconds_to_search(arguments: argparse.Namespace) -> float | None:
 
 
 def memory_limit(arguments: argparse.Namespace) -> float | None:
-    """Return how many megabytes a verb may take: as asked, else half of what there is."""
+    """Return the memory limit in megabytes: `--memory-limit`, else half of the available memory."""
     if arguments.memory_limit is not None:
         return float(arguments.memory_limit)
     bounds = [bound for bound in (_machine(), *_containers()) if bound]
@@ -108,10 +108,10 @@ def memory_limit(arguments: argparse.Namespace) -> float | None:
 
 
 def load_freely(*modules: str) -> None:
-    """Import modules, for which this process may take more: NumPy ends one that has less.
+    """Import modules without the memory limit: NumPy ends a process that has too little.
 
     Raises:
-        MemoryError: nothing is left for what is to be done with them.
+        MemoryError: too little memory is left under the limit.
     """
     if not hasattr(os, "fork"):
         return
@@ -126,7 +126,7 @@ def load_freely(*modules: str) -> None:
 
 
 def _lift(most: int = -1) -> int:
-    """Let this process take so many bytes, or all; return how many it was allowed before."""
+    """Set the limit of address space to `most` bytes, or to the maximum; return the old limit."""
     import resource
 
     before, hard = resource.getrlimit(resource.RLIMIT_AS)
@@ -135,9 +135,9 @@ def _lift(most: int = -1) -> int:
 
 
 def say_memory_ended(arguments: argparse.Namespace) -> None:
-    """Report that there was not enough memory, how much that was, and how to allow more."""
+    """Report that the memory limit ended the command, and how to raise the limit."""
     if hasattr(os, "fork"):
-        _lift()  # to report it takes a little, too
+        _lift()  # reporting takes some memory
     most = memory_limit(arguments)
     asked = arguments.memory_limit is not None
     half = "" if asked else ", half of what there is; --memory-limit MB allows more"
@@ -152,7 +152,7 @@ def _machine() -> int | None:
 
 
 def _containers() -> Iterator[int]:
-    """Yield how much memory the control groups of this process may have, in bytes."""
+    """Yield the memory limits of the control groups of this process, in bytes."""
     with contextlib.suppress(OSError, ValueError):
         for line in Path("/proc/self/cgroup").read_text(encoding="utf-8").splitlines():
             _, controllers, path = line.split(":", 2)

@@ -12,28 +12,25 @@ from mars_asp.reading import check_walls, is_hidden
 if TYPE_CHECKING:
     from mars_asp.language.text_edits import LineEdit
 
-#: Two lines of a terminal say what a place is about; who wants more has its line and column.
+#: Two lines of a terminal; the location has the line and column for the whole text.
 MOST = 150
-#: Of a larger file no line is shown.
+#: Lines of larger files are not shown.
 _MOST_BYTES = 256 * 1024 * 1024
 
 
 def remember(path: str, text: str) -> None:
-    """Keep the text of a file that was read, so that it need not be a file that can be read twice.
-
-    `path` is how it is shown, as `<stdin>` is.
-    """
+    """Keep the text of a file under its shown name, as a pipe can be read only once."""
     lines = [f"{line}\n" for line in text.split("\n")]
     linecache.cache[path] = (len(text), None, lines, path)
 
 
 def forget(path: str) -> None:
-    """Let the lines of a file be read again."""
+    """Drop the kept lines of a file, so that they are read again."""
     linecache.cache.pop(path, None)
 
 
 def line_at(span: Span) -> str:
-    """Return the line of a file where something stands, of a long one what stands around it."""
+    """Return the line at the start of a span; a long one is cut around the column."""
     return shortened(whole_line(span), span.column)
 
 
@@ -43,7 +40,7 @@ def whole_line(span: Span) -> str:
 
 
 def lines_of(path: str) -> Sequence[str]:
-    """Return the lines of a file without their ends; none where it cannot be read."""
+    """Return the lines of a file without their ends; none if it cannot be read."""
     if not _can_show(path):
         return ()
     lines = [line.rstrip("\n") for line in linecache.getlines(path)]
@@ -51,12 +48,12 @@ def lines_of(path: str) -> Sequence[str]:
 
 
 def _can_show(path: str) -> bool:
-    """Whether lines of a file are shown: it was read, or may be."""
+    """Whether lines of a file may be shown: it was read, or is readable and not too large."""
     if path in linecache.cache or is_hidden(path):
         return not is_hidden(path)
     try:
         check_walls(path)
-        # A pipe would be waited for, and a large file would be read whole.
+        # Opening a pipe would block, and a large file would be read whole.
         return os.path.isfile(path) and os.path.getsize(path) <= _MOST_BYTES  # noqa: PTH113, PTH202
     except (OSError, ValueError):
         return False
@@ -65,16 +62,16 @@ def _can_show(path: str) -> bool:
 def shortened(line: str, column: int) -> str:
     """Return a line without the white space around it, cut to whole words around a column.
 
-    Columns count from 1. The first word stays, as it says what kind of line it is.
+    Columns count from 1. The first word stays, as it shows the kind of the line.
     """
-    # A tab is as wide as the column that it counts.
+    # A tab counts as one column.
     bare = line.replace("\t", " ").strip()
     if len(bare) <= MOST:
         return bare
     place = column - 1 - (len(line) - len(line.lstrip()))
     start = 0
     if place > MOST // 2:
-        # A word without end is cut all the same.
+        # A very long word is cut.
         start = max(bare.rfind(" ", 0, place - MOST // 3) + 1, place - MOST // 2)
     end = start + MOST
     if end < len(bare):
@@ -86,7 +83,7 @@ def shortened(line: str, column: int) -> str:
 
 
 def located_lines(spans: Iterable[Span], indent: str, most: int) -> Iterator[str]:
-    """Yield the lines at spans after their locations, each once; of more than `most` the first."""
+    """Yield the lines at spans after their locations, each once; more than `most` are counted."""
     located = [*{span[:2]: span for span in spans}.values()]
     places = [visible(f"{span.path}:{span.line}") for span in located[:most]]
     width = max(map(len, places), default=0)
@@ -108,7 +105,7 @@ def located_line_json(span: Span) -> dict[str, object]:
 
 
 def line_text(line: "LineEdit") -> Iterator[str]:
-    """Yield the lines that show an edit: what goes, and what comes."""
+    """Yield the lines that show an edit: the removed lines, then the added lines."""
     place = visible(f"{line.path}:{line.line}")
     if line.old is not None:
         for text in line.old.split("\n"):

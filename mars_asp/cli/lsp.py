@@ -10,17 +10,17 @@ from contextlib import suppress
 from functools import partial
 from importlib.util import find_spec
 
-#: It goes on for as long as the editor does; each analysis has a process with limits of its own.
+#: The server runs as long as the editor; each analysis is a process with its own limits.
 IS_CONTAINED = False
-#: Seconds that an answer may take where no limit is given.
+#: Seconds that an answer may take by default.
 _SECONDS = 60.0
-#: So many questions are worked on at a time.
+#: So many questions are answered at a time.
 _AT_A_TIME = 2
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
-    # Editors' clients add it, as they do for servers that know several ways.
+    """Add the arguments of the command."""
+    # Clients in editors add this option, as some servers have several transports.
     parser.add_argument(
         "--stdio", action="store_true", help="over standard input and output, as always"
     )
@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Serve until the editor is gone; 2 where the extra is missing."""
+    """Serve until the editor is gone; return 2 if the extra is missing."""
     if find_spec("pygls") is None:
         text = "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
         print(f"mars-asp lsp: {text}", file=sys.stderr)
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     from mars_asp.lsp.server import serve
     from mars_asp.lsp.workers import Workers
 
-    # It goes on for hours, so cycles are looked for: rarely, as answers wait for that.
+    # A process of hours needs garbage collection, but rarely, as answers wait for it.
     gc.freeze()
     gc.set_threshold(500_000, 20, 20)
     gc.enable()

@@ -1,6 +1,6 @@
 """The process that answers the language server, one question after another, within limits.
 
-What it finds is what the verbs find: it calls what `check`, `explain` and `rules lint` call.
+It calls the functions of `check`, `explain` and `rules lint`, so it has the same findings.
 """
 
 import argparse
@@ -50,13 +50,13 @@ from mars_asp.reasoning.session import Reasoner
 if TYPE_CHECKING:
     from mars_asp.reasoning.questions.repair import Repair
 
-#: Seconds in which repairs are looked for.
+#: Seconds for the search for repairs.
 _REPAIR_SECONDS = 20.0
-#: A trace in an editor is so wide, in characters.
+#: The width of a trace in an editor, in characters.
 _WIDTH = 90
-#: So many lines of it are shown.
+#: A trace is cut after so many lines.
 _MOST_LINES = 60
-#: So many configurations are looked into for the sources that they name.
+#: At most so many configurations are searched for a source.
 _MOST_OWNERS = 50
 
 
@@ -66,7 +66,7 @@ def main() -> None:
 
 
 def _begin(given: int, options: argparse.Namespace) -> Callable[[Question], Any]:
-    """Load what every answer needs; return the function that answers."""
+    """Load the built-in rules; return the function that answers questions."""
     begin_group(given)
     with suppress(OSError, ValueError):
         limit_memory(memory_limit(options))
@@ -76,7 +76,7 @@ def _begin(given: int, options: argparse.Namespace) -> Callable[[Question], Any]
 
 
 def answer(question: Question, options: argparse.Namespace) -> Any:
-    """Return the answer to a question, or why there is none.
+    """Return the answer to a question, or `Failed` with the reason.
 
     `options` are those of the server: rules, sources and limits.
     """
@@ -94,12 +94,12 @@ def answer(question: Question, options: argparse.Namespace) -> Any:
         return Failed("it took too long")
     except OSError as error:
         return Failed(error.strerror or "a file cannot be read")
-    except Exception as error:  # whatever it is, the next question is to be answered
+    except Exception as error:  # the next question must be answered
         return Failed(f"internal error, please report it: {error!r:.300}")
 
 
 def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespace:
-    """Return the arguments of a verb that is called for a file with the options of the server."""
+    """Return the arguments of a command that is called for a file with the server's options."""
     _, parser = parser_of(verb)
     words = [path, *(f"--rules={each}" for each in options.rules)]
     words += [f"--sources={each}" for each in options.sources]
@@ -110,9 +110,9 @@ def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespa
 
 
 def _answer_check(question: Question, options: argparse.Namespace) -> CheckedFile:
-    """Answer what `mars-asp check` finds."""
+    """Return the findings of `mars-asp check` for a file, and its robot."""
     arguments = _call("check", question.path, options)
-    # So that findings are kept, and no repairs are looked for.
+    # This format avoids the search for repairs.
     arguments.format = "github"
     seen: list[Project] = []
     try:
@@ -130,7 +130,7 @@ def _answer_check(question: Question, options: argparse.Namespace) -> CheckedFil
 
 
 def _source(question: Question, options: argparse.Namespace) -> CheckedFile:
-    """Answer what `mars-asp extract` finds in a source."""
+    """Return the findings of `mars-asp extract` for a source, and its modules."""
     files = EditorFiles(question.path)
     found = extract([Path(question.path)])
     findings = tuple(files.finding(each) for each in found.diagnostics)
@@ -156,7 +156,7 @@ def _editor_robot(project: Project, files: EditorFiles) -> EditorRobot:
 
 
 def _configurations(path: str, prefix: str, files: EditorFiles) -> Iterator[OpenFile]:
-    """Yield a configuration that was read without errors, and those that it includes."""
+    """Yield a configuration that was read without errors, and the files that it includes."""
     text = files.text(path)
     if text is None:
         return
@@ -185,14 +185,14 @@ def _module_description(module: Module, files: EditorFiles) -> Described:
 
 @dataclass(frozen=True)
 class _EditorQuery:
-    """The robot of a question and its rules, for what is asked about it as a whole."""
+    """The robot of a question, with its arguments and reasoner."""
 
     question: Question
     options: argparse.Namespace
 
     @cached_property
     def arguments(self) -> argparse.Namespace:
-        """Return the arguments of a verb."""
+        """Return the arguments of `explain` for the file of the question."""
         return _call("explain", self.question.path, self.options)
 
     @cached_property
@@ -200,7 +200,7 @@ class _EditorQuery:
         """Return the robot.
 
         Raises:
-            MarsError: what is wrong with its files.
+            MarsError: the files have errors.
         """
         return load(self.arguments, self.question.path)
 
@@ -211,7 +211,7 @@ class _EditorQuery:
 
 
 def _survey(question: Question, options: argparse.Namespace) -> Survey | Failed:
-    """Answer which consequences and nodes there are for each module."""
+    """Return the consequences and nodes of each module."""
     query = _EditorQuery(question, options)
     try:
         reasoner = query.reasoner("resolve")
@@ -244,7 +244,7 @@ def _as_tuples(found: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]
 
 
 def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
-    """Answer why there is what a question is about, in lines: its trace to the usual depth."""
+    """Return the trace of the subject of a question as text, to the default depth."""
     query = _EditorQuery(question, options)
     try:
         reasoner = query.reasoner("resolve", "account")
@@ -260,13 +260,13 @@ def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
 
 
 def _repairs(question: Question, options: argparse.Namespace) -> tuple[QuickFix, ...]:
-    """Answer the edits that remove findings, each of them tried."""
+    """Return the edits that remove findings, each verified by an analysis."""
     query = _EditorQuery(question, options)
     try:
         rulebook = rulebook_for(query.arguments, REPAIRING)
         found = repairs(query.project, rulebook, seconds=_REPAIR_SECONDS, with_warnings=True)
     except MarsError:
-        # They are findings of the check.
+        # The check reports the errors of the files.
         return ()
     files = EditorFiles(question.path)
     return tuple(each for repair in found for each in _actions(repair, files))
@@ -288,7 +288,7 @@ def _title(consequence: Consequence) -> str:
 
 
 def _owners(question: Question, options: argparse.Namespace) -> tuple[str, ...]:
-    """Answer which configurations in the folders of a source, and those above, name it.
+    """Return the configurations in the folders above a source whose `@sources` have it.
 
     `about` is the folder at which the search ends.
     """
@@ -308,7 +308,7 @@ def _owners(question: Question, options: argparse.Namespace) -> tuple[str, ...]:
 
 
 def _names_source(configuration: Path, source: Path) -> bool:
-    """Whether `@sources` of a configuration, or of what it includes, name a file."""
+    """Whether `@sources` of a configuration, or of its included files, name a file."""
     try:
         text = EditorFiles(str(configuration)).text(str(configuration))
         parsed = None if text is None else parse_text(text.plain, str(configuration))
@@ -323,7 +323,7 @@ def _names_source(configuration: Path, source: Path) -> bool:
 
 
 def _format(question: Question, options: argparse.Namespace) -> str | Failed:
-    """Answer the text that `mars-asp fmt` writes, unless a text has syntax errors."""
+    """Return the text that `mars-asp fmt` writes, or `Failed` if there are syntax errors."""
     text = EditorFiles(question.path).text(question.path)
     try:
         return Failed("there is no text") if text is None else format_text(text.plain, text.path)

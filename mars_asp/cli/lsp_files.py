@@ -1,4 +1,4 @@
-"""The texts of files as an editor has them, and what is found placed in them."""
+"""The texts of files as an editor has them, and editor locations of spans in them."""
 
 import os
 from collections.abc import Iterable
@@ -16,9 +16,9 @@ from mars_asp.reasoning.rules import rules_directory
 
 @dataclass(frozen=True)
 class EditorFiles:
-    """The texts of files as they are now, and what is found placed in them.
+    """The current texts of files, and editor locations of spans in them.
 
-    `root` is where that is placed which stands in no file.
+    `root` is the file that shows findings without a location in a file.
     """
 
     root: str
@@ -39,7 +39,7 @@ class EditorFiles:
         return self.known[path]
 
     def place(self, span: Span) -> Place | None:
-        """Return the place of a span, or None if its path is not a file."""
+        """Return the editor location of a span, or None if its path is not a file."""
         try:
             text = self.text(_built_in(span.path) or span.path)
         except OSError:
@@ -68,7 +68,7 @@ class EditorFiles:
 
 
 def _built_in(path: str) -> str | None:
-    """Return where a file of our rules is, which is shown by its path from their folder."""
+    """Return the path of a built-in rule file that is shown as `rules/...`, or None."""
     own = rules_directory()
     if path.startswith("rules/") and not Path(path).is_file():
         return str(own / path.removeprefix("rules/"))

@@ -1,4 +1,4 @@
-"""What an editor is told of a file of rules: what lint finds in it, and the rules around it."""
+"""A file of rules for an editor: the findings of lint in it, and the rules around it."""
 
 import argparse
 from contextlib import suppress
@@ -15,14 +15,14 @@ from mars_asp.reasoning.lint import lint
 from mars_asp.reasoning.packs import pack_of
 from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
 
-#: So many files of rules beside one are read.
+#: At most so many files of rules in the same folder are read.
 _MOST_RULES = 200
-#: A line of a rule case, which is no file of rules.
+#: The start of an expectation; only rule cases have such lines.
 _EXPECTED = "%="
 
 
 def lint_answer(question: Question, options: argparse.Namespace) -> LintedFile:
-    """Answer what `mars-asp rules lint` finds in a file, and the rules around it."""
+    """Return the findings of `mars-asp rules lint` in a file, and the rules around it."""
     path = Path(question.path)
     files = EditorFiles(question.path)
     text = files.text(question.path)
@@ -30,7 +30,7 @@ def lint_answer(question: Question, options: argparse.Namespace) -> LintedFile:
     found: tuple[Diagnostic, ...] = ()
     fixes: dict[Diagnostic, tuple[Fix, ...]] = {}
     if text is not None and not any(line.startswith(_EXPECTED) for line in text.lines):
-        # A file of a pack means what it does among the others.
+        # The meaning of a file in a pack depends on the other files.
         packs = [] if is_own else [pack_of(path) or path]
         try:
             linted = lint([*map(Path, options.rules), *packs] if packs else [])
@@ -45,7 +45,7 @@ def lint_answer(question: Question, options: argparse.Namespace) -> LintedFile:
 
 
 def _rules(path: Path, files: EditorFiles, is_own: bool) -> Rules:
-    """Return the rules around a file: our own, and those in its folder."""
+    """Return the rules around a file: the built-in ones, and those in its folder."""
     beside = [] if is_own else sorted(path.parent.glob("*.lp"))[:_MOST_RULES]
     try:
         rulebook = load_rulebook(beside, STAGES)
@@ -53,7 +53,7 @@ def _rules(path: Path, files: EditorFiles, is_own: bool) -> Rules:
         rulebook = load_rulebook((), STAGES)
     predicates: dict[tuple[str, int], tuple[Predicate, ...]] = {}
     for signature, each in rulebook.declarations.items():
-        # What is declared begins with the name, behind `%*! `.
+        # A declaration begins with the name, after `%*! `.
         place = files.place(each.span) or Place(str(path), START)
         key = signature.name, signature.arity
         result = Predicate(signature.signed, each.written, each.words, place)

@@ -1,4 +1,4 @@
-"""What a run leaves behind: a plot, a page that plays it, a record."""
+"""The output files of a run: a plot, a replay, a recording."""
 
 import argparse
 from collections.abc import Callable, Iterator, Mapping
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mars_asp.execution.trial import Trial
     from mars_asp.model.declarations import Configuration, Module
 
-#: What is imported for files of an ending, and the extra that brings it.
+#: The package for files of an ending, and the extra that provides it.
 _NEEDED = {".mcap": ("mcap", "mcap"), ".png": ("resvg_py", "png")}
 
 
@@ -49,7 +49,7 @@ def ending(*endings: str) -> Callable[[str], str]:
 
 
 def check_packages(arguments: argparse.Namespace) -> None:
-    """Refuse, before anything runs, what could not be written afterwards.
+    """Check, before the run, that the packages for the requested files are installed.
 
     Raises:
         MarsError: an optional package is not installed.
@@ -72,7 +72,7 @@ def recorded(
     specification: "Configuration",
     modules: "Mapping[str, Module]",
 ) -> "Iterator[Record | None]":
-    """Yield the record of a run, or None without one; it appears when the block has ended."""
+    """Yield the recording of a run, or None without one; it appears when the block has ended."""
     if not arguments.record:
         yield None
         return
@@ -91,7 +91,7 @@ def recorded(
 
 
 def write_outputs(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
-    """Write what was asked for, each file whole or not at all."""
+    """Write the requested plot and replay, each file whole or not at all."""
     if arguments.plot:
         write_file(arguments.plot, _plotted(trial, judgement, arguments.plot))
     if arguments.replay:

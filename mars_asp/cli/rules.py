@@ -46,7 +46,7 @@ _REPEATED = re.compile(r"^([^/]+/)\1")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument(
         "action", nargs="?", default="list", choices=("list", "show", "lint", "doc", "new", "diff")
     )

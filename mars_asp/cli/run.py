@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     add_file(parser)
     parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
     parser.add_argument("--seed", type=int, help="instead of the scenario's")

@@ -41,7 +41,7 @@ from mars_asp.reasoning.verification import Violation, verify
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     add_file(parser)
     parser.add_argument(
         "-o",

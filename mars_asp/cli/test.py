@@ -30,7 +30,7 @@ _HEADER = re.compile(r"(?m)^\s*@(configuration|specification)\b")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument(
         "paths",
         nargs="*",

@@ -63,7 +63,7 @@ class SpecificationComparison:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
+    """Add the arguments of the command."""
     parser.add_argument(
         "specification",
         metavar="SPEC",
