@@ -43,9 +43,9 @@ class Job:
     """The values that all runs of a campaign share.
 
     `path` is the path of the scenario, `folder` the working folder of the runs. `files` are the
-    contents of Python files by absolute path, for machines that lack these files. `seconds` limits
-    the time of a run (None: 60 s and ten times its simulated time), `megabytes` its memory.
-    `rulebook` judges the runs.
+    contents of Python files by absolute path, or None if the machine of the runs has these files.
+    `seconds` limits the time of a run (None: 60 s and ten times its simulated time), `megabytes`
+    its memory. `rulebook` judges the runs.
     """
 
     specification: Configuration

@@ -72,7 +72,7 @@ def _texts(found: Diagnostic, name: str) -> object:
 
 
 def _name_instances(same: Sequence[tuple[str, Result]]) -> Result:
-    """Return one result, with its repair, for several that differ in the name of an instance."""
+    """Return one of several results that differ in the name of an instance; it lists the names."""
     if len(same) == 1:
         return same[0][1]
     names = sorted({name for name, _ in same}, key=natural_order)

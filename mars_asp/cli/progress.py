@@ -17,7 +17,7 @@ from mars_asp.output import visible
 
 #: Seconds until a stage or a bar is shown: shorter ones would only flicker.
 _PATIENCE = 1.0
-#: Seconds between two lines: more often is not read, and a terminal takes time.
+#: Seconds between two lines: users cannot read faster, and a terminal takes time.
 _SPACING = 0.1
 _BAR = 30
 _T = TypeVar("_T")

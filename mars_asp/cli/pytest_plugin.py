@@ -1,7 +1,7 @@
 """A plugin of pytest: the cases of packs, in their folders `cases` and `tests`, are tests.
 
-A file is taken where a `pack.toml` lies beside such a folder, so that other suites stay as they
-are, and a robot that `mars-asp test --snapshot` wrote; `-p no:mars_asp` leaves it out altogether.
+A file is collected if a `pack.toml` lies beside such a folder, so that other suites are unaffected,
+or if `mars-asp test --snapshot` wrote it; `-p no:mars_asp` disables the plugin.
 """
 
 from collections.abc import Iterator
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from mars_asp.asp.cases import Check
 
 _SUFFIXES = (".lp", ".mars")
-#: How the line begins under which the expectations of a snapshot are.
+#: The start of the line above the expectations of a snapshot.
 _SNAPSHOT = b"# snapshot: written by `mars-asp test --snapshot`"
 _MANIFEST, _FOLDERS = "pack.toml", ("cases", "tests")
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "pytest.Collector | None":
-    """Take a file of cases of a pack."""
+    """Return the collector of a case file; None for any other file."""
     if file_path.suffix not in _SUFFIXES:
         return None
-    # Little is loaded to find that a file is in no pack.
+    # Few imports are needed to find that a file belongs to no pack.
     folders = (each.parent for each in file_path.parents if each.name in _FOLDERS)
     pack = next((each for each in folders if (each / _MANIFEST).is_file()), None)
     if pack is None:
@@ -32,7 +32,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "pytest.Co
     elif file_path.suffix == ".mars":
         from mars_asp.reasoning.cases.configurations import is_case
 
-        # Others are included by those that are cases.
+        # Cases include the other files.
         if not is_case(file_path):
             return None
     found: CaseFile = CaseFile.from_parent(parent, path=file_path)
@@ -41,15 +41,15 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "pytest.Co
 
 
 class CaseFile(pytest.File):
-    """A file of cases."""
+    """A case file."""
 
     pack: Path | None
 
     def collect(self) -> "Iterator[pytest.Item]":
-        """Yield its cases, run with the rules of their pack.
+        """Yield the cases of the file, run with the rules of its pack.
 
         Raises:
-            CollectError: what is wrong with rules or cases.
+            CollectError: the rules or the cases have errors.
         """
         from mars_asp.diagnostic import MarsError
         from mars_asp.reasoning.cases import run_case
@@ -66,15 +66,15 @@ class CaseFile(pytest.File):
 
 
 class CaseItem(pytest.Item):
-    """One case, with what came of it."""
+    """One case with its result."""
 
     check: "Check"
 
     def runtest(self) -> None:
-        """Fail where the rules gave something else than what is expected.
+        """Fail if the rules do not give the expected result.
 
         Raises:
-            UnmetError: they did.
+            UnmetError: the result differs.
         """
         if not self.check.passed:
             raise UnmetError(self.check)
@@ -90,12 +90,12 @@ class CaseItem(pytest.Item):
         return "\n".join(lines)
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """Return where the case is."""
+        """Return the location of the case."""
         return self.path, self.check.span.line - 1, self.name
 
 
 class UnmetError(Exception):
-    """What a case expects is not what the rules gave."""
+    """The rules do not give the result that a case expects."""
 
 
 _BOOKS = pytest.StashKey[dict[tuple[Path, ...], object]]()

@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from mars_asp.cli.watch import Stage
     from mars_asp.execution.trial import Trial
 
-#: Simulated seconds between two looks at the run.
+#: Simulated seconds between two stages of a run.
 _GLANCE = 0.5
-#: Seconds between two looks at a run that is paced.
+#: Seconds between two stages of a paced run.
 _FRAME = 0.1
 
 

@@ -1,4 +1,4 @@
-"""What `explain --repair` prints: findings and the edits that remove them."""
+"""The output of `explain --repair`: findings and the edits that remove them."""
 
 import argparse
 import sys
@@ -27,24 +27,24 @@ from mars_asp.reasoning.questions.repair import (
 )
 from mars_asp.reasoning.rules import by_name
 
-#: A mend of more lines is printed once, however many findings it mends.
+#: A repair of more lines is printed once, even if it fixes several findings.
 _MOST_PRINTED_AGAIN = 8
-#: What is told of a specification that costs nothing.
+#: Printed if the specification after the edits has no costs.
 _NOTHING_LEFT = "then there is a specification, which needs no node"
-#: What is below a mend is indented by this.
+#: The indent of the lines below a repair.
 _BELOW = "       "
 
 
 def run_repair(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
-    """Print repairs; 1 where an error is there to repair, 3 where no time was left.
+    """Print repairs; return 1 if an error is reported, 3 if the time limit ended the search.
 
-    Without a subject, they are those of findings that are reported.
+    Without a subject, only reported findings are repaired.
     """
     is_foreign = project.format is not None
     rulebook = rulebook_for(arguments, JUDGING if is_foreign else STAGES)
     selection = Selection(arguments, rulebook)
     if is_foreign:
-        # The findings are those of `check`.
+        # Foreign files have the findings of `check`.
         analysis = judge_project(project, rulebook, arguments)
         found = repairs_by_hand(project, rulebook, analysis, subject)
     else:
@@ -114,7 +114,7 @@ def _unproposed(consequence: Consequence) -> str:
 
 
 def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> Iterator[str]:
-    """Yield a mend, its lines where it is `first` or they are few."""
+    """Yield a repair, and its lines unless they are many and those of an earlier one, `first`."""
     messages = "; ".join(visible(edit.message) for edit in mend.edits)
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
     yield from wrapped(f"{messages}  [{rules}]", width, f"  {number}. ", _BELOW)
@@ -148,7 +148,7 @@ def repair_json(repair: Repair) -> dict[str, object]:
 
 
 def mend_json(mend: Mend) -> dict[str, object]:
-    """Return one way to remove a finding with the keys of the contract."""
+    """Return one repair of a finding with the keys of the contract."""
     return {
         "edits": [_edit_json(edit) for edit in mend.edits],
         "lines": [line_json(line) for line in mend.lines],

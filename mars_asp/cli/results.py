@@ -1,4 +1,4 @@
-"""Findings as other programs take them: results of a run, printed when all files were read."""
+"""Findings for other programs: results of a run, printed after all files were read."""
 
 import os
 import re
@@ -15,10 +15,10 @@ from mars_asp.reasoning.analysis import Consequence, diagnostic
 
 
 class Result(NamedTuple):
-    """Something that was found: what is shown of it, and the consequence that it is, if it is one.
+    """A diagnostic, with its consequence if a rule found it.
 
-    `hidden` is why it is not reported, `is_new` whether no baseline lists it, where there is one,
-    and `suggestion` its one repair, where it has exactly one.
+    `hidden` is the reason for not reporting it, `is_new` whether the baseline lacks it (None
+    without a baseline), and `suggestion` its repair if there is exactly one.
     """
 
     diagnostic: Diagnostic
@@ -29,18 +29,18 @@ class Result(NamedTuple):
 
     @property
     def has_file(self) -> bool:
-        """Whether it stands in a file, and not in the words of the command or in its input."""
+        """Whether the location is in a file, and not in the command line or standard input."""
         path = self.diagnostic.span.path
         return path != "-" and not path.startswith("<") and not self.is_of_command
 
     @property
     def is_of_command(self) -> bool:
-        """Whether it is about the words of the command."""
+        """Whether the result is about the command line."""
         return self.diagnostic.span.path.startswith("--")
 
 
 def results_of(selected: Selected) -> Iterator[Result]:
-    """Yield the findings of a file, those that are hidden, too, and remarks about these."""
+    """Yield the reported and the hidden findings of a file, and the remarks on its selection."""
     is_new = True if selected.is_compared else None
     for each in selected.shown:
         yield Result(diagnostic(each), each, None, is_new)
@@ -53,7 +53,7 @@ def results_of(selected: Selected) -> Iterator[Result]:
 
 @cache
 def root_of(here: Path) -> Path:
-    """Return the folder that paths are shown from: that of the repository, else `here`."""
+    """Return the folder that paths are relative to: the root of the repository, else `here`."""
     for folder in (here, *here.parents):
         if (folder / ".git").exists():
             return folder
@@ -61,7 +61,7 @@ def root_of(here: Path) -> Path:
 
 
 def seen_from_root(path: str) -> tuple[str, bool]:
-    """Return a path as seen from the root of the repository, and whether it is below that."""
+    """Return a path relative to the root, or absolute if outside, and whether it is inside."""
     whole = Path(os.path.abspath(path))  # noqa: PTH100 -- links stay as they are named
     root = root_of(Path.cwd())
     if whole.is_relative_to(root):

@@ -5,7 +5,7 @@
 
 import argparse
 
-#: No word of a command line holds it, so that none is an option of `ros2`.
+#: No command line contains this character, so `ros2` takes no word as an option.
 _NO_PREFIX = "\0"
 
 
@@ -18,7 +18,7 @@ class MarsCommand:
     def add_arguments(
         self, parser: argparse.ArgumentParser, cli_name: str, *, argv: list[str] | None = None
     ) -> None:
-        """Take all words after `ros2 mars` as they are, `--help` too."""
+        """Pass all words after `ros2 mars` on, including `--help`."""
         parser.prefix_chars = _NO_PREFIX
         parser.add_argument("words", nargs=argparse.REMAINDER, metavar="COMMAND ...")
 

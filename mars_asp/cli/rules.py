@@ -90,9 +90,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Do what is asked."""
+    """Carry out the action; return the exit status."""
     action, what = arguments.action, arguments.what
-    # The folder is the default, as it is of `check` and `test`.
+    # The current folder is the default, as for `check` and `test`.
     if action == "lint" and not (what or arguments.rules) and Path(MANIFEST).is_file():
         what = "."
     wrong = _misused(action, what, arguments)
@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     if action == "lint":
         given = [Path(path) for path in [*arguments.rules, *([what] if what else [])]]
-        # The built-in rules are no pack beside themselves.
+        # The built-in rules must not be linted as a pack beside themselves.
         packs = [path for path in given if not is_rule_base(path)]
         return _lint(packs, arguments)
     if action == "diff":
@@ -155,7 +155,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
-    """Report what is noteworthy about packs, and with `--fix` correct what has one safe fix."""
+    """Report the lints of packs; with `--fix`, first apply the safe fixes."""
     found = lint(packs)
     if arguments.fix and packs:
         mended = _mended(found)
@@ -190,7 +190,7 @@ def _suggestions(found: LintResult, arguments: argparse.Namespace) -> dict[Diagn
 
 
 def _mended(found: LintResult) -> int:
-    """Write the fixes of what was found, and return of how many findings they were."""
+    """Write the fixes of lints to the files; return the number of fixed findings."""
     texts: dict[str, bytes] = {}
     count = 0
     for path in dict.fromkeys(fix.span.path for each in found.lints for fix in each.fixes):
@@ -205,7 +205,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
     """Return the text about the rule of an id, a predicate, or a file of rules.
 
     Raises:
-        MarsError: there is none of these.
+        MarsError: nothing has that name.
     """
     found = _find_named(rulebook, name)
     if isinstance(found, InputCode):
@@ -215,7 +215,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
         example = rule_example(found, rulebook)
         text = rule_summary(found, "##", example)
         if with_source or found.because is None:
-            # Without a message there is nothing else to show.
+            # A rule without a message has nothing else to show.
             text = f"{text}\n\n{rule_source(found, rulebook)}"
         if example is None or not example.trace:
             return text
@@ -302,8 +302,8 @@ def _find_named(
 ) -> Rule | Kind | InputCode | tuple[Declaration, ...] | str:
     """Return the rule of an id, a kind, predicates, the path of a file, or a code of the input.
 
-    A file is named by its path or by what its ids begin with, predicates by their name, with or
-    without the number of arguments.
+    A file is named by its path or by the common start of the ids in it, predicates by their name,
+    with or without the number of arguments.
     """
     # Ids of older versions repeat the name of the file.
     rule = rulebook.by_id.get(name) or rulebook.by_id.get(_REPEATED.sub(r"\1", name))
@@ -324,7 +324,7 @@ def _find_named(
     if name in INPUT_CODES:
         return INPUT_CODES[name]
     names = (*rulebook.by_id, *files, *(each.name for each in declared), *known, *INPUT_CODES)
-    # An id may leave out the stage, or be misspelt.
+    # An id may be written without the stage, or be misspelt.
     ends = (each for each in names if each.endswith(f"/{name}"))
     near = next(ends, None) or nearest(name, names)
     hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"

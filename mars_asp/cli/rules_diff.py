@@ -1,4 +1,4 @@
-"""What a pack changes over configurations: findings, nodes and cost, each with how it changed."""
+"""The changes by a pack in configurations: findings, nodes and costs."""
 
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
@@ -21,27 +21,27 @@ from mars_asp.reasoning.session import Reasoner
 
 
 class _Compared(NamedTuple):
-    """A configuration, and what changed in it."""
+    """A configuration, and the changes in it."""
 
     path: str
     found: Difference
 
 
 def print_changes(pack: str, files: Sequence[str], arguments: argparse.Namespace) -> int:
-    """Print what a pack changes; 1 where an error appeared, 2 where a file cannot be read.
+    """Print the changes by a pack; return 1 if an error appeared, 2 if a file cannot be read.
 
-    Without files these are our examples.
+    Without files, the examples of the installation are compared.
 
     Raises:
-        MarsError: what is wrong with the pack, or there are no examples.
+        MarsError: the pack has errors, or there are no examples.
     """
     given = [Path(path) for path in arguments.rules]
     before = load_rulebook(given, trusted=arguments.trust)
     packs = [*given, *with_companions(Path(pack))]
     after = load_rulebook(packs, trusted=arguments.trust)
     reading = argparse.Namespace(**{**vars(arguments), "rules": [str(each) for each in packs]})
-    # A configuration may state attributes that only the pack declares: without its rules they are
-    # facts that nothing reads.
+    # A configuration may state attributes that only the pack declares; without the pack's rules no
+    # rule reads these facts.
     before = replace(before, brought=after.brought)
     compared: list[_Compared] = []
     status = 0

@@ -1,4 +1,4 @@
-"""Rules, predicates and files of rules as pages: what `rules show` and `rules doc` print."""
+"""Rules, predicates and files of rules as pages of `rules show` and `rules doc`."""
 
 import itertools
 import re
@@ -20,10 +20,10 @@ from mars_asp.reasoning.findings import EXPANSIONS
 from mars_asp.reasoning.packs import FOLDERS
 from mars_asp.reasoning.rules import BASE, STAGES, seal
 
-#: What the rules of each stage are for.
+#: The purpose of the rules of each stage.
 PURPOSES: Mapping[str, str] = {"base": BASE, **STAGES}
 
-#: A hole that is all of a piece of code.
+#: A hole that fills a whole piece of code.
 _CODED = re.compile(r"`\{([^{}:@]*)[^{}]*\}`")
 #: A hole of a message, with its sort.
 _HOLE = re.compile(r"\{([^{}:@]*)[^{}]*\}")
@@ -35,7 +35,7 @@ def speaking(rulebook: Rulebook, stage: str) -> Iterator[Rule]:
 
 
 def documents(rulebook: Rulebook, stages: Iterable[str], pack: str | None = None) -> Iterator[str]:
-    """Yield the page of each file of stages, of a pack where one is named by its path."""
+    """Yield the page of each file of some stages; only those in the folder `pack` if not None."""
     for stage in stages:
         for path, (at, outline) in rulebook.outlines.items():
             if at == stage and _is_of(path, pack):
@@ -49,12 +49,12 @@ def _page(rulebook: Rulebook, path: str, stage: str, outline: Outline) -> str:
 
 
 def _is_of(path: str, pack: str | None) -> bool:
-    """Whether a file of rules is to be documented: of a pack, where one is named."""
+    """Whether a file of rules is documented: in the folder `pack`, or any file without one."""
     return pack is None or (path.endswith(".lp") and Path(path).is_relative_to(pack))
 
 
 def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, folder: str) -> None:
-    """Write a page for each file of rules into a folder, and one that lists them."""
+    """Write a page for each file of rules into a folder, and an index of the pages."""
     listed = ["# Rules", ""]
     Path(folder).mkdir(parents=True, exist_ok=True)
     for stage in stages:
@@ -83,7 +83,7 @@ def file_document(path: str, stage: str, outline: Outline) -> str:
 
 
 def predicates_of(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]]]:
-    """Yield each use of predicates in a file, and these predicates."""
+    """Yield each use of predicates in a file, with the predicates."""
     yield "given", outline.given
     yield "derives", outline.derives
     yield "decides", outline.decides
@@ -121,10 +121,10 @@ def rule_source(rule: Rule, rulebook: Rulebook) -> str:
 
 
 def with_names(text: str | None) -> str | None:
-    """Return a text of a rule with names of variables for holes in code, and `…` for others."""
+    """Return a text of a rule with names of variables for holes in code, `…` for other holes."""
     if text is None:
         return None
-    # The end of a word, as of a plural, is left out.
+    # A hole at the end of a word, as of a plural, is removed.
     return _HOLE.sub("…", re.sub(rf"(?<=\w){_HOLE.pattern}", "", _CODED.sub(r"`\1`", text)))
 
 

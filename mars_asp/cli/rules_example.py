@@ -29,7 +29,7 @@ class RuleExample(NamedTuple):
 
 
 def rule_example(rule: Rule, rulebook: Rulebook) -> RuleExample | None:
-    """Return the example of a rule: solved if its case is here, else from the table."""
+    """Return the example of a rule: solved if its case is available, else from the table."""
     if rule.because is None:
         return None
     return _solve_example(rule, rulebook) or tabled_example(rule)

@@ -1,4 +1,4 @@
-"""Kinds of findings and of nodes, as `rules show` shows them."""
+"""Kinds of findings and of nodes in the output of `rules show`."""
 
 import re
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from mars_asp.model.declarations import PackKind, node_names
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 
 _OUTPUTS = {"none": "no output: it only listens", "one": "one output", "several": "several outputs"}
-#: The stages of rules that only give sentences of explanations.
+#: The stages of rules that only provide sentences of explanations.
 _SENTENCES = frozenset({"account", "absence"})
 
 
@@ -21,14 +21,14 @@ class Kind:
     name: str
     sort: str
     rules: tuple[Rule, ...]
-    #: What a pack states of a kind of node.
+    #: The definition of a kind of node in a pack.
     stated: PackKind | None = None
-    #: How nodes of it are named.
+    #: The name of such nodes in `.mars` files.
     called: str | None = None
 
 
 def kinds(rulebook: Rulebook) -> dict[str, Kind]:
-    """Return the kinds of findings and nodes, the latter by their names in files, too."""
+    """Return the kinds of findings and nodes by name; nodes also by their names in files."""
     found: dict[str, Kind] = {}
     brought = {each.kind: each for each in rulebook.brought if isinstance(each, PackKind)}
     for kind, name in node_names(brought.values()).items():

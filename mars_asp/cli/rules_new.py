@@ -111,7 +111,7 @@ def new_pack(topic: str, rulebook: Rulebook) -> tuple[str, ...]:
     """Write a pack into a new folder below the current one; return its files.
 
     Raises:
-        MarsError: the topic cannot be a name, or there is such a folder or kind of finding.
+        MarsError: the topic is not a valid name, or a folder or a kind of finding has it.
     """
     kind = topic.replace("-", "_")
     folder = Path(topic)

@@ -81,7 +81,7 @@ def _scenario_schema() -> str:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
+    """Run a specification; return 1 if the run did not pass or no specification exists."""
     load_freely("mars_asp.execution.trial")
     from mars_asp.asp.trace.document import traces_json
     from mars_asp.execution.scenario.functions import bind_kinds
@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         is_possible = _fits(specification, modules, scenario, arguments)
         return max(_print_plan(functions, scenario, arguments), 0 if is_possible else 2)
-    # What modules print is no part of the result that programs read.
+    # For programs, the result must not contain the output of modules.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
     from mars_asp.execution.judgement import run_rulebook
@@ -145,7 +145,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _bound_functions(
     specification: "Configuration", modules: "Mapping[str, Module]", scenario: "Scenario"
 ) -> "dict[str, tuple[Path, str]]":
-    """Return the file and function of each module, or part of one, that Python runs."""
+    """Return the file and function of each module that Python runs, or of each of its outputs."""
     from mars_asp.execution.parts import in_parts
     from mars_asp.execution.scenario.functions import bound_functions
 
@@ -159,7 +159,7 @@ def _fits(
     scenario: "Scenario",
     arguments: argparse.Namespace,
 ) -> bool:
-    """Report where a scenario does not fit a specification; return whether it can be run."""
+    """Report contradictions of a scenario and a specification; return whether it can be run."""
     from mars_asp.execution.executor.plan import Plan
     from mars_asp.execution.parts import in_parts
     from mars_asp.execution.scenario.agreement import disagreements
@@ -173,7 +173,7 @@ def read_run_scenario(arguments: argparse.Namespace) -> "Scenario":
     """Return the scenario with the values of the options.
 
     Raises:
-        MarsError: it cannot be read, or is wrong.
+        MarsError: the scenario cannot be read, or is wrong.
     """
     from mars_asp.execution.scenario.read import read_scenario
 
@@ -183,7 +183,7 @@ def read_run_scenario(arguments: argparse.Namespace) -> "Scenario":
 
 
 def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
-    """Yield a warning for each fault that a run that was cut short does not come to."""
+    """Yield a warning for each fault that begins after the end of a shortened run."""
     from mars_asp.execution.scenario.contradictions import late_faults
 
     for name, start in late_faults(scenario.faults, scenario.duration):
@@ -195,7 +195,7 @@ def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
 def _print_plan(
     functions: "Mapping[str, tuple[Path, str]]", scenario: "Scenario", arguments: argparse.Namespace
 ) -> int:
-    """Print what a run would import and simulate; 2 where a file is missing."""
+    """Print the imports and the simulated devices of a run; return 2 if a file is missing."""
     imported: dict[str, dict[str, str]] = {}
     for name, (path, function) in functions.items():
         imported.setdefault(str(path), {})[name] = function

@@ -1,4 +1,4 @@
-"""What a run came to, as JSON with the keys of the command line's contract."""
+"""The result of a run as JSON, with the keys of the command line's contract."""
 
 from collections.abc import Iterator
 from fractions import Fraction
@@ -31,7 +31,7 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
         "messages": sum(link.delivered for link in executor.links),
         "collisions": trial.collisions,
         "min_clearance_mm": _millimetres(trial.clearance),
-        # A controller that was never in control has none, and is listed, too.
+        # A controller that was never in control is listed with 0.
         "control_time": {
             name: round(times.get(name, 0.0), 6) for name in sorted({*times, *speakers(trial)})
         },

@@ -1,4 +1,4 @@
-"""A run as one page: the verdict, the picture, the requirements, and the winners at arbiters."""
+"""A run as an HTML report: verdict, diagram, requirements, and winners at arbiters."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -12,10 +12,10 @@ from mars_asp.cli.winners import Row, in_turn
 from mars_asp.draw.page import whole_page
 from mars_asp.output import counted, visible
 
-#: Longer tables are cut, and say so.
+#: Longer tables are cut, with a note.
 MOST_ROWS = 1_000
 _HOLDS = {True: "holds", False: "violated", None: "not decided"}
-#: Of each verdict: its class, its sign, and the state of the requirements that it names.
+#: The class and sign of each verdict, and the state of the requirements that it lists.
 _VERDICTS: Mapping[str, tuple[str, str, bool | None]] = {
     "pass": ("passed", "✔", True),
     "fail": ("failed", "✖", False),
@@ -24,9 +24,9 @@ _VERDICTS: Mapping[str, tuple[str, str, bool | None]] = {
 
 
 def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | None) -> str:
-    """Return an HTML page of a run, `run` as JSON has it; `replay` is where it can be played.
+    """Return an HTML report of a run; `run` is its JSON, and `replay` a link to its replay.
 
-    No script may run in it, and nothing is fetched.
+    The report runs no script and fetches nothing.
     """
     style, page = (
         (files("mars_asp.cli") / f"run_report.{each}").read_text("utf-8")
@@ -45,7 +45,7 @@ def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | 
 
 
 def replay_seen_from(report: str, replay: str) -> str:
-    """Return a link from a report to a replay, both given by their paths."""
+    """Return the link from a report to a replay, both given by path."""
     folder = os.path.dirname(os.path.abspath(report))  # noqa: PTH100, PTH120 -- a path of others
     return quote(os.fsencode(os.path.relpath(replay, folder)))
 
@@ -105,7 +105,7 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _robot_cells(robot: Mapping[str, Any], seconds: float) -> tuple[str, ...]:
-    """Return the cells of a robot: what it touched, and whom it obeyed for which share of time."""
+    """Return the cells of a robot: contacts, distances, and the share of each controller."""
     struck = robot["collisions"]
     contacts = f"{len(struck)}, first at {struck[0]['seconds']:.2f} s" if struck else "none"
     clearance, beside = robot["min_clearance_mm"], robot["nearest"]

@@ -1,4 +1,4 @@
-"""What a run came to, as people read it: verdict, tables of links and controllers, and reasons."""
+"""The result of a run as text: verdict, tables of links and controllers, and reasons."""
 
 import argparse
 import sys
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from mars_asp.execution.judgement import Judgement
     from mars_asp.execution.trial import Trial
 
-#: Who holds control where no controller does.
+#: The holder if no controller has control.
 _NONE = "none"
-#: A reason why a controller wins goes on below by this.
+#: The indent of further lines of a reason why a controller wins.
 _BELOW_WINNER = " " * 6
-#: How a requirement that holds, does not, or is not decided, is listed.
+#: The words for the states of a requirement.
 _WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
 
 
@@ -31,7 +31,7 @@ def run_text(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespa
 
     colour = {"always": True, "never": False}.get(arguments.color)
     console = Console(emoji=False, highlight=False, force_terminal=colour, no_color=colour is False)
-    # Where nobody reads, rich would end the program with a status of its own; `print` does not.
+    # On a closed pipe rich would exit with its own status; `print` does not.
     with console.capture() as captured:
         _print_tables(trial, judgement, arguments, console)
     return captured.get()
@@ -67,7 +67,7 @@ def _print_tables(
     for warning in judgement.warnings:
         _say(console, "warning  ", f"{warning.message} [{warning.kind}]")
     bodies, clearance = trial.bodies, trial.clearance
-    # Where there is nothing to come near to, there is no clearance.
+    # Without obstacles there is no clearance.
     clear = f"least clearance {clearance:.0f} mm, " if clearance < float("inf") else ""
     _say(
         console,
@@ -80,7 +80,7 @@ def _print_tables(
 
 
 def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> None:
-    """Print a sentence after its head, further lines indented."""
+    """Print a sentence after its head, with further lines indented."""
     from rich.text import Text
 
     for line in wrapped(visible(text), columns(sys.stdout), visible(head), further):
@@ -88,7 +88,7 @@ def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> No
 
 
 def _verdict(judgement: "Judgement") -> str:
-    """Return the verdict, which requirements were violated, and how many warnings there are."""
+    """Return the verdict, the requirements that decide it, and the number of warnings."""
     count, warnings = len(judgement.requirements), len(judgement.warnings)
     if judgement.verdict == "pass":
         warned = f", with {counted(warnings, 'warning')}" if warnings else ""
@@ -101,7 +101,7 @@ def _verdict(judgement: "Judgement") -> str:
 
 
 def print_winners(trial: "Trial") -> None:
-    """Print who held control at each arbiter, from when on and why."""
+    """Print the controllers in control at each arbiter, with the times and reasons."""
     from mars_asp.execution.executor.arbitration import FlatArbitration
 
     for name, arbiter in trial.executor.arbiters.items():
@@ -145,7 +145,7 @@ def _links(trial: "Trial") -> "Table":
 def _controllers(trial: "Trial") -> "Table":
     from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 
-    # A controller that sent nothing has a row as well.
+    # A controller without messages has a row as well.
     suppressed = Counter(dict.fromkeys(speakers(trial), 0))
     for arbiter in trial.executor.arbiters.values():
         if isinstance(arbiter, HierarchicalArbitration):

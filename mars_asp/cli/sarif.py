@@ -1,6 +1,6 @@
 """Findings as a log of the Static Analysis Results Interchange Format, version 2.1.0.
 
-Numbers in comments are sections of that standard of OASIS,
+Numbers in comments are sections of the standard by OASIS,
 https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html.
 """
 
@@ -23,9 +23,9 @@ _Json: TypeAlias = dict[str, Any]
 _SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 )
-#: What relative paths are relative to, by the name that GitHub and CodeQL use.
+#: The base of relative paths, by the name that GitHub and CodeQL use.
 _ROOT = "%SRCROOT%"
-#: Help for what no rule finds.
+#: The help of results without a rule.
 _HELP_OF_CHECKS = "`mars-asp check --help` explains the options that choose what is reported"
 
 
@@ -52,7 +52,7 @@ def sarif_log(results: Sequence[Result], status: int) -> _Json:
 
 
 def _invocation(results: Iterable[Result], status: int) -> _Json:
-    """Return how a run ended, with what is wrong with the words of its command (3.20)."""
+    """Return the end of a run, with the errors in the words of its command (3.20)."""
     wrong = [
         {
             "level": each.diagnostic.severity,
@@ -70,7 +70,7 @@ def _descriptor(code: str, first: Result) -> _Json:
     """Return the descriptor of the rule or check of a result (3.49)."""
     level = {"defaultConfiguration": {"level": first.diagnostic.severity}}
     if first.consequence is None:
-        # GitHub asks for a description and for help of each.
+        # GitHub requires a description and help for each descriptor.
         short, advice = plain_text(_spaced_words(code)), first.diagnostic.help or _HELP_OF_CHECKS
         return {
             "id": code,
@@ -92,7 +92,7 @@ def _descriptor(code: str, first: Result) -> _Json:
 
 
 def _help(kind: str, rule: Rule) -> _Json:
-    """Return the help as text and as Markdown, with its holes left open."""
+    """Return the help of a rule as text and as Markdown, with its holes unfilled."""
     what = _unfilled(rule.because) or _spaced_words(kind)
     advice = _unfilled(rule.help)
     show = f"`mars-asp rules show {rule.id}` explains it."
@@ -139,7 +139,7 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
     if consequence is not None:
         parts = (consequence.kind, consequence.subject, *consequence.participants)
         digest = hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
-        # It is the same when lines move.
+        # The fingerprint stays when lines move.
         entry["partialFingerprints"] = {"marsFinding/v1": digest[:32]}
         entry["properties"] = {
             "kind": consequence.kind,
@@ -149,7 +149,7 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
     if result.is_new is not None:
         entry["baselineState"] = "new" if result.is_new else "unchanged"
     if result.hidden is not None:
-        # Both are meant by whoever wrote them, so none is under review (3.35).
+        # Their authors intend both kinds, so none is under review (3.35).
         kind = "inSource" if result.hidden.by == "comment" else "external"
         suppression = {"kind": kind, "status": "accepted"}
         if result.hidden.reason:
@@ -166,12 +166,12 @@ def _message_text(result: Result) -> str:
 
 
 def _marked(text: str) -> str:
-    """Return a text in which no brackets begin a link (3.11.6)."""
+    """Return a text with escaped brackets, so that none begins a link (3.11.6)."""
     return re.sub(r"[\[\]]", r"\\\g<0>", text)
 
 
 def _location(span: Span, label: str = "") -> _Json:
-    # GitHub shows a result at a line, so that of a whole file is at its first one.
+    # GitHub shows a result at a line, so a result about a whole file is at the first line.
     region: _Json = {"startLine": max(1, span.line), "startColumn": max(1, span.column)}
     if span.end_line:
         region |= {"endLine": span.end_line, "endColumn": span.end_column}
@@ -182,7 +182,7 @@ def _location(span: Span, label: str = "") -> _Json:
 
 
 def _artifact(path: str) -> _Json:
-    """Return where a file is, relative to the repository if it is in it (3.4)."""
+    """Return the location of a file, relative to the repository if it is inside (3.4)."""
     shown, is_below = seen_from_root(path)
     if is_below:
         return {"uri": quote(os.fsencode(shown)), "uriBaseId": _ROOT}

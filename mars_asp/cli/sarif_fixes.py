@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 def sarif_fixes(
     suggestion: Suggestion, artifact: Callable[[str], Mapping[str, str]]
 ) -> dict[str, object]:
-    """Return the property `fixes` of a result; `artifact` gives where the file of a path is.
+    """Return the property `fixes` of a result; `artifact` returns the location of a file.
 
-    There is none where a line cannot be read any more.
+    The result is empty if a line can no longer be read.
     """
     changes: dict[str, list[dict[str, object]]] = {}
     for edit in suggestion.edits:
@@ -36,19 +36,19 @@ def sarif_fixes(
 
 
 def _replacement(edit: "LineEdit", lines: Sequence[str]) -> dict[str, object]:
-    """Return the region that goes, which is empty where nothing does, and what comes (3.57)."""
+    """Return the deleted region, which may be empty, and the inserted content (3.57)."""
     number, old = edit.line, lines[edit.line - 1]
     if edit.old is None:
         column = 1 if edit.where == "before" else len(old) + 1
         text = f"{edit.new}\n" if edit.where == "before" else f"\n{edit.new}"
         return _put((number, column), (number, column), text)
     if edit.new is not None:
-        # No more than what changes, so that two fixes of a line go together.
+        # The smallest change, so that two fixes of a line do not overlap.
         before = _alike(old, edit.new)
         after = _alike(old[before:][::-1], edit.new[before:][::-1])
         new = edit.new[before : len(edit.new) - after]
         return _put((number, before + 1), (number, len(old) - after + 1), new)
-    # With a line goes its end; with the last one, the end of the line before.
+    # A line is deleted with its end; the last line, with the end of the line before.
     if number < len(lines):
         return _put((number, 1), (number + 1, 1), None)
     begin = (number - 1, len(lines[number - 2]) + 1) if number > 1 else (1, 1)
@@ -56,7 +56,7 @@ def _replacement(edit: "LineEdit", lines: Sequence[str]) -> dict[str, object]:
 
 
 def _alike(one: str, other: str) -> int:
-    """Return with how many characters two texts begin alike."""
+    """Return the length of the common prefix of two texts."""
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
 
 

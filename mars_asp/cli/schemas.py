@@ -4,14 +4,14 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-#: The formats of an explanation that have a schema each.
+#: The formats of an explanation, each with its own schema.
 FORMATS = ("json", "jsonl")
 
 
 def add_schema(
     parser: argparse.ArgumentParser, document: str, text: Callable[..., str], *formats: str
 ) -> None:
-    """Add the option that prints the schema of a document, which the help names.
+    """Add the option that prints the schema of a document; the help names the document.
 
     `text` returns the schema; if there are formats, it is called with the chosen one.
     """
@@ -26,7 +26,7 @@ def add_schema(
 
 
 class _Schema(argparse.Action):
-    """Prints a schema in the place of what a verb does, as `--help` does."""
+    """Prints a schema instead of running the command, as `--help` does."""
 
     def __call__(
         self, parser: argparse.ArgumentParser, _: object, values: Any, *__: object

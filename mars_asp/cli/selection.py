@@ -1,7 +1,7 @@
-"""Which findings are reported: what options, settings, comments and baselines leave of them.
+"""The selection of reported findings by options, settings, comments and baselines.
 
-What rules derive is not touched by that: a finding that is not reported was found all the same, and
-its specification is what it was. Options replace what the settings of a file say under their name.
+A selection does not affect the rules: a finding that is not reported is still derived, and the
+specification stays the same. Options replace the settings of the same name.
 """
 
 import argparse
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 class Hidden(NamedTuple):
-    """A finding that is not reported, what hides it, and the reason that a comment gives."""
+    """A finding that is not reported, the filter that hides it, and the reason in a comment."""
 
     consequence: Consequence
     by: Literal["comment", "baseline"]
@@ -46,9 +46,9 @@ class Hidden(NamedTuple):
 
 
 class Selected(NamedTuple):
-    """The findings of a file that are reported, those that are hidden, and what is odd about that.
+    """The reported and the hidden findings of a file, and remarks on the selection.
 
-    `is_compared` is whether a baseline was there to hide some.
+    `is_compared` is whether a baseline was used.
     """
 
     shown: tuple[Consequence, ...]
@@ -63,7 +63,7 @@ class Selected(NamedTuple):
 
 
 class _Choice(NamedTuple):
-    """The selection for the files of a folder: names to report, names to leave out, a baseline.
+    """The selection for the files of a folder: names to report, names to omit, a baseline.
 
     A name is the kind of a finding, or the id of its rule.
     """
@@ -79,7 +79,7 @@ class _Choice(NamedTuple):
 
 
 def hidden_text(hidden: Mapping[str, int]) -> str:
-    """Return how many findings are not reported, by what hides them."""
+    """Return the sentence with the numbers of hidden findings, by filter."""
     parts = []
     if number := hidden.get("comment", 0):
         parts.append(f"{number} hidden by {'a comment' if number == 1 else 'comments'}")
@@ -89,7 +89,7 @@ def hidden_text(hidden: Mapping[str, int]) -> str:
 
 
 def add_selection(parser: argparse.ArgumentParser, writes: bool = True) -> None:
-    """Add the options that say which findings are reported, and what `writes` a baseline."""
+    """Add the options that select the reported findings; with `writes`, also `--write-baseline`."""
     add = parser.add_argument
     for option, text in (
         ("--select", "report findings of these kinds or rules alone"),
@@ -118,7 +118,7 @@ def add_selection(parser: argparse.ArgumentParser, writes: bool = True) -> None:
 
 
 def _selected_notes(numbers: Mapping[str, int], path: str) -> Iterator[Diagnostic]:
-    """Yield a note for each kind that was selected and of which there are only notes."""
+    """Yield a note for each selected kind with findings that are only notes."""
     for kind, number in numbers.items():
         message = (
             f"{counted(number, 'finding')} of `{kind}` not reported, as `check` leaves out notes"
@@ -136,13 +136,13 @@ def _kinds(text: str) -> list[str]:
 
 
 class Selection:
-    """The selection of one command, which may read several files and uses a baseline up."""
+    """The selection of a command for all its files; each entry of a baseline is used once."""
 
     def __init__(self, arguments: argparse.Namespace, rulebook: Rulebook) -> None:
-        """Read the baseline that an option names.
+        """Check the options, and read the baseline that an option names.
 
         Raises:
-            MarsError: options name kinds that no rule finds, or the baseline cannot be read.
+            MarsError: options name kinds that no rule finds, or a baseline is wrong.
         """
         self._arguments, self._rulebook = arguments, rulebook
         self._baselines: dict[str, Baseline] = {}
@@ -167,12 +167,12 @@ class Selection:
         notes: bool = True,
         with_participants: bool = False,
     ) -> Selected:
-        """Return which findings of a file are reported; without `notes` none that only notes.
+        """Return the reported and hidden findings of a file; notes are omitted unless `notes`.
 
         Without notes, participants are read if a baseline is written or the caller needs them.
 
         Raises:
-            MarsError: what is wrong with the settings of its folder, or with their baseline.
+            MarsError: the settings of its folder, or their baseline, are wrong.
         """
         choice, ignores = self._choice_and_ignores(project)
         is_all = notes or ignores or choice.select or choice.baseline
@@ -191,7 +191,7 @@ class Selection:
     def messages(self, project: Project) -> tuple[tuple[Diagnostic, ...], Counter[str]]:
         """Return the reported messages on reading a project, and how many each filter hides.
 
-        Errors are always reported. Warnings without a kind are unless their code is ignored.
+        Errors are always reported, and warnings without a kind unless their code is ignored.
 
         Raises:
             MarsError: the settings of its folder, or their baseline, are wrong.
@@ -202,7 +202,7 @@ class Selection:
         hidden: Counter[str] = Counter()
         for each in project.diagnostics:
             if each.kind in ("broken_file", "missing_file") and project.trees:
-                # It is a finding as well.
+                # The analysis of launch trees has the same finding.
                 continue
             names = _selectors(each)
             if each.severity == "error":
@@ -222,29 +222,29 @@ class Selection:
         return tuple(shown), hidden
 
     def among(self, project: Project, found: Sequence[Consequence]) -> Selected:
-        """Return which of some findings of a file are reported; nothing is said of comments.
+        """Return the selection among some findings of a file, without remarks on comments.
 
         Raises:
-            MarsError: what is wrong with the settings of its folder, or with their baseline.
+            MarsError: the settings of its folder, or their baseline, are wrong.
         """
         choice, ignores = self._choice_and_ignores(project)
         return self._selected(project, choice, ignores, found)._replace(remarks=())
 
     def has_errors(self, project: Project, analysis: Analysis) -> bool:
-        """Whether an error is reported of what is found in a file.
+        """Whether an error in a file is reported.
 
         Raises:
-            MarsError: what is wrong with the settings of its folder, or with their baseline.
+            MarsError: the settings of its folder, or their baseline, are wrong.
         """
         if self.leaves_all(project):
             return analysis.has_errors
         return self.among(project, analysis.consequences).has_errors
 
     def leaves_all(self, project: Project) -> bool:
-        """Whether nothing can be hidden of what is found in a file.
+        """Whether all findings of a file are reported, as nothing selects or hides any.
 
         Raises:
-            MarsError: what is wrong with the settings of its folder, or with their baseline.
+            MarsError: the settings of its folder, or their baseline, are wrong.
         """
         choice, ignores = self._choice_and_ignores(project)
         return not ignores and choice == _Choice(None, frozenset(), None)
@@ -253,7 +253,7 @@ class Selection:
         """Return the selection for the folder of a file, and the ignore comments of its robot.
 
         Raises:
-            MarsError: what is wrong with the settings, or with their baseline.
+            MarsError: the settings, or their baseline, are wrong.
         """
         path = Path(project.configuration.path)
         choice = self._choice(path if path.is_dir() else path.parent)
@@ -278,7 +278,7 @@ class Selection:
         hidden: list[Hidden] = []
         unlisted: Counter[str] = Counter()
         for each in found:
-            # What is listed was found, whatever else hides it.
+            # A finding uses its baseline entry even if something else hides it.
             is_known = choice.baseline is not None and choice.baseline.takes(each)
             names = _selectors(each)
             if not choice.has(names):
@@ -302,7 +302,7 @@ class Selection:
         return Selected(tuple(shown), tuple(hidden), remarks, choice.baseline is not None)
 
     def end(self, is_whole: bool = True) -> Iterator[Diagnostic]:
-        """Write the baseline that is asked for, if all files could be read; yield what is odd."""
+        """Write the requested baseline if all files could be read; yield remarks on baselines."""
         for baseline in self._baselines.values():
             if "baseline" not in (self._arguments.ignore or ()):
                 yield from baseline.unmatched(self._read)
@@ -329,7 +329,7 @@ class Selection:
         """Return the selection of options and of the settings for a folder.
 
         Raises:
-            MarsError: what is wrong with the settings, or with their baseline.
+            MarsError: the settings, or their baseline, are wrong.
         """
         settings = settings_of(self._arguments, folder)
         for key, kinds in (("select", settings.select), ("ignore", settings.ignore)):
@@ -337,7 +337,7 @@ class Selection:
         select = self._arguments.select or settings.select
         ignore = self._arguments.ignore or settings.ignore or ()
         path = self._arguments.baseline or settings.baseline
-        # A baseline that is written lists what an older one knows, too.
+        # A new baseline also lists the findings of the old one.
         compared = path is not None and self._arguments.write_baseline is None
         if compared and path is not None and not self._arguments.baseline:
             settings.check_named(path, "baseline")
@@ -348,10 +348,10 @@ class Selection:
         )
 
     def _baseline(self, path: str) -> "Baseline":
-        """Return a baseline, which is read once.
+        """Return a baseline; each is read once.
 
         Raises:
-            MarsError: it cannot be read.
+            MarsError: the baseline cannot be read.
         """
         from mars_asp.cli.baseline import read_baseline
 
@@ -371,14 +371,14 @@ class Selection:
 
     @cached_property
     def _is_open(self) -> bool:
-        """Whether a rule finds what it names as it goes."""
+        """Whether a rule derives the kind of its findings, so the kinds are unknown in advance."""
         return any(kinds_of(rule) is None for rule in self._rulebook.rules)
 
     def _check(self, kinds: Sequence[str] | None, places: Iterable[Span]) -> None:
-        """Check that names are kinds or rules; `places` are theirs.
+        """Check that names are kinds or rules; `places` are the locations of the names.
 
         Raises:
-            MarsError: some are neither; all of these.
+            MarsError: some names are neither; has an error for each.
         """
         unknown = {
             name: place
@@ -396,7 +396,7 @@ class Selection:
     def _refusal(
         self, name: str, span: Span, code: str = "kind", severity: Severity = "error"
     ) -> Diagnostic:
-        """Return the diagnostic for a name that is no finding, with the nearest one that is."""
+        """Return the diagnostic for a name that is not a finding, with the nearest known name."""
         if is_input_error(name):
             message = f"`{name}` is an error of the input, which cannot be ignored"
             return Diagnostic(code, severity, message, span, help="it is always reported: fix it")
@@ -450,7 +450,7 @@ def _names_in(rulebook: Rulebook) -> frozenset[str]:
 
 
 def _elsewhere(kind: str, span: Span, found: Iterable[Consequence]) -> str:
-    """Return where a comment belongs that hides nothing at its own line."""
+    """Return the advice where to move a comment that hides nothing at its own line."""
     for each in found:
         first = each.spans[0]
         if kind in _selectors(each) and any(
@@ -465,7 +465,7 @@ def _remark(message: str, span: Span, advice: str) -> Diagnostic:
 
 
 def _files_of_project(project: Project) -> set[str]:
-    """Return the files of which something is in a project."""
+    """Return the files with a declaration or relationship of a project."""
     configuration = project.configuration
     placed = (
         *configuration.modules,

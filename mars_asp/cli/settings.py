@@ -1,6 +1,6 @@
-"""What `mars.toml`, or `[tool.mars-asp]` of `pyproject.toml`, says: findings to report, rule packs.
+"""The settings in `mars.toml`, or in `[tool.mars-asp]` of `pyproject.toml`.
 
-The nearest of these files counts, from a folder upwards; in one folder `mars.toml` does.
+The nearest file counts, from a folder upwards; `mars.toml` precedes in the same folder.
 """
 
 import argparse
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 _OWN, _SHARED = "mars.toml", "pyproject.toml"
 #: The names of files with settings.
 SETTINGS = (_OWN, _SHARED)
-#: Where our keys are in the file that others share.
+#: The table with the settings in the shared file.
 _TABLE = ("tool", "mars-asp")
-#: A key or a header with our name in it.
+#: A key or a header with the name of this program.
 _NAMED = r"(?m)^[^=#\n]*mars-asp"
 _KEYS = ("select", "ignore", "baseline", "rules", "exclude")
-#: What the keys list whose values are lists.
+#: The entries of the keys whose values are lists.
 _LISTED = {
     "select": "kinds of findings or rules",
     "ignore": "kinds of findings or rules",
@@ -38,9 +38,9 @@ _MOST_BYTES = 1024 * 1024
 
 
 class Settings(NamedTuple):
-    """What is stated; nothing where a key is not given. Paths are seen from here.
+    """Settings; a missing key has its default. Paths are relative to the current folder.
 
-    `text` is that of the file, `table` the keys that lead to ours.
+    `text` is the content of the file, and `table` the keys of the table with the settings.
     """
 
     select: tuple[str, ...] | None = None
@@ -53,14 +53,14 @@ class Settings(NamedTuple):
     table: tuple[str, ...] = ()
 
     def place(self, *key: str | int) -> Span:
-        """Return where a key stands, or an entry of its list."""
+        """Return the location of a key, or of an entry in its list."""
         return _positions_in_toml(self.text, self.path).of(*self.table, *key)
 
     def check_named(self, named: str, *key: str | int) -> None:
         """Check that a file or folder that a key names may be read.
 
         Raises:
-            MarsError: it lies outside.
+            MarsError: the path lies outside.
         """
         try:
             check_walls(named, self.path)
@@ -71,17 +71,17 @@ class Settings(NamedTuple):
             ) from None
 
     def packs(self) -> list[Path]:
-        """Return the rule packs, paths or installed ones.
+        """Return the paths of the rule packs, also of installed ones.
 
         Raises:
-            MarsError: one lies outside.
+            MarsError: a path lies outside.
         """
         folder = Path(self.path).parent
         found: list[Path] = []
         for number, each in enumerate(self.rules):
             self.check_named(each, "rules", number)
             path = Path(each)
-            # A name is a path in the folder of the settings.
+            # The name of an installed pack was read as a path in the folder of the settings.
             installed = None
             if path.parent == folder and not os.path.exists(path):  # noqa: PTH110 -- never raises
                 from mars_asp.reasoning.packs import installed_pack
@@ -105,7 +105,7 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
     """Return the settings of a command for a folder: those of `--config`, else the nearest.
 
     Raises:
-        MarsError: the file of the settings is wrong.
+        MarsError: the options contradict each other, or the settings have errors.
     """
     if arguments.isolated and vars(arguments).get("config") is not None:
         message = "--isolated takes no settings, and --config names some"
@@ -120,10 +120,10 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
 
 
 def check_settings(arguments: argparse.Namespace) -> None:
-    """Check the file of `--config`, for commands that need no settings.
+    """Check the file of `--config` in commands that need no settings.
 
     Raises:
-        MarsError: it is not there, or wrong.
+        MarsError: the file does not exist, or has errors.
     """
     if arguments.config is not None:
         settings_of(arguments, Path())
@@ -133,14 +133,14 @@ def settings_for(folder: Path) -> Settings:
     """Return the settings for files in a folder.
 
     Raises:
-        MarsError: what is wrong with the file that has them.
+        MarsError: the file with the settings has errors.
     """
     here = folder.resolve()
     for place in (here, *here.parents):
         own, shared = place / _OWN, place / _SHARED
         if os.path.isfile(own):  # noqa: PTH113 -- false where a folder may not be entered
             return _read_settings(os.path.relpath(own), _settings_text(own), ())
-        # Most projects have one, and few say anything of robots.
+        # Most projects have this file, and few have settings for robots in it.
         if os.path.isfile(shared) and re.search(_NAMED, text := _settings_text(shared)):  # noqa: PTH113
             found = _read_settings(os.path.relpath(shared), text, _TABLE)
             if found is not NO_SETTINGS:
@@ -155,7 +155,7 @@ def _settings_text(path: Path) -> str:
 
 @lru_cache(maxsize=8)
 def _read_settings(path: str, text: str, table: tuple[str, ...]) -> Settings:
-    """Return the settings of a text; `path` is relative, as people know their files."""
+    """Return the settings of a text; messages show `path`, which is relative."""
     from mars_asp.language.toml_text import read_tables
 
     values: Any = read_tables(text, path, "settings")

@@ -1,4 +1,4 @@
-"""Commands that people are shown, to ask about the same robot again."""
+"""Commands that messages suggest for further questions about the same robot."""
 
 import argparse
 import shlex
@@ -7,15 +7,15 @@ from mars_asp.output import visible
 
 
 def command(verb: str, arguments: argparse.Namespace, *words: str) -> str:
-    """Return the command of a verb on the files that were read, as a shell takes it.
+    """Return the call of a command for the files that were read, quoted for a shell.
 
-    `words` come after the files, then what was given to read the robot by.
+    `words` follow the files; the options for reading the robot follow the words.
     """
     return visible(shlex.join(["mars-asp", verb, *arguments.files, *words, *_readings(arguments)]))
 
 
 def command_on_one(verb: str, arguments: argparse.Namespace, *words: str) -> str | None:
-    """Return the command of a verb that takes its words before its file; `None` for several."""
+    """Return the call of a command whose words precede its file; None for several files."""
     if len(arguments.files) > 1:
         return None
     lines = ["mars-asp", verb, *words, *arguments.files, *_readings(arguments)]
@@ -23,7 +23,7 @@ def command_on_one(verb: str, arguments: argparse.Namespace, *words: str) -> str
 
 
 def _readings(arguments: argparse.Namespace) -> list[str]:
-    """Return the options that say what a robot is read by: its sources, packs and format."""
+    """Return the options for reading the robot: its sources, packs and format."""
     given = (("--sources", arguments.sources), ("--rules", arguments.rules))
     words = [word for option, values in given for value in values for word in (option, value)]
     return [*words, "--from", arguments.from_format] if arguments.from_format else words

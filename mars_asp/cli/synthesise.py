@@ -54,12 +54,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the specification; 1 where an error is reported, 3 where no time was left."""
+    """Print the specification; return 1 if an error is reported, 3 if a better one may exist."""
     project = read_project(arguments)
     rulebook = rulebook_for(arguments, ("resolve", "verify"))
     analysis = analyse_project(project, rulebook, arguments)
     if project.trees:
-        # The findings are those of `check`.
+        # Launch trees have the findings of `check`.
         judging = rulebook_for(arguments, JUDGING)
         selection = Selection(arguments, judging)
         findings = judge_project(project, judging, arguments)
@@ -109,7 +109,7 @@ def minimal_specification(
     `rulebook` holds the stages `resolve` and `verify`.
 
     Raises:
-        MarsError: rules that clingo refuses, or rules in `verify` refuse the specification.
+        MarsError: clingo refuses rules, or rules in `verify` refuse the specification.
         TimeoutError: no specification was found in time.
     """
     with (

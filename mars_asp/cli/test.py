@@ -81,10 +81,10 @@ def _jobs(text: str) -> int:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what differs; 1 where a case failed or there was none.
+    """Run the cases; return 1 if one failed or there are none.
 
     Raises:
-        MarsError: what is wrong with rules or cases, all of it.
+        MarsError: rules or cases have errors.
     """
     check_settings(arguments)
     if STANDARD_INPUT in arguments.paths:
@@ -97,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _run_with_input(arguments: argparse.Namespace) -> int:
-    """Run the cases of standard input as those of a file that its text shows the kind of.
+    """Run the cases of standard input as a file, whose suffix follows from the text.
 
     Raises:
         MarsError: an option needs a file, or the rules or cases are wrong.
@@ -113,10 +113,10 @@ def _run_with_input(arguments: argparse.Namespace) -> int:
 
 
 def run_once(arguments: argparse.Namespace) -> int:
-    """Run all cases, and do what else is asked with them.
+    """Run all cases, and update, measure or report them as requested.
 
     Raises:
-        MarsError: what is wrong with rules or cases, all of it.
+        MarsError: rules or cases have errors.
     """
     rules = [Path(path) for path in arguments.rules]
     missing = [
@@ -146,7 +146,7 @@ def run_once(arguments: argparse.Namespace) -> int:
     problems: list[Diagnostic] = [problem for each in ran for problem in each.problems]
     if problems and (arguments.update or not any(each.outcome for each in ran)):
         raise MarsError(dict.fromkeys(problems))
-    # A case that cannot be run hides no other.
+    # The other cases are run even if one has errors.
     report([*unread, *dict.fromkeys(problems)], arguments)
     for each in ran:
         detail(arguments, f"{each.path}: {each.seconds:.2f} s")
@@ -168,10 +168,10 @@ def run_once(arguments: argparse.Namespace) -> int:
 
 
 def _snapshot(found: Sequence[FoundCase], rules: list[Path], arguments: argparse.Namespace) -> int:
-    """Write what robots have now as what is expected of them.
+    """Write the current results of robots into their files as the expected ones.
 
     Raises:
-        MarsError: a file is no robot, or wrong.
+        MarsError: a file is not a robot, or has errors.
     """
     others = [each.path for each in found if each.path.suffix != SUFFIX]
     if others or not found:
@@ -217,7 +217,7 @@ def _measured(
 
 
 def _update(outcomes: Iterable[Outcome]) -> None:
-    """Write what was found into the files of cases, all or none."""
+    """Write the actual results into the case files, all or none."""
     changed = []
     for outcome in outcomes:
         if outcome.updated is not None:

@@ -1,4 +1,4 @@
-"""Explanations for programs: one JSON document, or a line of JSON a step."""
+"""Explanations for programs: one JSON document, or a line of JSON for each step."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -10,12 +10,12 @@ from mars_asp.reasoning.questions.explain import Topic
 from mars_asp.reasoning.questions.why_not import WhyNot
 from mars_asp.reasoning.rules import by_name
 
-#: So many lines are written at once.
+#: So many lines are written at a time.
 _AT_ONCE = 1000
 
 
 def topics_text(subject: str | None, topics: Sequence[Topic], format: str) -> Iterator[str]:
-    """Yield the parts of topics as `json` or `jsonl`; lines as they are made."""
+    """Yield topics as `json`, or as lines of `jsonl` in batches while they are computed."""
     if format == "json":
         yield f"{encoded(topics_document(subject, topics))}\n"
         return
@@ -33,7 +33,7 @@ def topics_document(subject: str | None, topics: Sequence[Topic]) -> dict[str, o
 
 
 def why_not_document(answer: WhyNot) -> dict[str, object]:
-    """Return the reason why something is not there: a document of one topic, with more keys."""
+    """Return the reason why an atom is absent, as a document of one topic with more keys."""
     lines = [located_line_json(span) for span in answer.evidence]
     title, trace = answer.subject, trace_json(answer.trace)
     cited = [{**line, "label": ""} for line in lines]

@@ -1,4 +1,4 @@
-"""What `run` and `campaign` have in common: what is run in which scenario, and one run of it."""
+"""The common steps of `run` and `campaign`: read the input, find a specification, run a trial."""
 
 import argparse
 from collections.abc import Callable, Iterable, Mapping
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 
 
 def scenario_text(arguments: argparse.Namespace) -> "tuple[str, Path]":
-    """Return the text of the scenario, and the path that it has in places.
+    """Return the text of the scenario, and its path in locations.
 
     Raises:
-        MarsError: it cannot be read.
+        MarsError: the scenario cannot be read.
     """
     from mars_asp.language.parse import decode, read_bytes
 
@@ -41,10 +41,10 @@ def scenario_text(arguments: argparse.Namespace) -> "tuple[str, Path]":
 
 
 def read_changes(stated: Iterable[str]) -> "Changes":
-    """Return what `--vary` states, which is one value of each key.
+    """Return the value of each key in the arguments of `--vary`.
 
     Raises:
-        MarsError: it states something else.
+        MarsError: an argument is malformed, or has several values for a key.
     """
     from mars_asp.execution.scenario.vary import read_axes
 
@@ -54,7 +54,7 @@ def read_changes(stated: Iterable[str]) -> "Changes":
 def specified(
     project: "Project", arguments: argparse.Namespace
 ) -> "tuple[Configuration, Mapping[str, Module]] | None":
-    """Return the specification that is to run, and its modules; where there is none, report it."""
+    """Return the specification to run and its modules; report and return None if none exists."""
     specification = _specification(project, arguments)
     return None if specification is None else runnable(specification, project, arguments)
 
@@ -71,7 +71,7 @@ def runnable(
     from mars_asp.reasoning.synthesis.carried_modes import state_modes
     from mars_asp.reasoning.synthesis.line_inputs import state_inputs
 
-    # A specification that was made here does not repeat the blocks of its configuration.
+    # A specification that was synthesised does not repeat the blocks of its configuration.
     modules = described_modules(project.configuration, project.modules)
     rulebook = rulebook_for(arguments)
     named = state_inputs(specification, modules, rulebook)
@@ -79,7 +79,7 @@ def runnable(
 
 
 def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":
-    """Return the file's specification, or the minimal one; report it where there is none."""
+    """Return the file's specification or a minimal one; report and return None if none exists."""
     if project.configuration.kind == "specification":
         return project.configuration
     from mars_asp.reasoning.analysis import findings
@@ -105,12 +105,12 @@ def run_trial(
     rulebook: "Rulebook | None" = None,
     speed: float | None = None,
 ) -> "tuple[Trial, Judgement]":
-    """Run a specification in a scenario to its end and judge it; `show` is called with each stage.
+    """Return a finished trial and its judgement; `show` is called with each stage of the run.
 
-    A `speed` limits the run to so many times real time.
+    `speed` limits the run to so many times real time.
 
     Raises:
-        MarsError: what is unbound or cannot be used, all at once.
+        MarsError: modules are unbound or unusable; has all errors.
     """
     from mars_asp.execution.judgement import judge
     from mars_asp.execution.trial import stage_trial

@@ -1,6 +1,6 @@
 """Judge whether a specification realises a configuration, and whether it is minimal.
 
-With `--without` it is the minimal one of CONFIG that is judged, a node taken out of it.
+With `--without`, the minimal specification of CONFIG is judged without one of its nodes.
 """
 
 import argparse
@@ -41,17 +41,17 @@ from mars_asp.reasoning.verification import (
 if TYPE_CHECKING:
     from mars_asp.reasoning.questions.without import ViolatedClause
 
-#: Of the lines that a violation rests on so many are shown; JSON has all.
+#: The text shows at most so many lines of a violation; JSON has all.
 _MOST_LINES = 10
 _BELOW = "      "
 
 
 @dataclass(frozen=True, slots=True)
 class SpecificationComparison:
-    """What a specification costs and the least, each by name, or None if time was over.
+    """The cost of a specification and the minimal cost, by name; None if the time limit ended it.
 
-    `fault` says what cannot be: a specification that costs less than what was called least. It is
-    one of packs where they introduce nodes without a rule that asks for them.
+    `fault` reports a contradiction: a specification that costs less than the minimal one. Packs
+    cause it (`of_packs`) if they introduce nodes that none of their rules requires.
     """
 
     cost: Mapping[str, int] | None
@@ -85,9 +85,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what fails; 1 where something does, 3 where no time was left to compare costs.
+    """Print the violations; return 1 if there are any, 3 if time was too short to compare costs.
 
-    A specification that costs less than what was called least is a fault of this tool, and 1.
+    A specification that costs less than the minimal one is a fault of this tool or of packs: 1.
     """
     if arguments.without is not None:
         return _run_without(arguments)
@@ -102,14 +102,14 @@ def run(arguments: argparse.Namespace) -> int:
             return 2
         from mars_asp.exchange.lift import lifted
 
-        # The wiring of others is judged against what it is there for.
+        # The wiring of foreign files is judged against the configuration that it realises.
         specification = lifted(project.configuration)
     else:
         check_inputs(arguments.specification, arguments.file)
         read = read_specification(arguments, arguments.specification)
         specification, modules = read.configuration, read.modules
         project = read_project(arguments, arguments.file)
-        # Blocks of SPEC are mostly those of CONFIG, which also describes its other modules.
+        # SPEC mostly repeats blocks of CONFIG, which also describes the other modules.
         known = {(each.code, each.message) for each in project.diagnostics}
         own = (each for each in read.diagnostics if each.code != "annotations-missing")
         report((each for each in own if (each.code, each.message) not in known), arguments)
@@ -138,12 +138,12 @@ def judge_wiring(
     project: Project,
     arguments: argparse.Namespace,
 ) -> tuple[Verification, SpecificationComparison]:
-    """Return the violations of a specification and, if there is none, its cost and the minimal one.
+    """Return the violations of a specification; without any, also its cost and the minimal cost.
 
-    `modules` are those that the sources of the specification describe.
+    `modules` are described by the sources of the specification.
 
     Raises:
-        MarsError: rule packs are wrong, or rules that clingo refuses.
+        MarsError: rule packs are wrong, or clingo refuses rules.
     """
     rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
     verification = judge_specification(specification, project, rulebook, modules=modules)
@@ -177,7 +177,7 @@ def verification_json(
 def verification_lines(
     verification: Verification, compared: SpecificationComparison, width: int
 ) -> Iterator[str]:
-    """Yield the lines about violations and doubts, or the line that there are none."""
+    """Yield the lines about violations and warnings, or the line that there are no violations."""
     for violation in verification.violations:
         yield from _finding_text(f"clause {violation.clause}", violation, width)
         yield from located_lines(violation.locations, _BELOW, _MOST_LINES)
@@ -195,7 +195,7 @@ def _finding_text(head: str, found: Violation | Caution, width: int) -> Iterator
 
 
 def _run_without(arguments: argparse.Namespace) -> int:
-    """Print what breaks without a node; 1 where something does, 3 where no time was left."""
+    """Print the violations without a node; return 1 if there are any."""
     if arguments.specification is not None:
         print(
             "mars-asp verify: --without NODE judges CONFIG alone: leave out SPEC", file=sys.stderr
@@ -249,7 +249,7 @@ def _without_text(name: str, found: Sequence["ViolatedClause"], width: int) -> I
 def _compare(
     arguments: argparse.Namespace, verification: Verification, project: Project, rulebook: Rulebook
 ) -> SpecificationComparison:
-    """Compare what a specification costs with the least that a synthesis finds."""
+    """Compare the cost of a specification with the minimal cost by synthesis."""
     seconds = arguments.time_limit
     deadline = None if seconds is None else time.monotonic() + seconds
     try:

@@ -1,7 +1,7 @@
-"""A run that is shown while it goes on, by a page that is served to browsers of this machine.
+"""A live view of a run: a page that is served to browsers of this machine.
 
-The page has a path that nobody can guess, and only what names this server as its host is answered.
-It takes nothing in: what browsers ask for decides nothing.
+The path of the page is unguessable, and only requests that name this server as their host are
+answered. The page takes no input, so requests cannot affect the run.
 """
 
 import json
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
     from mars_asp.execution.judgement import Judgement
     from mars_asp.execution.trial import Trial
 
-#: As many browsers at most are served at a time.
+#: At most so many browsers are served at a time.
 _MOST = 8
-#: Seconds that a browser has to take what is sent, and all of them have at the end.
+#: Seconds that a browser has to receive data, and seconds for all browsers at the end.
 _PATIENCE, _LAST = 5.0, 1.0
-#: Seconds between two looks at whether the server is to end.
+#: Seconds between two checks whether the server must end.
 _BEAT = 0.05
-#: Pictures take at most this share of the time.
+#: Drawing takes at most this share of the time.
 _SHARE = 0.2
 
 
 class Stage:
-    """What browsers are shown; `show` replaces it by the run as it is now."""
+    """The state of the page; `show` replaces it by the current state of a run."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -43,7 +43,7 @@ class Stage:
         self._watching, self._resting = 0, 0.0
 
     def show(self, trial: "Trial", judgement: "Judgement | None" = None) -> None:
-        """Show a run; with its judgement, for the last time."""
+        """Show a run; one with a judgement has ended and is the last."""
         if judgement is None and (not self._watching or time.monotonic() < self._resting):
             return
         from mars_asp.execution.recording.picture import plot_run
@@ -63,7 +63,7 @@ class Stage:
             self._changed.notify_all()
 
     def close(self) -> None:
-        """End when every browser has what was shown last, or is too slow."""
+        """End when every browser has received the last state, or is too slow."""
         with self._changed:
             self._over = True
             self._changed.notify_all()
@@ -71,7 +71,7 @@ class Stage:
 
     @contextmanager
     def watched(self) -> Iterator[bool]:
-        """Count a browser in; whether there is room for it."""
+        """Register a browser until the block ends; yield whether there is room for it."""
         with self._changed:
             room = self._watching < _MOST and not self._over
             self._watching += room
@@ -97,7 +97,7 @@ class Stage:
 
 @contextmanager
 def watched(title: str) -> Iterator[Stage | None]:
-    """Yield the stage of a page that shows a run, and print its address; None if none is served."""
+    """Yield the stage of a page that shows a run, and print its address; None if serving fails."""
     stage, path = Stage(), f"/{secrets.token_urlsafe(24)}/"
     try:
         server = _WatchServer(stage, path, _page(title).encode())
@@ -126,7 +126,7 @@ def _page(title: str) -> str:
 
 
 def _state(trial: "Trial", judgement: "Judgement | None") -> str:
-    """Return a sentence for those who read, and do not see, what is shown."""
+    """Return the state of a run as a sentence that screen readers can read out."""
     clearance = trial.clearance
     near = f", least clearance {clearance:.0f} mm" if clearance < float("inf") else ""
     spent = f"{trial.executor.schedule.now / 1e9:.1f} of {trial.scenario.duration:g} s"
@@ -135,7 +135,7 @@ def _state(trial: "Trial", judgement: "Judgement | None") -> str:
 
 
 class _WatchServer(ThreadingHTTPServer):
-    """Serves a page at a path, and what a stage shows beside it, to this machine alone."""
+    """A server of a page and of the states of a stage that only this machine can reach."""
 
     daemon_threads = True
 
@@ -145,13 +145,13 @@ class _WatchServer(ThreadingHTTPServer):
         self.host = f"127.0.0.1:{self.server_address[1]}"
 
     def serve(self) -> None:
-        """Serve until it is closed."""
-        # Code that a run imports may close what it likes; the run goes on.
+        """Serve until the server is closed."""
+        # Code that a run imports may close the socket; the run continues.
         with suppress(OSError, ValueError):
             self.serve_forever(_BEAT)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Report nothing: a browser that went away is no fault."""
+        """Ignore browsers that went away."""
 
 
 class _Answer(BaseHTTPRequestHandler):
@@ -159,7 +159,7 @@ class _Answer(BaseHTTPRequestHandler):
     timeout = _PATIENCE
 
     def do_GET(self) -> None:
-        """Send the page, or what is shown as it changes."""
+        """Send the page, or the states of its stage as they change."""
         path = self.path.encode("utf-8", "replace")
         host = self.server.host
         ours = self.headers.get("Host") == host
@@ -194,4 +194,4 @@ class _Answer(BaseHTTPRequestHandler):
         self.end_headers()
 
     def log_message(self, *_: object) -> None:
-        """Report nothing: what browsers ask for is no result."""
+        """Log no requests."""

@@ -1,18 +1,18 @@
-"""Who won at an arbiter from when on and why, in rows that people read."""
+"""The winners at an arbiter with the times and reasons, in rows for the text of a run."""
 
 from collections.abc import Iterator, Sequence
 
-#: An instant in seconds, who held control from then on, and why.
+#: An instant in seconds, the holder of control from then on, and the reason.
 Row = tuple[float, str, str]
 
-#: Two winners that take turns so often or more are told once.
+#: Two winners that take turns at least so often are listed once.
 _TURNS = 20
 
 
 def in_turn(rows: Sequence[Row]) -> Iterator[Row]:
-    """Yield rows; of two winners that take turns for the same reasons only the first turn of each.
+    """Yield rows; of two winners that take turns for the same reasons, only the first turn of each.
 
-    A third row tells how often they go on, and until when.
+    A third row has the number of further turns, and their end.
     """
     at = 0
     while at < len(rows):

@@ -1,8 +1,8 @@
 """The worker: the child in which a command works, so that no input can hang or kill the command.
 
 Grounding cannot be interrupted, and some programs abort the process. The command waits for its
-worker, ends it at once when it is ended itself, and is the only one that writes results. These
-cross a pipe as messages (`deliver`). The last one has the exit status, so a worker that was ended
+worker, ends it at once when the command itself is ended, and alone writes results. Results cross a
+pipe as messages (`deliver`). The last message has the exit status, so a worker that was ended
 writes nothing.
 """
 
@@ -24,12 +24,12 @@ from mars_asp.cli.limits import memory_limit, run_plain, say_memory_ended
 from mars_asp.cli.progress import clear_line
 from mars_asp.output import visible
 
-#: Seconds after the time limit for the worker's own message: less than the second allowed.
+#: Seconds after the time limit for the worker's own message: less than the allowed second.
 _GRACE_SECONDS = 0.3
 
 
 class Ended(BaseException):
-    """A signal asks the command to end, or its time is over."""
+    """A signal requires the command to end, or its time is over."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -37,10 +37,10 @@ class Ended(BaseException):
 
 
 def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
-    """Return a verb's exit status; 3 where a time or memory limit ended it."""
-    # What both have in common is not written to, and so not copied, by a collection in the worker.
+    """Return the exit status of a command; 3 if a limit of time or memory ended it."""
+    # A collection in the worker must not write to, and so copy, the shared memory.
     gc.freeze()
-    # A run makes millions of values and hardly a cycle, so it is enough to look for some rarely.
+    # A run creates millions of values and hardly a cycle, so rare collections suffice.
     gc.set_threshold(1_000_000, 20, 20)
     gc.enable()
     if not hasattr(os, "fork"):
@@ -64,9 +64,9 @@ def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.
 
 
 def read_standard_input(most: int = -1) -> bytes:
-    """Return the content of standard input, at most so many bytes.
+    """Return the content of standard input, at most `most` bytes.
 
-    A terminal is read by the group of processes in its foreground, and that is the command's.
+    Only the foreground process group may read a terminal, and the command is in that group.
     """
     grouped = contained.leader is not None and sys.stdin.isatty()
     if grouped:
@@ -80,7 +80,7 @@ def read_standard_input(most: int = -1) -> bytes:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Raise `Ended` where a signal asks the command to end."""
+    """Raise `Ended` if a signal requires the command to end."""
 
     def end(number: int, frame: FrameType | None) -> None:
         for other in contained.ENDING:
@@ -133,10 +133,10 @@ def _await(worker: contained.Child, arguments: argparse.Namespace) -> int:
 
 
 def _patience(worker: contained.Child, result: deliver.WorkerOutput) -> float | None:
-    """Return the seconds that a worker has for its end; None if it has no time limit."""
+    """Return the seconds that a worker has to end; None if it has no time limit."""
     if result.status is None:
         return 0.0
-    # Code of the user may hold up a worker that has sent its status.
+    # User code may delay a worker that has sent its status.
     left = worker.until - time.monotonic()
     return None if left == math.inf else max(0.0, left)
 
@@ -162,15 +162,15 @@ def _paused_together(worker: int) -> Iterator[None]:
 def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
     """Report why a worker ended without its end mark; return the exit status.
 
-    `code` are the files of others whose code it ran.
+    `code` are the files of the user whose code it ran.
     """
     if code:
         files = " or ".join(f"`{visible(path)}`" for path in code)
         print(f"mars-asp: the code of {files} ended the run, so it failed", file=sys.stderr)
         return 1
     most = memory_limit(arguments)
-    # Where no memory is left, libraries end the process in ways of their own. They ask for much at
-    # a time, so that a good part of what was allowed may be left. The unit is the system's.
+    # Without memory, libraries end the process in various ways. They allocate much at a time, so a
+    # good part of the allowed memory may be unused. The unit depends on the system.
     used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
     megabytes = used / (1024 * 1024 if sys.platform == "darwin" else 1024)
     if most is not None and megabytes > most / 2:
@@ -187,7 +187,7 @@ def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> 
         print("mars-asp: the system ended this; was memory short?", file=sys.stderr)
         return 3
     name = signal.Signals(number).name
-    # No other quotient ends clingo.
+    # Only this quotient ends clingo.
     why = ": does a rule divide -2147483648 by -1?" if number == signal.SIGFPE else ""
     print(f"mars-asp: the reasoner crashed ({name}), so there is no result{why}", file=sys.stderr)
     return 2

@@ -1,4 +1,4 @@
-"""How wide text for people is, and how it is broken into lines."""
+"""The width of text for people, and its breaks into lines."""
 
 import os
 import re
@@ -9,36 +9,36 @@ from contextlib import suppress
 from mars_asp.asp.units import UNIT
 from mars_asp.output import counted, listing
 
-#: Where nobody says how wide a line may be.
+#: The width of a line by default.
 _COLUMNS = 80
-#: Text in fewer columns than this cannot be read anyway.
+#: Text in fewer columns is unreadable.
 _FEWEST = 20
-#: A word, what is written between backticks unless that is long, and a number with its unit. A
-#: backtick behind a letter or a full stop closes what is quoted, also where that holds backticks.
+#: A word, a short text between backticks, and a number with its unit. A backtick after a letter or
+#: a full stop closes the quoted text, even if that contains backticks.
 _WORD = rf"(?:(?<![\w.`])`[^`]{{0,40}}`|\d (?={UNIT})|\S)+"
-#: The rule or code that a text ends with.
+#: The rule or code at the end of a text.
 _REFERENCE = "(?:\x1b\\[[0-9;]*m)*\\[[^\\s\\[]*\\](?:\x1b\\[[0-9;]*m)*"
 _STYLE = re.compile("\x1b\\[[0-9;]*m")
 
 
 def columns(stream: object) -> int:
-    """Return how many columns a stream has: `COLUMNS`, else the terminal's, else 80."""
+    """Return the number of columns of a stream: `COLUMNS`, else the terminal's, else 80."""
     with suppress(ValueError):
         wanted = int(os.environ.get("COLUMNS", ""))
         if wanted > 0:
             return max(wanted, _FEWEST)
     isatty = getattr(stream, "isatty", None)
-    # In a worker standard output is a pipe to the command, so each stream is asked.
+    # In a worker standard output is a pipe to the command, so each stream is tried.
     for number in (1, 2, 0) if isatty and isatty() else ():
         with suppress(OSError, ValueError):
-            # A terminal that does not know its size says 0.
+            # A terminal of unknown size has 0 columns.
             if found := os.get_terminal_size(number).columns:
                 return max(found, _FEWEST)
     return _COLUMNS
 
 
 def cells(text: str) -> int:
-    """Return how many columns of a terminal a text takes; styles take none."""
+    """Return the number of terminal columns of a text; styles have none."""
     if text.isascii():
         return len(_STYLE.sub("", text) if "\x1b" in text else text)
     return sum(map(_cells_of, _STYLE.sub("", text)))
@@ -51,11 +51,10 @@ def _cells_of(character: str) -> int:
 
 
 def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[str]:
-    """Break a text at blanks into lines of a width; only a word that is longer is wider.
+    """Break a text at blanks into lines of a width; only a longer word exceeds it.
 
-    What is written between backticks is a word, unless it is long. The first line begins with
-    `first`, each further one with `further`. A reference at the end takes a word along where it
-    has to go to the next line.
+    A text between backticks is one word unless it is long. The first line begins with `first`, each
+    further line with `further`. A reference alone on the last line takes the word before it along.
     """
     # Most sentences need one line.
     if len(first) + len(text) <= width and text.isascii() and " ".join(text.split()) == text:
@@ -76,13 +75,13 @@ def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[s
     return [head + " ".join(words) for head, words in zip(heads, lines, strict=True)]
 
 
-#: The units of costs that count something, by their names.
+#: The units of costs that are numbers of things, by the names of the costs.
 _UNITS = {"nodes": "node", "relationships": "relationship"}
 _CONVERSION = "conversion"
 
 
 def compared(extra: Mapping[str, int]) -> str:
-    """Return how costs differ, by the names of costs; "costs the same" if they are equal.
+    """Return the difference of costs in words; "costs the same" if there is none.
 
     `{"nodes": 1, "conversion": 2}` is `costs 1 node more, conversion cost +2`.
     """
@@ -98,7 +97,7 @@ def compared(extra: Mapping[str, int]) -> str:
 
 
 def spent(costs: Mapping[str, int]) -> str:
-    """Return costs by their names in words, as `2 nodes and 6 relationships`; nothing for none."""
+    """Return costs in words, as in `2 nodes and 6 relationships`; empty if all are 0."""
     counts = [
         f"conversion cost {number}" if name == _CONVERSION else counted(number, _UNITS[name])
         for name, number in costs.items()
