@@ -139,8 +139,8 @@ def say_memory_ended(arguments: argparse.Namespace) -> None:
     if hasattr(os, "fork"):
         _lift()  # reporting takes some memory
     most = memory_limit(arguments)
-    asked = arguments.memory_limit is not None
-    half = "" if asked else ", half of what there is; --memory-limit MB allows more"
+    is_explicit = arguments.memory_limit is not None
+    half = "" if is_explicit else ", half of what there is; --memory-limit MB allows more"
     text = "" if most is None else f" of {most:.0f} MB{half}"
     print(f"mars-asp: the memory limit{text} ended this", file=sys.stderr)
 

@@ -22,7 +22,7 @@ class Kind:
     sort: str
     rules: tuple[Rule, ...]
     #: The definition of a kind of node in a pack.
-    stated: PackKind | None = None
+    definition: PackKind | None = None
     #: The name of such nodes in `.mars` files.
     called: str | None = None
 
@@ -55,7 +55,7 @@ def kind_document(kind: Kind) -> Iterator[str]:
     else:
         yield f"## {kind.called}"
         yield f"A kind of node, `{kind.name}` in rules."
-    declared = kind.stated
+    declared = kind.definition
     if declared is not None:
         takes = "several inputs" if declared.inputs == "several" else "one input"
         yield f"It carries {declared.carries}, with {takes} and {_OUTPUTS[declared.outputs]}."
@@ -64,7 +64,7 @@ def kind_document(kind: Kind) -> Iterator[str]:
 
 def kind_json(kind: Kind) -> dict[str, object]:
     """Return a kind as JSON."""
-    declared = kind.stated
+    declared = kind.definition
     more: dict[str, object] = {}
     if declared is not None:
         more = {

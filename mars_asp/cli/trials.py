@@ -40,7 +40,7 @@ def scenario_text(arguments: argparse.Namespace) -> "tuple[str, Path]":
     return decode(read_bytes(path), str(path)), path
 
 
-def read_changes(stated: Iterable[str]) -> "Changes":
+def read_changes(texts: Iterable[str]) -> "Changes":
     """Return the value of each key in the arguments of `--vary`.
 
     Raises:
@@ -48,7 +48,7 @@ def read_changes(stated: Iterable[str]) -> "Changes":
     """
     from mars_asp.execution.scenario.vary import read_axes
 
-    return {axis.key: axis.only for axis in read_axes(stated)}
+    return {axis.key: axis.only for axis in read_axes(texts)}
 
 
 def specified(
