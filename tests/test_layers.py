@@ -76,7 +76,7 @@ FILES = {
         "data_lines specify preferences synthesise"
     ),
     "reasoning/questions": (
-        "unrealised sharing account capability needs subject stated asked alternatives "
+        "unrealised sharing account capability needs subject relationship_query asked alternatives "
         "annotation_edits changes "
         "connected blame edits explain "
         "launch_trees diff failed_value near_miss repair fix why_not why_no_finding absences "

@@ -43,7 +43,11 @@ from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.launch_trees import analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, Sort, Topic, explain
-from mars_asp.reasoning.questions.stated import StatedRelationship, lines_meant, stated
+from mars_asp.reasoning.questions.relationship_query import (
+    RelationshipQuery,
+    lines_meant,
+    read_relationship,
+)
 from mars_asp.reasoning.questions.subject import NothingToExplainError
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.rules import NODES, by_name
@@ -474,7 +478,7 @@ def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DE
     """
     from mars_asp.reasoning.questions.why_not import why_not
 
-    line = stated(atom, reasoner.project)
+    line = read_relationship(atom, reasoner.project)
     answer = why_not(reasoner, atom if line is None else line.atom, _levels(depth))
     if line is None or line.atom == atom:
         return answer
@@ -542,7 +546,7 @@ def _why_no_finding(
     return why_no_finding(project, analysis, rules, rulebook_for(arguments), subject, levels)
 
 
-def _of_line(answer: str, relationship: StatedRelationship) -> str:
+def _of_line(answer: str, relationship: RelationshipQuery) -> str:
     """Return an answer about an atom as one about the relationship of the same meaning."""
     reason = answer.removeprefix(f"No {relationship.atom}: ")
     if reason != answer:

@@ -21,7 +21,7 @@ _WORD = re.compile(r"[^\W\d]\w*")
 _PLACE = re.compile(r"(.*):([0-9]{1,18})")
 
 
-class StatedRelationship(NamedTuple):
+class RelationshipQuery(NamedTuple):
     """A relationship as a configuration states it, each end with its port where one is named."""
 
     keyword: str
@@ -45,7 +45,7 @@ def _quoted_name(name: str) -> str:
     return name if _WORD.fullmatch(name) else quoted(name)
 
 
-def stated(subject: str, project: Project) -> StatedRelationship | None:
+def read_relationship(subject: str, project: Project) -> RelationshipQuery | None:
     """Return the relationship that a subject states in the syntax of a configuration, or None.
 
     Raises:
@@ -53,7 +53,7 @@ def stated(subject: str, project: Project) -> StatedRelationship | None:
     """
     atom, words = _ATOM.fullmatch(subject), _RELATIONSHIP.fullmatch(subject)
     if atom is not None:
-        return StatedRelationship(atom[1], _end_text(atom[2]), _end_text(atom[3]))
+        return RelationshipQuery(atom[1], _end_text(atom[2]), _end_text(atom[3]))
     if words is None or subject in {name.text for name in project.configuration.modules}:
         return None
     if words[2] not in _KEYWORDS:
@@ -62,7 +62,7 @@ def stated(subject: str, project: Project) -> StatedRelationship | None:
             return None
         message = f"`{words[2]}` is not a relationship"
         raise wrong_subject(project, message, f"did you mean `{near}`?")
-    return StatedRelationship(words[2], _end_text(words[1]), _end_text(words[3]))
+    return RelationshipQuery(words[2], _end_text(words[1]), _end_text(words[3]))
 
 
 def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
@@ -84,7 +84,7 @@ def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
             help_text = "name a line with a relationship or an annotation"
             raise wrong_subject(project, f"nothing is stated at {subject}", help_text)
         return found
-    wanted = stated(subject, project)
+    wanted = read_relationship(subject, project)
     if wanted is None:
         return ()
     lines = tuple(
@@ -107,20 +107,20 @@ def _end_text(text: str) -> str:
     return text if read is None else end(*read)
 
 
-def _forms(line: Mount | Control | Data) -> Iterator[StatedRelationship]:
+def _forms(line: Mount | Control | Data) -> Iterator[RelationshipQuery]:
     """Yield the forms of a relationship, with and without its ports."""
     match line:
         case Mount():
-            yield StatedRelationship("is_mounted_on", written(line.mounting), written(line.mounted))
+            yield RelationshipQuery("is_mounted_on", written(line.mounting), written(line.mounted))
         case Control():
-            yield StatedRelationship(
+            yield RelationshipQuery(
                 "is_controlled_by", written(line.controlled), written(line.controller)
             )
         case Data():
             for client in {None, line.client_port}:
                 for source in {None, line.source_port}:
                     left, right = end(line.client, client), end(line.source, source)
-                    yield StatedRelationship("uses_data_from", left, right)
+                    yield RelationshipQuery("uses_data_from", left, right)
 
 
 def _statement_spans(project: Project) -> Iterator[Span]:
