@@ -175,8 +175,7 @@ def diagnostic_text(
     """Return the concise text of a diagnostic, and the lines with its details.
 
     The details are the quoted line with a caret at the location, further locations with labels,
-    the effect and the help. `width` bounds all lines except quoted ones, long words and a whole
-    head.
+    the effect and the help. `width` bounds lines, except quoted ones, long words and whole heads.
     long words and a whole head.
     """
     message = _named_message(diagnostic, coloured)
