@@ -73,14 +73,14 @@ def specifying(tree: Tree, fed: frozenset[str]) -> Configuration:
 
 
 def expected_target(motions: Motions, function: str) -> frozenset[str] | None:
-    """Return who carries out an inherited function, none where it is not inherited."""
+    """Return the modules that carry out an inherited function, or None if it is not inherited."""
     if givers := motions.givers(function):
         return frozenset(givers[:1])
     return motions.supports(function)[0] if motions.emergent(function) else None
 
 
 def differences(seed: int, seen: Counter[str]) -> Iterator[str]:
-    """Yield what differs for a random mount tree; count what it shows."""
+    """Yield each difference for a random mount tree; count the cases that it covers in `seen`."""
     tree, chooser = random_tree(seed), random.Random(f"commands {seed}")
     motions = {name: Motions(tree, name, seed) for name in tree.parts}
     camera = motions["Cam"]

@@ -1,7 +1,7 @@
 """Effective control against a plain reading of the language reference, section 5.
 
-Random robots of translations and quarter turns are judged twice: by the rules, and by what the
-reference says, in Python that knows no rule. More of them by hand:
+Random robots of translations and quarter turns are judged twice: by the rules, and by a Python
+version of the reference that uses no rule. To try more robots by hand:
 
     python -m tests.reasoning.test_effective FIRST LAST
 """
@@ -159,7 +159,7 @@ class Input:
 
 
 class Reading:
-    """What the reference says of a robot."""
+    """The verdicts of the language reference on a robot, computed without the rules."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
@@ -169,7 +169,7 @@ class Reading:
         return frozenset() if module in self.robot.undescribed else self.robot.own[module]
 
     def carriers(self, module: str) -> Iterator[tuple[str, list[str]]]:
-        """Yield what carries a module, nearest first, with the turns on the way."""
+        """Yield each carrier of a module, nearest first, with the axes of the turns on the way."""
         turns: list[str] = []
         while module in self.robot.mounts:
             module, axis = self.robot.mounts[module]
@@ -239,7 +239,7 @@ class Reading:
         return found
 
     def findings(self) -> Iterator[Finding]:
-        """Yield what the reference says is to be found."""
+        """Yield the findings that the reference requires."""
         for module in self.robot.own:
             inputs = self.inputs(module)
             everybody = frozenset(c for each in inputs for c in each.spoken)
@@ -334,7 +334,7 @@ KINDS = frozenset(
 
 
 def found(robot: Robot) -> list[Finding]:
-    """Return what the rules find."""
+    """Return the sorted findings of the rules for a robot."""
     project = load_project("robot.mars", text=robot.text())
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
     findings = []
@@ -362,7 +362,7 @@ def _key(finding: Finding) -> tuple[str, str, list[str], str]:
 
 
 def expected(robot: Robot) -> list[Finding]:
-    """Return what the reference says."""
+    """Return the sorted findings that the reference requires for a robot."""
     return sorted(Reading(robot).findings(), key=_key)
 
 

@@ -1,7 +1,7 @@
 """Ports mean what modules apart would: one for each output and one for each input that is named.
 
-Both texts are written from the same draft, neither from the other, so nothing here knows how ports
-are told to the rules.
+Both texts are written from the same draft, neither from the other, so nothing here depends on the
+facts that describe ports to the rules.
 """
 
 from dataclasses import replace
@@ -132,7 +132,7 @@ def test_a_port_of_a_specification_is_not_taken_for_another(seed: int) -> None:
     swapped = 0
     for at, line in enumerate(configuration.relationships):
         assert isinstance(line, Data)
-        # A line without an input means one, maybe the same, so that is no other line.
+        # A line without an input may mean the same input, so only its output is changed.
         others = [replace(line, source_port=None)]
         for port in (f"out{o}" for o in range(3) if line.source_port not in (None, f"out{o}")):
             others.append(replace(line, source_port=port))

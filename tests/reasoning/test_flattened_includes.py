@@ -70,7 +70,7 @@ class Line(NamedTuple):
 
 
 class Draft(NamedTuple):
-    """A file: its own modules with their kinds, its lines, and what it includes.
+    """A file: its own modules with their kinds, its lines, and its includes.
 
     `here` is whether blocks are in the file itself, else they are in a source that all share.
     """
@@ -83,7 +83,7 @@ class Draft(NamedTuple):
     stated: bool
 
     def kind(self, name: str) -> str:
-        """Return what a block is called that describes modules of this file."""
+        """Return the name of the block that describes a module of this file."""
         return f"{name}{ident(self.path)}" if self.here else f"Any{name}"
 
 
@@ -93,9 +93,9 @@ def ident(path: str) -> str:
 
 
 class Flat(NamedTuple):
-    """What a draft stands for: modules with their kinds, lines, and converters.
+    """The meaning of a draft in one file: modules with their kinds, lines, and converters.
 
-    These are by their name and whether sources describe them, which every file shares.
+    Converters are keyed by name and by whether a source, shared by all files, describes them.
     """
 
     names: dict[str, str | None]

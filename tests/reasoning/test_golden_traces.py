@@ -86,7 +86,7 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
 
 def goldens(stage: str) -> Iterator[tuple[Rule, str]]:
     """Yield each rule of a stage with the text of the first trace that ends in it."""
-    # A constraint derives nothing: what it says is said where no answer is left.
+    # A constraint derives nothing: its sentence appears only if no answer set is left.
     rules = [r for r in rulebook_of(stage).rules if r.stage == stage and r.because and r.heads]
     wanted = {r.span: r for r in rules}
     firing: dict[Path, set[Span]] = {}

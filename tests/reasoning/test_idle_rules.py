@@ -1,4 +1,4 @@
-"""What is grounded without the rules that cannot fire is what is grounded with all of them."""
+"""Grounding without the rules that cannot fire derives the same facts as with all rules."""
 
 import random
 from collections.abc import Sequence
@@ -68,7 +68,7 @@ def test_idle_rules_change_nothing(number: int) -> None:
 
 
 def derived(project: Project, stage: str, able: bool, *more: Fragment) -> Sequence[str]:
-    """Return all that the base and a stage derive and say."""
+    """Return the sorted facts of a grounding of the base and a stage, sentences included."""
     grounding = Grounding(program(project, able))
     speakers = [rule for rule in RULEBOOK.rules if rule.stage == stage and rule.because]
     rules = [*RULEBOOK.fragments(stage), *saying(stage, speakers), *more]

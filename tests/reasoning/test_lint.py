@@ -1,6 +1,6 @@
 """Lint finds each planted fault in `tests/lint/faults`, and nothing in `tests/lint/correct`.
 
-A line `%~ CODE ...` says what is wrong with its rule; `^` that this is one line further up.
+A comment `%~ CODE ...` names the faults of its line; `^` moves them one line further up.
 """
 
 import re

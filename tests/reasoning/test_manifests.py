@@ -1,6 +1,6 @@
-"""Manifests of rule packs and where their rules lie: what is wrong is told at its place.
+"""Manifests of rule packs and where their rules lie: each fault is reported at its place.
 
-Packs are folders in `tests/manifests`, each with what an analysis says of it in `expected.txt`.
+Packs are folders in `tests/manifests`, each with the output of an analysis in `expected.txt`.
 """
 
 from pathlib import Path

@@ -60,7 +60,7 @@ def read(text: str, reasoner: Reasoner) -> Configuration:
 
 
 def lines_of(text: str) -> list[str]:
-    """Return what a specification says, in whatever order: its modules, and each of its lines."""
+    """Return the modules and lines of a specification, sorted, so that order has no effect."""
     body = text.partition("\n@module_start")[0]
     head, _, rest = body.partition("@modules ")
     named, lines = [], rest.splitlines()

@@ -121,7 +121,7 @@ def reaches(columns: Iterable[Matrix], unit: Matrix) -> bool:
 
 
 def shifts(provider: str, twists: dict[tuple[str, str], Matrix], direction: Matrix) -> bool:
-    """Say whether the provider's turns that make up one along a direction also shift the leaf."""
+    """Whether the provider's turns that make up one along a direction also shift the leaf."""
     turning = [t for joint, t in twists.items() if joint[0] == provider and "Rotn" in joint[1]]
     matrix = np.array(turning).T
     shares, *_ = np.linalg.lstsq(matrix[:3], direction, rcond=1e-6)

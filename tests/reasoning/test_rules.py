@@ -153,7 +153,7 @@ LISTS_WITHOUT_A_CASE = {
 
 
 def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Rulebook) -> None:
-    """Whoever adds a rule adds two cases in `tests/rules`: see `mars_asp/asp/cases/coverage.py`."""
+    """A new rule needs two cases in `tests/rules`: see `mars_asp/asp/cases/coverage.py`."""
     # Accounts need whole configurations: `tests/accounts` uses each of their rules.
     found = covered(rulebook, [rule for rule in rulebook.rules if rule.stage != STAGE])
     silent = [rule for rule in found.silent if not rule.text.startswith(WITHOUT_A_CASE)]
@@ -166,7 +166,7 @@ def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Ruleb
 
 
 def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
-    """`who` and `at` are no rules of the files, so that mutants of these do not try them."""
+    """Mutants of the rules in files do not cover `who` and `at`, which are not such rules."""
     listed = [each for each in rulebook.rules if each.listed is not None]
     lists = sample(listed, 3)
     stages = {rule.stage for rule in lists}
@@ -191,7 +191,7 @@ def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook:
 
 
 def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: Rulebook) -> None:
-    """A label is said of a place in a case; of one that no rule labels nothing is said."""
+    """Each label of a rule appears at a place in at least one case."""
     finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]
     grave = [r for r in finding if "consequence(" in r.text and ", note," not in r.text]
     assert [r.id for r in grave if not (r.effect or "").endswith(".")] == []

@@ -39,7 +39,7 @@ def test_packs(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """`rules lint` says what an analysis says, though it has other robots."""
+    """`rules lint` reports the errors of an analysis, though it tries other robots."""
     monkeypatch.chdir(ROOT)
     pack = str(path.relative_to(ROOT))
     assert run_here(["analyse", ROBOT, "--rules", pack]) == 2
@@ -64,17 +64,17 @@ def test_packs(
 
 
 def _blocks(told: str) -> list[str]:
-    """Return what is said, finding by finding."""
+    """Return the printed text, split before each finding."""
     return re.split(r"(?m)^(?=\S+:\d+:\d+: (?:error|warning|note):)", told)
 
 
 def _errors(told: str) -> str:
-    """Return what is said but for what lint alone finds."""
+    """Return the printed text without its warnings, which lint alone finds."""
     return "".join(each for each in _blocks(told) if not re.match(r"\S+ warning:", each))
 
 
 def _plain(told: str) -> str:
-    """Return what is said without the numbers of a robot."""
+    """Return the printed text without values of `N`, which depend on the robot."""
     return re.sub(r"`N` is \d+", "", told)
 
 

@@ -93,7 +93,7 @@ MANY = 200
 
 
 def paths(specification: Configuration, nodes: frozenset[str]) -> Counter[tuple[str, str, str]]:
-    """Count the paths through nodes from each module to each module, for data and for control."""
+    """Count the paths through nodes between each pair of modules, of data and of control."""
     found: Counter[tuple[str, str, str]] = Counter()
     data = [(r.source, r.client) for r in specification.relationships if isinstance(r, Data)]
     control = [
@@ -460,7 +460,7 @@ def test_many_ranked_inputs_are_judged_in_proportion_to_their_number() -> None:
 
 
 def judged(text: str, configuration: str) -> tuple[list[str], list[str]]:
-    """Return what is said against a specification; it is the same in a grounding of its own."""
+    """Return violations and cautions of a specification, whichever grounding is used."""
     project = Project(parse_text(configuration, "c.mars").configuration, {}, ())
     alone = judge_specification(parsed(text), project, RULEBOOK)
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)

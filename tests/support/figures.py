@@ -199,7 +199,7 @@ def _identifiers(code: str, pattern: re.Pattern[str]) -> dict[str, int]:
 
 
 def names_speech(name: str) -> bool:
-    """Whether an identifier has *told*, *said*, *asked*, *behind* or *stated* as a part."""
+    """Whether a part of an identifier is one of the words in `_PARTS_TO_AVOID`."""
     return not _PARTS_TO_AVOID.isdisjoint(map(str.lower, _IDENTIFIER_PART.findall(name)))
 
 

@@ -118,7 +118,7 @@ def _control(rng: random.Random, names: list[str], lines: list[str], modules: in
 
 
 def random_twins(seed: int) -> str:
-    """Return a random configuration twice over, where all conversions cost the same.
+    """Return a random configuration twice over in which all conversions cost the same.
 
     The cost of a converter then counts for each transformer that applies it, for many converters
     and for both twins. Some modules hold several converters.
@@ -282,7 +282,7 @@ def _offered(text: str, bodies: Sequence[str]) -> Mapping[str, set[str]]:
 
 
 def random_control(seed: int) -> str:
-    """Return a random configuration of controllers that all command `Trans_Z`, for a run.
+    """Return a random configuration to run, whose controllers all command `Trans_Z`.
 
     Riders have no motion and are carried by modules with one, on mounts without rotation. Some
     carry an onlooker, which is rotated and has no controller.

@@ -2,7 +2,7 @@
 
 `a` and `b` are propositions, `p`, `q` and `r` are about 1 and 2, `s` about pairs of them. Recursion
 is free through positive literals and monotone aggregates. Negated, conditional and exactly counted
-atoms are of an earlier stratum, except in some loops through negation, for which clingo picks an
+atoms are of an earlier stratum, except in some loops through negation: with these, clingo picks an
 answer set or finds none.
 """
 

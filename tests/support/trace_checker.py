@@ -73,7 +73,7 @@ def _body(literals: Iterable[ast.AST], place: str | None, values: Values) -> Ite
 
 
 def _need(atom: ast.AST) -> str:
-    """Return how many elements support an aggregate, for positive weights: none, enough or all."""
+    """Return how many elements support an aggregate of positive weights: none, enough or all."""
     least = getattr(atom, "function", None) == ast.AggregateFunction.Min
     up, down = (_DOWN, _UP) if least else (_UP, _DOWN)
     left = [] if atom.left_guard is None else [atom.left_guard.comparison]

@@ -98,7 +98,7 @@ class Wire:
         self.tell("textDocument/didChange", params)
 
     def spent(self) -> float:
-        """Return the processor seconds of the thread that answers, where the system tells them."""
+        """Return the processor seconds of the server's main thread, or NaN without `/proc`."""
         result = Path(f"/proc/{self._server.pid}/schedstat")
         return int(result.read_text().split()[0]) / 1e9 if result.is_file() else float("nan")
 
@@ -109,7 +109,7 @@ class Wire:
         return self._server.wait(SECONDS)
 
     def drain(self) -> None:
-        """Take what was sent and nobody has asked for."""
+        """Discard the messages that have arrived and were not read."""
         while True:
             try:
                 message = self._heard.get_nowait()
@@ -183,7 +183,7 @@ def asked_at(text: str, uri: str, rng: random.Random) -> tuple[str, dict[str, ob
 
 
 def main(edits: int) -> None:
-    """Edit and ask; print how often, and every error that is no refusal."""
+    """Send random edits and requests; print their number and each error except refusals."""
     rng = random.Random(edits)
     found = [*ROOT.glob("tests/lsp/robot/*.*"), *ROOT.glob("examples/own-rules/rules/*.lp")]
     with tempfile.TemporaryDirectory() as name:
@@ -206,7 +206,7 @@ def main(edits: int) -> None:
             error = wire.ask(method, params).get("error")
             if method != "textDocument/codeAction":
                 slowest = max(slowest, time.monotonic() - began)
-            # A name that cannot be given is refused, and says why.
+            # The server refuses an invalid new name with this code.
             if error is not None and error["code"] != -32803:
                 errors += 1
                 print(method, error)
