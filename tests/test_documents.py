@@ -1,4 +1,4 @@
-"""Documents: commands print what pages show, links resolve, and lines are short."""
+"""Documents: commands print the output that pages show, links resolve, and lines are short."""
 
 import re
 import shlex

@@ -127,7 +127,7 @@ def test_cases_notice_a_mutant_that_changes_an_answer_and_no_other() -> None:
 
 
 def test_known_survivors_are_still_mutants_and_have_a_reason() -> None:
-    """The list may only shrink: entries that no longer survive or are no mutants are removed."""
+    """The list may only shrink: remove entries that are killed or cease to be mutants."""
     known = known_survivors()
     assert len({survivor.key for survivor in known}) == len(known) <= MOST_SURVIVORS
     paths = {survivor.path for survivor in known}

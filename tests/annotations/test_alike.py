@@ -59,7 +59,7 @@ def mutated(seed: int) -> str:
             [rng.randrange(len(text) + 1), *(n for n, c in enumerate(text) if c == "\n")]
         )
         text = text[:at] + rng.choice(PUT) + text[at + rng.choice((0, 0, 0, 1, 20)) :]
-    # One block is always there, for without one the text is not searched.
+    # One block is always there: a text without any block is not searched.
     return f"{text}\n{BLOCK.format(name='E')}"
 
 

@@ -1,4 +1,4 @@
-"""The server finds the diagnostics that commands print, for saved and for unsaved texts."""
+"""The server finds the diagnostics that commands print, in saved and unsaved texts."""
 
 from pathlib import Path
 

@@ -94,7 +94,7 @@ def program(project: Project, able: bool) -> Sequence[Fragment]:
 
 
 def unread(rules: Sequence[Fragment]) -> Sequence[Fragment]:
-    """Return rules of which it is not known what they need, so that all of them stay."""
+    """Return the rules with their premises unknown, so that all rules stay."""
     return [each._replace(premises=None) for each in rules]
 
 

@@ -200,7 +200,7 @@ def test_what_is_told_of_nodes(
     assert output == expected.read_text(encoding="utf-8")
 
 
-#: What a pack derives that no specification can hold, by the rule that says so.
+#: Invalid facts that a pack derives, by the rule that refuses them in a specification.
 WRONG = {
     "undeclared": 'inserted(n, cat). placed_before(n, "Base").',
     "two-kinds": 'inserted(n, (dog; bird)). placed_before(n, "Base").',

@@ -128,7 +128,7 @@ def test_a_case_that_clingo_refuses_is_reported_with_its_location(
     assert (found.span.line, found.span.column) == place
 
 
-#: A finding that lists who takes part and where, and what these lists say, by hand.
+#: A finding that lists its participants and places; the expected lists are written by hand.
 FOUND = "consequence(busy, note, C, work) :- is_controlled_by(_, _, C), uses_data_from(R, C, S)."
 LISTED = """%! id:  mine/busy
 %! who: C, S; M@(1, X) : is_controlled_by(X, M, C)

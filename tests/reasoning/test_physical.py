@@ -1,4 +1,4 @@
-"""What is inherited: the rules against a numeric rank test written a second time, from scratch."""
+"""Inherited functions: the rules against a numeric rank test written from scratch."""
 
 import random
 from collections import Counter

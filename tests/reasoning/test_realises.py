@@ -1,4 +1,4 @@
-"""`verify` accepts and refuses what a judge written from the text accepts and refuses.
+"""`verify` accepts and refuses the same specifications as a judge written from the text.
 
 `python -m tests.reasoning.synthesis.test_exhaustive HOW_MANY FIRST_SEED verify` tries as
 many as wanted.

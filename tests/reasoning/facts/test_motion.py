@@ -79,7 +79,7 @@ def test_the_sine_of_a_slant_of_one_billionth_is_the_least_that_counts(
 
 
 def test_lever_arms_are_micrometres_across_the_axis() -> None:
-    """A distance along the axis is no lever arm, nor is one below half a micrometre."""
+    """Distances along the axis and those below half a micrometre are not lever arms."""
 
     def arms(*shift: object, functions: tuple[str, ...] = ("Rotn_X",)) -> list[str]:
         facts = about(module("A", *functions), at=placed((), *shift))

@@ -127,7 +127,7 @@ def test_what_is_derived_can_be_verified_as_it_is(make: Callable[[int], str], se
             assert violations(reasoner, [atom for atom in derived if atom != line])
 
 
-#: Whatever a DataSplitter copies, a recorder takes, too.
+#: A rule pack that adds a recorder for the data that a DataSplitter copies.
 RECORDER = """
 %! id:      specify/recorder/node
 %! because: a recorder keeps what `{S}` delivers

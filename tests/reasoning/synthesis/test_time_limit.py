@@ -1,4 +1,4 @@
-"""What a time limit leaves: a specification that realises, and a bound on what is least."""
+"""Synthesis under a time limit: a specification that realises, and a lower bound of its cost."""
 
 import random
 from pathlib import Path
