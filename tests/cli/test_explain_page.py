@@ -265,7 +265,7 @@ def test_a_finding_has_one_number_in_the_list_and_the_picture() -> None:
     assert links["Laser is_mounted_on Head 1 (_,_,_,_,_,20)"] == f"#{topics[0].attributes['id']}"
 
 
-def test_a_robot_of_which_nothing_is_said_has_a_page(tmp_path: Path) -> None:
+def test_a_robot_without_anything_to_explain_has_a_page(tmp_path: Path) -> None:
     (tmp_path / "config.mars").write_text(PLAIN)
     text, _ = told(tmp_path)
     assert "nothing to resolve, so nothing to explain" in text

@@ -63,19 +63,19 @@ def test_packs(
         assert (status, _plain(linted)) == (2, _plain(output))
 
 
-def _blocks(told: str) -> list[str]:
+def _blocks(printed: str) -> list[str]:
     """Return the printed text, split before each finding."""
-    return re.split(r"(?m)^(?=\S+:\d+:\d+: (?:error|warning|note):)", told)
+    return re.split(r"(?m)^(?=\S+:\d+:\d+: (?:error|warning|note):)", printed)
 
 
-def _errors(told: str) -> str:
+def _errors(printed: str) -> str:
     """Return the printed text without its warnings, which lint alone finds."""
-    return "".join(each for each in _blocks(told) if not re.match(r"\S+ warning:", each))
+    return "".join(each for each in _blocks(printed) if not re.match(r"\S+ warning:", each))
 
 
-def _plain(told: str) -> str:
+def _plain(printed: str) -> str:
     """Return the printed text without values of `N`, which depend on the robot."""
-    return re.sub(r"`N` is \d+", "", told)
+    return re.sub(r"`N` is \d+", "", printed)
 
 
 #: Packs that are refused when they are grounded.
