@@ -5,6 +5,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -33,7 +34,7 @@ from mars_asp.cli.schemas import FORMATS, add_schema, schema_text
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.wrapping import columns, compared, wrapped
-from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import counted, visible
@@ -304,9 +305,13 @@ def _explained_findings(
     else:
         of, rules = "the dataflow", rulebook
         analysis = analyse_project(project, rulebook, arguments)
-    answer = launch_trees.explain_findings(
-        analysis, rules, subject, every=arguments.every, traced=traced
+    explained_of = partial(
+        launch_trees.explain_findings, analysis, rules, every=arguments.every, traced=traced
     )
+    answer = explained_of(subject)
+    if answer is None and subject is not None:
+        # A program has no slash before its name, and its node has.
+        answer = explained_of(subject.removeprefix("/"))
     messages = (*selection.messages(project)[0], *unapplied_packs(project, rulebook))
     if answer is None:
         closing = _no_finding(project, analysis, rules, subject, of, arguments)
@@ -519,7 +524,14 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         judging = rulebook_for(arguments, JUDGING)
         found, rules = analyse_trees(project, judging), launch_rules(judging)
         answer = _why_no_finding(project, found, rules, arguments.why_not, arguments)
-    answer = answer or why_not_answer(reasoner, arguments.why_not, depth)
+    if answer is None:
+        answer = why_not_answer(reasoner, arguments.why_not, depth)
+    elif not answer.present:
+        # The rules on robots may have a reason. What they find in the nodes of all launch files
+        # together is no finding of `check`.
+        with suppress(MarsError):
+            of_robot = why_not_answer(reasoner, arguments.why_not, depth)
+            answer = answer if of_robot.present else of_robot
     if arguments.format == "json":
         from mars_asp.cli.trace_document import why_not_document
 
@@ -543,7 +555,7 @@ def _why_no_finding(
     from mars_asp.reasoning.questions.why_no_finding import why_no_finding
 
     levels = _levels(getattr(arguments, "depth", ABSENCE_DEPTH))
-    return why_no_finding(project, analysis, rules, rulebook_for(arguments), subject, levels)
+    return why_no_finding(project, analysis, rules, subject, levels)
 
 
 def _of_line(answer: str, relationship: RelationshipQuery) -> str:

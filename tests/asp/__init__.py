@@ -1,1 +1,1 @@
-"""Tests of the engine, on programs about topics other than robots."""
+"""Tests of the engine, on programs without any module or node."""

@@ -164,6 +164,7 @@ def test_why_not_knows_the_findings_in_launch_files(
         ("./ws/src/drive/drive/sender.py:9:5", 0, "ambiguous_priority(/cmd_vel), warning"),
         ("{here}/ws/src/drive/drive/sender.py:9", 0, "ambiguous_priority(/cmd_vel), warning"),
         ("ambiguous_priority(/one)", 0, "ambiguous_priority(/cmd_vel), warning"),
+        ("both.launch.xml:4", 0, "ambiguous_priority(/cmd_vel), warning"),
         ("sender.py:1", 0, "no finding at `sender.py:1`"),
         ("sendre.py:1", 2, "the launch files have no name `sendre.py`"),
         ("/cmd_ve", 2, "did you mean `/cmd_vel`?"),

@@ -76,7 +76,8 @@ def is_about(finding: Consequence, subject: str) -> bool:
     names = {finding.subject, *finding.participants, *_NAME.findall(finding.message)}
     names |= {f"{finding.kind}({name})" for name in names}
     names |= {finding.kind, finding.rule.id, str(finding.atom)}
-    places = {f"{span.path}:{span.line}" for span in finding.spans}
+    conditions = (each.span for each in finding.conditions if each.span is not None)
+    places = {f"{span.path}:{span.line}" for span in (*finding.spans, *conditions)}
     return subject in names or any(
         place == subject or place.endswith(f"/{subject}") for place in places
     )

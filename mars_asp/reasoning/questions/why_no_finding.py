@@ -26,7 +26,6 @@ def why_no_finding(
     project: Project,
     analysis: Analysis,
     rules: Rulebook,
-    others: Rulebook,
     subject: str,
     depth: int,
 ) -> WhyNot | None:
@@ -36,13 +35,11 @@ def why_no_finding(
         project: The project of the launch trees.
         analysis: The findings in them.
         rules: The rules that these were made with.
-        others: The rules on robots.
         subject: `KIND` or `KIND(NAME)`.
         depth: The largest number of levels of the trace of an absence.
 
     Returns:
-        The answer, or None if the subject is not a kind of `rules`, or if `others` find that kind
-        as well and give the reason why there is none.
+        The answer, or None if the subject is not a kind of `rules`.
 
     Raises:
         MarsError: neither the launch files nor the modules have NAME.
@@ -67,8 +64,6 @@ def why_no_finding(
             see=title if name is None else f"{kind}({found.subject})",
         )
     modules = {name.text for name in project.configuration.modules}
-    if kind in consequence_kinds(others) and (name is None or name in modules):
-        return None
     if name is not None and name not in modules and name not in names_in(analysis):
         raise unknown_name(project, analysis, name)
     about = hole() if name is None else clingo.String(name)
