@@ -111,7 +111,7 @@ def test_a_file_outside_is_refused_without_an_excerpt(
     monkeypatch.setenv("COLUMNS", "500")
     assert run_here(["check", "a.mars", "--format", "full"]) == 2
     output, errors = capsys.readouterr()
-    assert expected in output
+    assert expected in output + errors
     assert "hunter2" not in output + errors
 
 

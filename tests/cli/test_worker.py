@@ -369,7 +369,7 @@ def test_a_dry_run_says_whose_code_would_run_and_imports_none(tmp_path: Path) ->
     "body",
     ["import os\ndef go(): os.kill(os.getpid(), 11)\n", "import ctypes\nctypes.string_at(0)\n"],
 )
-def test_a_crash_and_a_limit_have_different_messages(body: str, tmp_path: Path) -> None:
+def test_a_crash_has_a_message_of_its_own(body: str, tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(body)
     (tmp_path / "s.toml").write_text(SCENARIO)
     (tmp_path / "c.mars").write_text(ROBOT)
