@@ -76,7 +76,8 @@ FILES = {
         "data_lines specify preferences synthesise"
     ),
     "reasoning/questions": (
-        "unrealised sharing account capability needs subject relationship_query asked alternatives "
+        "unrealised sharing account capability needs subject relationship_query absence_query "
+        "alternatives "
         "annotation_edits changes "
         "connected blame edits explain "
         "launch_trees diff failed_value near_miss repair fix why_not why_no_finding absences "

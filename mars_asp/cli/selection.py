@@ -6,9 +6,8 @@ specification stays the same. Options replace the settings of the same name.
 
 import argparse
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
-from itertools import count, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -148,8 +147,8 @@ class Selection:
         self._baselines: dict[str, Baseline] = {}
         self._read: set[str] = set()
         self._written: list[Consequence | Diagnostic] = []
-        for option in ("select", "ignore"):
-            self._check(getattr(arguments, option), repeat(whole_file(f"--{option}")))
+        self._check(arguments.select, lambda _: whole_file("--select"))
+        self._check(arguments.ignore, lambda _: whole_file("--ignore"))
         if arguments.write_baseline not in (None, STANDARD_INPUT):
             from mars_asp.cli.baseline import check_replaceable
 
@@ -333,7 +332,7 @@ class Selection:
         """
         settings = settings_of(self._arguments, folder)
         for key, kinds in (("select", settings.select), ("ignore", settings.ignore)):
-            self._check(kinds, map(partial(settings.place, key), count()))
+            self._check(kinds, partial(settings.place, key))
         select = self._arguments.select or settings.select
         ignore = self._arguments.ignore or settings.ignore or ()
         path = self._arguments.baseline or settings.baseline
@@ -374,19 +373,17 @@ class Selection:
         """Whether a rule derives the kind of its findings, so the kinds are unknown in advance."""
         return any(kinds_of(rule) is None for rule in self._rulebook.rules)
 
-    def _check(self, kinds: Sequence[str] | None, places: Iterable[Span]) -> None:
-        """Check that names are kinds or rules; `places` are the locations of the names.
+    def _check(self, kinds: Sequence[str] | None, place: Callable[[int], Span]) -> None:
+        """Check that names are kinds or rules; `place` locates one by its index.
 
         Raises:
             MarsError: some names are neither; has an error for each.
         """
         unknown = {
-            name: place
-            for name, place in zip(kinds or (), places, strict=False)
-            if self._is_unknown(name)
+            name: number for number, name in enumerate(kinds or ()) if self._is_unknown(name)
         }
         if unknown:
-            raise MarsError(self._refusal(name, place) for name, place in unknown.items())
+            raise MarsError(self._refusal(name, place(number)) for name, number in unknown.items())
 
     def _is_unknown(self, name: str) -> bool:
         if name in self._known_names:

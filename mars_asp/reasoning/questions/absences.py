@@ -16,7 +16,7 @@ from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.analysis import read_consequences
 from mars_asp.reasoning.findings import consequence_kinds
-from mars_asp.reasoning.questions.asked import at_module
+from mars_asp.reasoning.questions.absence_query import at_module
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.questions.connected import BY_TYPE, connected_part
 from mars_asp.reasoning.questions.explain import Sort

@@ -1,7 +1,5 @@
 """Why the launch files give no finding of a kind, or that they do."""
 
-import re
-
 import clingo
 
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -13,13 +11,12 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.absence_query import CALL, collect_names
 from mars_asp.reasoning.questions.launch_trees import is_about
 from mars_asp.reasoning.questions.subject import wrong_subject
 from mars_asp.reasoning.questions.why_not import WhyNot, holds
 from mars_asp.reasoning.session import Evidence
 from mars_asp.spelling import nearest
-
-_FINDING = re.compile(r"\s*(\w+)\s*(?:\(\s*\"?([^()\"]*?)\"?\s*\))?\s*")
 
 
 def why_no_finding(
@@ -44,11 +41,12 @@ def why_no_finding(
     Raises:
         MarsError: neither the launch files nor the modules have NAME.
     """
-    match = _FINDING.fullmatch(subject)
+    match = CALL.fullmatch(subject)
     if match is None or match[1] not in consequence_kinds(rules):
         return None
-    kind, name = match.groups()
-    name = None if name == "_" else name
+    kind, quoted, bare = match.groups()
+    name = bare if quoted is None else quoted
+    name = None if name in ("", "_") else name
     title = kind if name is None else f"{kind}({name})"
     evidence = Evidence(rules, analysis.facts, analysis)
     found = next((each for each in analysis.consequences if is_about(each, title)), None)
@@ -92,12 +90,7 @@ def unknown_name(project: Project, analysis: Analysis, name: str) -> MarsError:
 
 def names_in(analysis: Analysis) -> set[str]:
     """Return the strings in the facts of an analysis."""
-    terms = [symbol_of(fact.atom) for fact in analysis.facts]
-    names = set()
-    while terms:
-        term = terms.pop()
-        if term.type == clingo.SymbolType.String:
-            names.add(term.string)
-        elif term.type == clingo.SymbolType.Function:
-            terms += term.arguments
+    names: set[str] = set()
+    for fact in analysis.facts:
+        collect_names(symbol_of(fact.atom), set(), names)
     return names

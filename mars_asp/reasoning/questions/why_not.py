@@ -24,7 +24,12 @@ from mars_asp.output import brief_repr, listing
 from mars_asp.reasoning.analysis import Analysis, read_consequences
 from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.project import Project, port_names
-from mars_asp.reasoning.questions.asked import RELATIONSHIPS, AbsenceQuestion, Vocabulary, at_module
+from mars_asp.reasoning.questions.absence_query import (
+    RELATIONSHIPS,
+    AbsenceQuestion,
+    Vocabulary,
+    at_module,
+)
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.connected import BY_TYPE, connected_part
 from mars_asp.reasoning.questions.near_miss import near_miss, strings_in

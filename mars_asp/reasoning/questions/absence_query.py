@@ -42,7 +42,8 @@ RELATIONSHIPS = {
     "is_controlled_by": (False, True, True),
     "is_mounted_on": (False, True, False, True, False),
 }
-_CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
+#: `KIND`, `KIND(NAME)` or `KIND("NAME")`.
+CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
 
 
 def at_module(kind: str, name: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
@@ -101,7 +102,7 @@ class Vocabulary:
         """Return the constants and strings of the rules and of all facts."""
         constants, strings = (set(each) for each in self._in_rules)
         for fact in self._reasoner.facts:
-            _note(symbol_of(fact.atom), constants, strings)
+            collect_names(symbol_of(fact.atom), constants, strings)
         return constants, strings | self._modules
 
     @cached_property
@@ -132,7 +133,7 @@ class Vocabulary:
 
     def question(self, subject: str) -> AbsenceQuestion:
         """Return the question of a subject."""
-        call = _CALL.fullmatch(subject)
+        call = CALL.fullmatch(subject)
         if call is not None:
             name = call[2] if call[2] is not None else call[3]
             node = next(
@@ -267,11 +268,11 @@ def _module(term: clingo.Symbol) -> str | None:
     return None if is_hole(term) else term.string
 
 
-def _note(symbol: clingo.Symbol, constants: set[str], strings: set[str]) -> None:
+def collect_names(symbol: clingo.Symbol, constants: set[str], strings: set[str]) -> None:
     """Note the constants and strings that a term is made of."""
     if symbol.type == clingo.SymbolType.String:
         strings.add(symbol.string)
     elif symbol.type == clingo.SymbolType.Function:
         constants.add(symbol.name)
         for argument in symbol.arguments:
-            _note(argument, constants, strings)
+            collect_names(argument, constants, strings)
