@@ -528,6 +528,17 @@ def test_a_package_has_a_note_about_its_workspace(
     assert "a part of the workspace" not in capsys.readouterr().err
 
 
+def test_a_folder_inside_a_package_is_read_like_its_launch_files(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    launch = ROOT / "examples" / "ros2_workspace" / "src" / "scout_drive" / "launch"
+    assert run_here(["check", str(launch), "-q"]) == 0
+    of_folder = capsys.readouterr().out
+    assert run_here(["check", str(launch / "scout.launch.py"), "-q"]) == 0
+    assert of_folder == capsys.readouterr().out
+    assert "[guard_bypass]" in of_folder
+
+
 def test_statistics_are_a_line_a_kind(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (robots / "many.mars").write_text(TWICE + "A uses_data_from C\n" * 8)
     words = ["check", "bad.mars", "choice.mars", "many.mars", "--statistics"]

@@ -180,13 +180,16 @@ def _by_root(files: Sequence[tuple[str, str]]) -> dict[tuple[Path, bool], list[t
 def _root(path: Path) -> tuple[Path, bool]:
     """Return the folder that holds all that a path may lead to, and whether packages are in it.
 
-    Of a launch file it is its package, and then the folder above as long as that has other packages
-    directly in it or is a `src`; without a package it is the folder of the file. Nothing above a
-    folder with `.git`, of one that is not to be built or of a package with others in it is read.
-    Standard input lies nowhere.
+    Of a launch file, or a folder inside a package, it is the package, and then the folder above as
+    long as that has other packages directly in it or is a `src`; without a package it is the folder
+    of the file. Nothing above a folder with `.git`, of one that is not to be built or of a package
+    with others in it is read. Standard input lies nowhere.
     """
     if path.is_dir():
-        return path.resolve(), True
+        folder = path.resolve()
+        around, is_in_package = _root_of(folder)
+        is_whole = not is_in_package or next(folder.rglob("package.xml"), None) is not None
+        return (folder, True) if is_whole else (around, True)
     if not path.is_file():
         return _NOWHERE, False
     return _root_of(path.resolve().parent)
@@ -312,7 +315,7 @@ class _WorkspaceRobot:
             broken = [*first.broken, *self.programs.unreadable_modules()]
             missing = list(first.missing)
             if not self.chosen:
-                is_whole = any(path.is_dir() for path in paths)
+                is_whole = self.workspace.root in paths
                 entries = self.programs.absent_entries()
                 missing += (each for each in entries if is_whole or each.package in self.packages)
                 if is_whole:
@@ -350,7 +353,7 @@ class _WorkspaceRobot:
         together = Launch(self.workspace)
         for path in paths:
             if path.is_dir():
-                yield from self._launched_in_folder()
+                yield from self._launched_in_folder(path)
             else:
                 together.launch(path)
                 together.path = together.path or path
@@ -446,8 +449,8 @@ class _WorkspaceRobot:
             tuple((self.workspace.text(f), self.workspace.shown(f)) for f in own if f is not None)
         )
 
-    def _launched_in_folder(self) -> Iterator[Launch]:
-        """Yield the launch of each chosen file of a folder, else of those that no other includes.
+    def _launched_in_folder(self, folder: Path) -> Iterator[Launch]:
+        """Yield the launch of each chosen file of a folder, else of those no other there includes.
 
         Raises:
             MarsError: a choice is not a launch file of the folder, or has errors.
@@ -455,8 +458,10 @@ class _WorkspaceRobot:
         files = [
             file
             for file in self.workspace.files
+            if folder in file.parents
             # Nothing finds the files of nested packages by name, but users may choose them.
-            if (self.chosen or not self.workspace.is_nested(file)) and self._is_launch(file)
+            and (self.chosen or not self.workspace.is_nested(file))
+            and self._is_launch(file)
         ]
         launch = Launch(self.workspace)
         if self.chosen:
@@ -586,7 +591,7 @@ class _WorkspaceRobot:
 
     def _alone(self, paths: Sequence[Path]) -> Iterator[Started]:
         """Yield each program of a folder as if it were started, where no launch file is."""
-        if not any(path.is_dir() for path in paths):
+        if self.workspace.root not in paths:
             return
         here = whole_file(self.workspace.shown(paths[0]))
         found: dict[bool, list[Started]] = {True: [], False: []}
