@@ -84,10 +84,10 @@ def test_findings_are_results(
         "uri": "a%20b.mars",
         "uriBaseId": "%SRCROOT%",
     }
-    assert warning["message"]["text"].endswith("that differ. See [`B` has priority 1, too](1).")
+    assert warning["message"]["text"].endswith("that differ. See [`B` also has priority 1](1).")
     (other,) = warning["relatedLocations"]
     assert other["physicalLocation"]["region"]["startLine"] == 4
-    assert other["message"]["text"] == "`B` has priority 1, too."
+    assert other["message"]["text"] == "`B` also has priority 1."
     rule = run["tool"]["driver"]["rules"][warning["ruleIndex"]]
     assert rule["name"] == rule["properties"]["kind"] == "ambiguous_priority"
     assert "priorities decide which controller wins" in rule["help"]["text"].lower()

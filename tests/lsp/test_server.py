@@ -77,7 +77,7 @@ def test_a_robot_is_asked_about(folder: Path) -> None:
         (related,) = found.related_information or ()
         assert (stretch(related.location), related.message) == (
             ("robot.mars", 13, 0, 34),
-            "`Joystick` has priority 1, too",
+            "`Joystick` also has priority 1",
         )
         await asks_for_places(client, uri)
         await asks_for_words(client, uri)
