@@ -193,7 +193,7 @@ def test_a_file_of_rules_is_shown(name: str, rulebook: Rulebook) -> None:
     assert "- `specify/rates/lowers`: " in result
 
 
-def test_each_file_says_what_it_is_for_and_leaves_the_rest_to_its_rules(
+def test_each_file_has_a_purpose_and_no_list_of_predicates(
     rulebook: Rulebook,
 ) -> None:
     known = {head for rule in rulebook.rules for head in rule.heads}

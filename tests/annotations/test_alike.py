@@ -97,6 +97,6 @@ def test_a_block_with_another_name_is_not_read_again(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.parametrize("line", ["@foo", "@module_name B", "x @foo", "@Sense", "@sense", "@Guard"])
-def test_what_is_wrong_or_strange_is_read_with_the_others(line: str) -> None:
+def test_blocks_with_a_wrong_or_unusual_line_are_not_alike(line: str) -> None:
     text = BLOCK.format(name="A").replace("@module_end", f"{line}\n@module_end")
     assert not read_alike("a.mars", text.split("\n"), block_lines(text))

@@ -508,7 +508,9 @@ def test_deep_nesting_is_read_or_refused(tmp_path: Path, suffix: str, declaratio
     assert {problem.code for problem in found.diagnostics} <= DOCUMENTED
 
 
-def test_python_says_nothing_of_its_own(tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
+def test_python_prints_no_warning_of_its_own(
+    tmp_path: Path, recwarn: pytest.WarningsRecorder
+) -> None:
     path = tmp_path / "a.py"
     text = LAYOUTS["line"].format(f='def f(x: A = "\\d") -> B: ...').replace("//", "#")
     path.write_text(text)

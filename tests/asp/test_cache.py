@@ -51,7 +51,7 @@ def build(tables: Path) -> bytes:
     return content
 
 
-def test_what_a_table_holds_is_not_made(tables: Path, squares: Counted) -> None:
+def test_values_of_a_table_are_not_computed(tables: Path, squares: Counted) -> None:
     assert squares.of(2, 3) == [4, 9]
     build(tables)
     assert squares.of(3, 4, 2) == [9, 16, 4]
@@ -88,7 +88,7 @@ def test_a_table_with_a_flipped_bit_is_not_believed(tables: Path, squares: Count
         assert squares.calls == 5 + number
 
 
-def test_what_many_others_replaced_is_made_again(squares: Counted) -> None:
+def test_values_that_many_others_replaced_are_computed_again(squares: Counted) -> None:
     squares.of(*range(6000))
     assert squares.of(7) == [49]
     assert squares.calls == 6001
@@ -108,7 +108,7 @@ def test_values_of_built_in_classes_come_back_with_computed_fields(tables: Path)
 
 
 @pytest.mark.parametrize("make", [statements_of, dependencies_of, constants_of, computations])
-def test_what_is_made_of_rules_comes_back(make: object, tables: Path) -> None:
+def test_values_made_of_rules_survive_a_table(make: object, tables: Path) -> None:
     assert callable(make)
     rules = [FACT, "{ a(X) : b(X,Y), not c(Y) } :- d(X+Y,f(Z),Z), X = #sum { W,V : e(V,W*X) }."]
     first = make(rules)

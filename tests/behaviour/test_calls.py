@@ -76,7 +76,7 @@ def test_too_many_inputs() -> None:
         prepared(defined("def f(x=1): ..."), context(), lambda: 0.0, ["A", "B"])
 
 
-def test_what_python_knows_no_parameters_of_is_called_as_it_is() -> None:
+def test_a_callable_without_known_parameters_is_called_unchanged() -> None:
     assert prepared(max, context(), lambda: 0.0, ["A", "B"])(3, 4) == 4
     assert prepared(partial(pow, 2), context(), lambda: 0.0, ["A"])(3) == 8
 

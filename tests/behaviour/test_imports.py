@@ -62,7 +62,7 @@ def test_a_module_of_the_host_with_the_same_name_is_set_aside(
     assert (sys.modules["shape"], sys.modules["shape.round"]) == (host, below)
 
 
-def test_what_comes_before_files_and_what_after(write: Any) -> None:
+def test_libraries_take_precedence_over_some_files(write: Any) -> None:
     import numpy
 
     folder = write(
@@ -93,7 +93,7 @@ def test_packages_and_relative_imports(write: Any) -> None:
     assert not {"pkg", "plain"} & set(sys.modules)
 
 
-def test_what_needs_its_module_while_it_runs(write: Any) -> None:
+def test_a_behaviour_finds_its_module_while_it_runs(write: Any) -> None:
     folder = write(
         do="from __future__ import annotations\n"
         "import pickle, typing\nfrom dataclasses import dataclass, KW_ONLY\nimport shape\n"

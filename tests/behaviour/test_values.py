@@ -115,7 +115,7 @@ def test_mutable_values_are_copied(value: Any, change: Callable[[Any], object]) 
     assert after == seen
 
 
-def test_what_a_message_holds_twice_it_holds_twice_in_a_copy() -> None:
+def test_a_copied_message_keeps_shared_values_shared() -> None:
     inner = [1.0]
     first, second = copied([inner, inner])
     assert first is second

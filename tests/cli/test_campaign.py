@@ -226,7 +226,7 @@ def test_another_campaign_is_refused(
         (["--seeds", "1", "--vary", 'bindings.C.python="no.py:go"'], "no.py"),
     ],
 )
-def test_what_cannot_work_is_refused_before_anything_runs(
+def test_impossible_options_are_refused_before_any_run(
     campaign: Campaign, capsys: Captured, words: list[str], message: str
 ) -> None:
     assert run_here(campaign.words(*words)) == 2
@@ -235,7 +235,7 @@ def test_what_cannot_work_is_refused_before_anything_runs(
     assert not campaign.out.exists()
 
 
-def test_what_is_odd_about_a_scenario_is_told_once_before_the_runs(
+def test_warnings_of_a_scenario_are_printed_once_before_the_runs(
     campaign: Campaign, capsys: Captured
 ) -> None:
     reach = "[requirements]\nreach = { at = [9, 0], radius = 1, within = 60 }\n"

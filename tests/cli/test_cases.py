@@ -22,7 +22,9 @@ ODD = ROOT / "tests" / "cases" / "odd"
 
 
 @pytest.mark.parametrize(("command", "expected"), questions(ASKED))
-def test_what_is_printed(command: str, expected: str, update_golden: bool) -> None:
+def test_the_output_of_each_command_is_as_expected(
+    command: str, expected: str, update_golden: bool
+) -> None:
     answered(ASKED, command, expected, update_golden)
 
 
@@ -32,7 +34,7 @@ def odd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return copytree(ODD, tmp_path / "odd")
 
 
-def test_an_update_writes_what_was_found_and_no_facts(odd: Path) -> None:
+def test_an_update_writes_expected_findings_and_no_facts(odd: Path) -> None:
     facts, robot = odd / "cases" / "facts.lp", odd / "cases" / "robot.mars"
     before = {path: path.read_text().splitlines() for path in (facts, robot)}
     assert run_here(["test", "odd", "--update"]) == 0
@@ -53,7 +55,7 @@ def test_an_update_writes_what_was_found_and_no_facts(odd: Path) -> None:
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_a_case_that_expects_nothing_is_given_what_was_found(odd: Path, end: str) -> None:
+def test_an_update_adds_the_findings_to_a_case_without_expectations(odd: Path, end: str) -> None:
     case = odd / "cases" / "new.lp"
     case.write_bytes(f'module("A").{end}'.encode())
     assert run_here(["test", str(case), "--update"]) == 0

@@ -108,7 +108,7 @@ def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
         (["clean.mars", "--fix"], 0, "no problems found in 1 file\n"),
     ],
 )
-def test_the_summary_says_how_much_was_found(
+def test_the_summary_counts_the_findings(
     words: list[str], status: int, summary: str, robots: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_here(["check", *words]) == status
@@ -134,7 +134,7 @@ def test_a_finding_with_one_repair_shows_it(
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_fix_applies_what_is_shown_and_keeps_line_ends(
+def test_fix_applies_the_printed_edits_and_keeps_line_ends(
     end: str, robots: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = robots / "twice.mars"
@@ -189,7 +189,7 @@ def test_robots_that_share_a_file_fix_it_as_one(
     assert (robots / "part.mars").read_text() == ONCE.replace(" hierarchical", "")
 
 
-def test_what_was_fixed_comes_as_json_too(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_applied_fixes_are_listed_in_json(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["check", "--fix", "--format", "json", "twice.mars", "choice.mars"]) == 1
     shown = capsys.readouterr()
     found = json.loads(shown.out)
@@ -272,7 +272,7 @@ def test_a_rename_that_fails_restores_replaced_files(
         (["--fail-on", "warning", "--baseline", "known.json"], 0),
     ],
 )
-def test_warnings_fail_where_that_is_asked_for(
+def test_options_make_warnings_fail(
     words: list[str], status: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -55,7 +55,7 @@ def test_a_caret_is_under_the_location(
     assert shown(tmp_path, text, *places) == expected
 
 
-def test_of_a_line_without_end_what_is_near_the_place_is_quoted(tmp_path: Path) -> None:
+def test_a_very_long_line_is_quoted_around_the_location(tmp_path: Path) -> None:
     line, marks = shown(tmp_path, f"{'a ' * 50_000}b{' a' * 50_000}\n", (1, 100_001, 100_002))
     assert len(line) < 300
     assert line[marks.index("^")] == "b"
@@ -80,7 +80,7 @@ def test_places_of_another_file_are_named(tmp_path: Path) -> None:
     ]
 
 
-def test_no_line_is_wider_than_asked_but_quoted_ones_and_long_words() -> None:
+def test_only_quoted_lines_and_long_words_exceed_the_width() -> None:
     words = "`Base` and `Nav`, " * 20 + "x" * 60
     finding = Diagnostic("a/b", "warning", words, Span("p", 1, 1, 1, 1), (), words, effect=words)
     for width in (30, 80, 120):
@@ -117,7 +117,7 @@ class Terminal(io.StringIO):
         ("never", {"FORCE_COLOR": "1"}, True, False),
     ],
 )
-def test_what_decides_about_colours(
+def test_colours_follow_option_environment_and_terminal(
     asked: str,
     environment: dict[str, str],
     terminal: bool,
@@ -134,7 +134,7 @@ def test_what_decides_about_colours(
 @pytest.mark.parametrize(
     ("stated", "expected"), [("120", 120), ("", 80), ("wide", 80), ("0", 80), ("-3", 80), ("5", 20)]
 )
-def test_columns_are_those_stated_else_80(
+def test_columns_come_from_the_environment_or_are_80(
     stated: str, expected: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", stated)

@@ -13,7 +13,7 @@ PLAIN = {
 }
 
 
-def test_the_parts_are_what_the_standard_library_writes() -> None:
+def test_the_parts_join_to_the_output_of_the_standard_library() -> None:
     for value in (PLAIN, [PLAIN, PLAIN], "x", None, []):
         assert "".join(_encoded_parts(value)) == json.dumps(value)
 

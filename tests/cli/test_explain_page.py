@@ -201,7 +201,7 @@ def test_nothing_is_fetched_and_no_text_of_others_becomes_markup(folder: Path) -
         assert f"{part}-src 'sha256-{digest}'" in policy
 
 
-def test_boxes_of_nodes_lead_to_what_is_said_of_them(folder: Path) -> None:
+def test_boxes_of_nodes_link_to_their_explanations(folder: Path) -> None:
     text, known = told(folder)
     page = Page(text)
     ids = page.by_id()
@@ -228,7 +228,7 @@ def test_boxes_of_nodes_lead_to_what_is_said_of_them(folder: Path) -> None:
         assert f"{name}:" in summary if name in nodes else f"({name})" in summary
 
 
-def test_what_is_grave_comes_first(tmp_path: Path) -> None:
+def test_errors_come_first(tmp_path: Path) -> None:
     (tmp_path / "config.mars").write_text(IMPOSSIBLE)
     text, _ = told(tmp_path)
     first, *_ = [each.text for each in Page(text).top.all("h2")]
@@ -438,7 +438,7 @@ def test_hostile_names_stay_text_in_a_browser(browser: Browser, tmp_path: Path) 
 
 
 @in_a_browser
-def test_the_files_do_not_cover_what_has_the_focus(browser: Browser, tmp_path: Path) -> None:
+def test_the_files_do_not_cover_the_focused_element(browser: Browser, tmp_path: Path) -> None:
     page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html", width=400)
     # The search, the picture, its 12 boxes and the files come first.
     browser.press("Tab", 15)

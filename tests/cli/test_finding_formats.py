@@ -165,7 +165,9 @@ def test_fixes_equal_the_edits_of_fix(
     assert made == (folder / "r.mars").read_text(encoding="utf-8") != text
 
 
-def test_what_is_hidden_is_said_to_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_hidden_findings_are_marked_as_suppressed(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = folder / "a b.mars"
     assert (
         run_here(["check", path.name, "--select", "ambiguous_priority", "--write-baseline", "k"])

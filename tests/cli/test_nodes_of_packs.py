@@ -79,7 +79,7 @@ def test_packs_of_the_settings_bring_their_nodes(
     assert 'node("Watchdog1",watchdog).' in capsys.readouterr().out
 
 
-def test_nodes_that_need_no_behaviour_hand_on_what_they_take(
+def test_nodes_that_need_no_behaviour_forward_their_inputs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     specification = written(
@@ -195,7 +195,7 @@ Screen uses_data_from Merger2
         ),
     ],
 )
-def test_repairs_leave_nodes_of_packs_what_they_take_and_give(
+def test_repairs_keep_inputs_and_outputs_of_nodes_of_packs(
     finding: str, edits: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     specification = str(written(tmp_path, REPAIRED))
@@ -224,7 +224,7 @@ def test_nodes_that_no_rule_of_verify_asks_for_are_a_fault_of_packs(
     assert "no rule in `verify` asks for nodes that packs introduce, such as Limiter1" in output
 
 
-def test_packs_that_refuse_what_they_introduce_are_named(
+def test_packs_that_refuse_their_own_nodes_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "pack.toml").write_text('name = "mine"\nversion = "1"\n', encoding="utf-8")

@@ -91,7 +91,7 @@ def test_fixes_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert "`--fix` has an effect only on `lint` with a pack" in capsys.readouterr().err
 
 
-def test_what_an_analysis_would_refuse_comes_with_the_lints(
+def test_refusals_of_an_analysis_come_with_the_lints(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pack = tmp_path / "pack.lp"
@@ -104,9 +104,7 @@ def test_what_an_analysis_would_refuse_comes_with_the_lints(
     assert "[rule-value]" in output
 
 
-def test_what_would_be_written_is_told_to_programs(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_json_has_the_fix_of_each_lint(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pack = tmp_path / "pack.lp"
     text = "odd(M) :- class(M, sensr),\n  guard(M), guard(M). #show odd/1.\nx(M) :- module(M).\n"
     pack.write_text(text)
@@ -134,7 +132,7 @@ def pack_in(folder: Path, name: str, needs: str, rule: str) -> Path:
     return folder / name
 
 
-def test_what_a_pack_needs_is_found_beside_it(
+def test_a_required_pack_is_found_beside_its_user(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shared = "%*! far(M: module)\nM is far.\npacks: read\n*%\nfar(M) :- class(M, sensr).\n"

@@ -15,7 +15,7 @@ from tests.support.trials import BASE, DRIVE, HAND
 LEVEL0 = ROOT / "examples" / "level0"
 
 
-def test_blocks_of_a_configuration_say_what_its_modules_are(
+def test_blocks_of_a_configuration_describe_its_modules(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     blocks = {
@@ -87,7 +87,7 @@ def test_analysis_runs_no_behaviour(capfd: pytest.CaptureFixture[str], tmp_path:
     assert "100.0 %" in capfd.readouterr().out
 
 
-def test_what_failed_first_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_first_failure_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "b.py").write_text("def go():\n    raise ValueError('no\\x1b[31m map')\n")
     text = BASE + '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
     (tmp_path / "s.toml").write_text(text)
@@ -134,7 +134,7 @@ def test_level_0_runs_and_same_seed_is_same_trace_to_the_byte(
     assert len(traces[0]) > 10_000
 
 
-def test_who_won_at_an_arbiter_is_listed_with_the_instant_and_the_reason(
+def test_each_winner_of_an_arbiter_is_listed_with_instant_and_reason(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     assert _run("--duration", "5", "--why") == 0
@@ -186,7 +186,7 @@ def test_annotated_functions_run_without_another_line_of_glue(
     assert entries[0][0] > 100
 
 
-def test_a_reader_who_leaves_ends_a_run_quietly() -> None:
+def test_a_closed_output_ends_a_run_quietly() -> None:
     scenario = str(LEVEL0 / "scenario.toml")
     words = ("run", str(LEVEL0 / "config.mars"), "--scenario", scenario, "--duration", "1")
     command = [sys.executable, "-m", "mars_asp", *words]

@@ -406,7 +406,7 @@ def test_a_baseline_hides_listed_findings_wherever_they_move(
     assert len((folder / "known.json").read_text().splitlines()) == 5
 
 
-def test_what_a_baseline_lists_in_vain_is_noted(
+def test_a_note_counts_entries_of_a_baseline_that_match_nothing(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "b.mars").write_text(ROBOT)
@@ -477,7 +477,7 @@ def test_an_invalid_baseline_is_refused(
     assert capsys.readouterr().err.startswith((f"k.json:{told}", told))
 
 
-def test_no_baseline_is_written_of_what_could_not_be_read(
+def test_no_baseline_is_written_if_a_file_cannot_be_read(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,,\n")
@@ -552,7 +552,7 @@ def test_verbs_that_find_something_on_their_way_hide_it_too(
     assert "mounts form a cycle" not in shown.out + shown.err
 
 
-def test_who_asks_about_a_hidden_finding_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_hidden_finding_can_be_explained(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["explain", "a.mars", f"{ERROR}(Arm)", "--ignore", ERROR]) == 0
     assert "mounts form a cycle" in capsys.readouterr().out
 

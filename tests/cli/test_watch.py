@@ -156,7 +156,7 @@ def test_a_browser_shows_the_run_and_the_verdict(browser: Browser) -> None:
 
 
 @in_a_browser
-def test_a_browser_is_told_that_a_run_was_ended(browser: Browser) -> None:
+def test_a_browser_shows_that_a_run_was_ended(browser: Browser) -> None:
     with paced(300) as (command, address):
         browser.visit(address)
         browser.wait("document.querySelector('#picture img')")

@@ -133,7 +133,7 @@ def test_output_that_cannot_be_written_is_an_error(
     assert len(done.stderr.splitlines()) == 1
 
 
-def test_nobody_reads_the_output_any_more() -> None:
+def test_a_closed_output_ends_the_command_quietly() -> None:
     command = start("explain", "examples/level1/config.mars", "--format", "json")
     assert command.stdout is not None
     command.stdout.close()
@@ -241,7 +241,7 @@ def test_a_crash_of_the_reasoner_has_its_own_message(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="Linux alone tells of an end")
-def test_what_a_behaviour_forks_holds_nothing_up(tmp_path: Path) -> None:
+def test_a_forked_child_of_a_behaviour_does_not_delay_the_command(tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(
         "import os, signal, time\ndef go():\n    if not (child := os.fork()):\n"
         "        os.setsid()\n        time.sleep(1000)\n"
@@ -256,7 +256,7 @@ def test_what_a_behaviour_forks_holds_nothing_up(tmp_path: Path) -> None:
     os.kill(int((tmp_path / "child").read_text()), signal.SIGKILL)
 
 
-def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
+def test_a_forked_child_of_a_behaviour_may_end(tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(
         "import os\ndef go():\n    child = os.fork()\n    if not child: os._exit(3)\n"
         "    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3\n"
@@ -349,7 +349,7 @@ def test_ctrl_z_pauses_the_worker_too_and_ctrl_c_ends_both(pack: Path) -> None:
     assert workers_of(str(pack)) == []
 
 
-def test_a_dry_run_says_whose_code_would_run_and_imports_none(tmp_path: Path) -> None:
+def test_a_dry_run_lists_the_code_and_imports_none(tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text("raise SystemExit(7)\n")
     (tmp_path / "s.toml").write_text(SCENARIO)
     (tmp_path / "c.mars").write_text(ROBOT)

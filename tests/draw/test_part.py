@@ -46,7 +46,7 @@ def named(picture: Picture) -> set[tuple[str, ...]]:
 
 @settings(max_examples=examples(20, 60))
 @given(pictures(), st.integers(0, 4), st.sampled_from([None, "p"]))
-def test_what_is_near_is_what_a_walk_reaches(
+def test_the_excerpt_holds_the_boxes_that_a_walk_reaches(
     picture: Picture, depth: int, port: str | None
 ) -> None:
     distance, queue = {"M0": 0}, deque(["M0"])

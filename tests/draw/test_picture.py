@@ -119,7 +119,7 @@ def test_the_kinds_of_relationship_are_drawn_differently() -> None:
     assert len(looks) == len({look[0] for look in looks}) == len({look[1:] for look in looks}) == 3
 
 
-def test_lines_lead_where_things_flow_and_say_what_was_asked_for() -> None:
+def test_lines_follow_the_flow_and_are_labelled_with_their_mode() -> None:
     project = load_project(
         "robot.mars",
         (),
@@ -137,7 +137,7 @@ def test_lines_lead_where_things_flow_and_say_what_was_asked_for() -> None:
     ]
 
 
-def test_a_transformer_says_what_it_converts_and_a_module_may_have_the_name_of_a_node() -> None:
+def test_a_transformer_shows_its_conversion_and_a_module_may_have_the_name_of_a_node() -> None:
     boxes = {box.name: box for box in picture_of(GOLDEN["figure07-specification"]).boxes}
     assert boxes["DataTransformer1"].node == "data_transformer"
     assert boxes["DataTransformer1"].note == "RawImage → LineDescriptions"
@@ -148,7 +148,7 @@ def test_a_transformer_says_what_it_converts_and_a_module_may_have_the_name_of_a
 
 @settings(max_examples=examples(30, 100), deadline=None)
 @given(pictures())
-def test_svg_says_the_text_and_nothing_else(picture: Picture) -> None:
+def test_svg_holds_the_text_and_nothing_else(picture: Picture) -> None:
     root = fromstring(svg_text(picture))
     inert = {"svg", "title", "defs", "marker", "path", "rect", "g", "text", "circle"}
     assert {element.tag.removeprefix(SVG) for element in root.iter()} <= inert

@@ -53,7 +53,7 @@ def test_the_specification_has_each_mux_with_the_numbers_that_are_written() -> N
     }
 
 
-def test_what_decides_otherwise_stays_a_mux_of_its_own() -> None:
+def test_a_mux_that_decides_differently_stays_apart() -> None:
     outer, inner = mux("o", "cb", ("cm", 5)), mux("i", "cm", ("cn", 10))
     kept = {"/base is_controlled_by /i 5", "/i is_controlled_by /n 10"}
     forever = replace(inner, inputs=(replace(inner.inputs[0], hold_ms=FOREVER),))

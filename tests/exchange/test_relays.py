@@ -105,7 +105,7 @@ CONTRACTED = [
 
 
 @pytest.mark.parametrize(("parts", "expected"), CONTRACTED)
-def test_relays_are_contracted_into_what_they_connect(
+def test_relays_are_contracted_into_edges(
     parts: tuple[GraphNode | Mux | Relay, ...], expected: list[str]
 ) -> None:
     assert sorted(lines(*parts)) == sorted(expected)
@@ -131,7 +131,7 @@ def test_a_relay_and_a_throttle_are_outputs_of_one_splitter() -> None:
     ]
 
 
-def test_a_typed_end_behind_a_relay_makes_a_command_of_what_feeds_it() -> None:
+def test_the_type_after_a_relay_makes_its_input_a_command() -> None:
     unknown = GraphNode("/a", at(1), (Endpoint("/go", None, at(1)),))
     obeys = GraphNode("/b", at(2), (), (Endpoint("/wheels", TWIST, at(2)),))
     assert lines(unknown, obeys, relay("go", "wheels")) == ["/b is_controlled_by /a 0"]
@@ -183,7 +183,7 @@ CALLED = [
 
 
 @pytest.mark.parametrize(("executable", "words", "parameters", "expected"), CALLED)
-def test_what_tools_hand_on_follows_from_how_they_are_called(
+def test_arguments_decide_the_topics_that_a_tool_forwards(
     executable: str, words: str, parameters: str, expected: Forward | None
 ) -> None:
     program = RosProgram("topic_tools", executable, False)

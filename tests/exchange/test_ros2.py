@@ -373,7 +373,7 @@ def test_hostile_files_end_with_a_located_error(path: str, text: str, first: str
         "x = 1" + " + 1" * 500,
     ],
 )
-def test_what_grows_without_end_is_given_up(before: str) -> None:
+def test_evaluation_stops_at_values_that_grow_without_end(before: str) -> None:
     nodes = JOY.replace(")", ", parameters=[x], remappings=x)")
     with takes_at_most(5):
         found = launched(PYTHON.format(before=before, nodes=f"{nodes}, x, *x"))

@@ -53,7 +53,7 @@ DRAWN = 'digraph g { n___a [label="/a"]; n___b [label="/b"]; n___a -> n___b [lab
 TOPIC = "Type: geometry_msgs/msg/Twist\n\nPublisher count: 1\n\nNode name: {}\nNode namespace: /\n"
 
 
-def test_what_one_dump_leaves_open_another_says() -> None:
+def test_one_dump_completes_another() -> None:
     drawn = import_rosgraph([(DRAWN, "g.dot")])
     assert [type(line) for line in drawn.configuration.relationships] == [Data]
     both = import_rosgraph([(DRAWN, "g.dot"), (TOPIC.format("c"), "cmd_vel.txt")])
@@ -76,7 +76,7 @@ def test_a_controlled_node_is_not_reported_as_unable_to_move() -> None:
     assert findings_of(found) == ["control_divergence(/joy)"]
 
 
-def test_a_command_that_nobody_takes_is_a_loose_end() -> None:
+def test_a_command_without_a_receiver_is_a_loose_end() -> None:
     text = (
         "/joy\n  Publishers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
         "/base\n  Subscribers:\n    /cmdvel: geometry_msgs/msg/Twist\n"
@@ -136,12 +136,12 @@ PAST = "/docking\n  Publishers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
                 "cmd_vel_out is_controlled_by joy 100 hold 500"]),
     ],
 )  # fmt: skip
-def test_parameters_of_a_mux_rank_what_its_node_hears(ran: str, lines: list[str]) -> None:
+def test_parameters_of_a_mux_rank_the_inputs_of_its_node(ran: str, lines: list[str]) -> None:
     found = import_rosgraph([(ran, "nodes.txt"), (MUX, "mux.yaml")]).configuration
     assert list(map(print_relationship, found.relationships)) == lines
 
 
-def test_what_a_middleware_does_counts_as_nodes() -> None:
+def test_connections_of_a_middleware_count_as_nodes() -> None:
     ran = RAN + PAST + "/odometry\n  Subscribers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
     found = lifted(import_rosgraph([(ran, "nodes.txt")]).configuration)
     assert list(map(print_relationship, found.relationships)) == [
@@ -426,7 +426,7 @@ def test_words_before_the_subject_of_explain_are_files(
     assert "ambiguous_priority(/b)" in found
 
 
-def test_what_is_imported_says_where_it_is_from_and_reads_back(
+def test_an_import_names_its_origins_and_reads_back(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     status, found, _ = told("import rosgraph g.dot cmd_vel.txt", capsys)

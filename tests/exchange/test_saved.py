@@ -127,7 +127,7 @@ def test_whatever_a_graph_holds_is_saved(graph: Graph, origin: str) -> None:
     assert findings(saved(found)) == findings(found, origin)
 
 
-def test_glue_that_is_saved_as_nodes_keeps_what_its_mux_makes_of_numbers() -> None:
+def test_glue_saved_as_nodes_keeps_the_meaning_of_numbers_of_its_mux() -> None:
     found = imported(ROOT / "tests/twist_mux/ros2_forever.yaml")
     assert has_glue(found)
     glue = {("never_wins", "idle"), ("never_expires", "operator")}
@@ -135,7 +135,7 @@ def test_glue_that_is_saved_as_nodes_keeps_what_its_mux_makes_of_numbers() -> No
     assert glue <= entries
 
 
-def test_a_saved_import_keeps_what_is_known_of_it_where_it_is_included(tmp_path: Path) -> None:
+def test_a_saved_import_keeps_its_findings_when_included(tmp_path: Path) -> None:
     found = imported(ROOT / "tests/twist_mux/ros2_forever.yaml")
     (tmp_path / "mux.mars").write_text(with_origins(found), encoding="utf-8")
     own = tmp_path / "two.mars"

@@ -70,7 +70,7 @@ def test_a_mux_is_contracted_into_the_node_that_it_controls() -> None:
     ]
 
 
-def test_what_goes_past_a_mux_is_seen_beside_it() -> None:
+def test_a_publisher_that_bypasses_a_mux_is_listed_beside_it() -> None:
     assert lines(node("a", "ca"), node("b", "c"), muxes=(mux("m", "c", ("ca", 9)),)) == [
         "c is_controlled_by /b 0",
         "c is_controlled_by /m 0",
@@ -90,7 +90,7 @@ def test_two_muxes_with_one_output_and_a_chain_of_muxes_are_seen() -> None:
     ]
 
 
-def test_relays_have_the_types_of_what_they_relay() -> None:
+def test_relays_have_the_types_of_their_messages() -> None:
     def relay(name: str, taken: str, out: str) -> GraphNode:
         sent, heard = (Endpoint(topic, "any", at(1)) for topic in (out, taken))
         return GraphNode(name, at(1), (sent,), (heard,), relays=True)
@@ -102,14 +102,14 @@ def test_relays_have_the_types_of_what_they_relay() -> None:
     ]
 
 
-def test_optional_topics_are_heard_where_somebody_publishes_them() -> None:
+def test_optional_topics_are_read_if_they_are_published() -> None:
     wanting = node("b", "", "s")
     optional = replace(wanting, subscribed=(replace(wanting.subscribed[0], optional=True),))
     assert configuration_of(Graph("x", (optional,))).configuration.declared == ()
     assert lines(node("a", "s"), optional) == ["/b./s uses_data_from /a./s"]
 
 
-def test_of_several_publishers_each_stands_where_it_publishes() -> None:
+def test_each_of_several_publishers_has_its_own_line() -> None:
     graph = Graph("x", (node("a", "s", line=2), node("b", "s", line=3), node("d", "", "s", line=4)))
     found = configuration_of(graph).configuration
     assert [line.span.line for line in found.relationships] == [2, 3]

@@ -171,7 +171,7 @@ def told(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]
     return status, captured.out, captured.err
 
 
-def test_findings_and_what_was_not_read_stand_at_lines_of_the_file(
+def test_findings_and_notes_of_unread_parts_have_lines_of_the_file(
     mux: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     status, findings, notes = told("check --format full robot.txt", capsys)
@@ -189,7 +189,7 @@ def test_findings_and_what_was_not_read_stand_at_lines_of_the_file(
     assert "In twist_mux the first input in its list wins" in found
 
 
-def test_quiet_hides_what_was_not_read_and_json_never_does(
+def test_quiet_hides_notes_of_unread_parts_and_json_keeps_them(
     mux: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert "not read" not in told("check --quiet robot.txt", capsys)[2]
@@ -214,13 +214,13 @@ def test_a_file_of_others_is_never_written(mux: Path, capsys: pytest.CaptureFixt
     assert mux.read_text(encoding="utf-8") == SCUTTLE
 
 
-def test_who_says_what_a_file_is_is_believed(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_named_format_overrides_detection(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "expected" in told("check --from mars robot.txt", capsys)[1]
     mux.write_text("{ a: 1 }", encoding="utf-8")
     assert "the file has no mux" in told("check --from twist_mux robot.txt", capsys)[1]
 
 
-def test_the_wiring_of_a_mux_is_judged_against_what_it_is_for(
+def test_the_wiring_of_a_mux_is_verified_against_its_purpose(
     mux: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     status, judged, _ = told("verify robot.txt", capsys)
@@ -307,7 +307,7 @@ def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFi
         ("", "mars"),
     ],
 )
-def test_a_file_is_recognised_by_what_it_says(text: str, format: str) -> None:
+def test_a_file_is_recognised_by_its_content(text: str, format: str) -> None:
     assert recognised(text) == format
 
 
@@ -317,7 +317,7 @@ LONG_WORDS = [f"topics: !{LONG}\n", f"topics: {{a: *{LONG}}}\n"]
 
 @pytest.mark.parametrize("text", LONG_WORDS)
 @pytest.mark.parametrize("format", ["text", "json"])
-def test_what_others_wrote_is_quoted_within_reason(
+def test_long_foreign_text_is_quoted_shortened(
     text: str, format: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "m.yaml"

@@ -157,7 +157,7 @@ def test_other_axes_become_modules_of_their_own() -> None:
     }
 
 
-def test_what_urdf_leaves_out_means_what_urdf_says() -> None:
+def test_omitted_attributes_have_the_defaults_of_urdf() -> None:
     parsed = import_urdf((FOLDER / "gripper.urdf").read_text(), "g.urdf")
     assert functions(parsed.configuration) == {
         "left Trans_Y": (0, 40, None),
@@ -388,7 +388,9 @@ DAMAGE = [
         (('parent link="base"', 'parent link="head"'), (3, 3), "lead back to `head`"),
     ],
 )
-def test_what_is_refused(change: tuple[str, str], place: tuple[int, int], message: str) -> None:
+def test_each_fault_is_refused_at_its_location(
+    change: tuple[str, str], place: tuple[int, int], message: str
+) -> None:
     text = GOOD.replace(*change, 1)
     assert text != GOOD
     with pytest.raises(MarsError) as caught:

@@ -54,7 +54,7 @@ NEVER = HAND.replace("200", "0")
         ),
     ],
 )
-def test_what_is_zero(text: str, violated: list[str], driven: float) -> None:
+def test_zero_durations_speeds_and_bounds(text: str, violated: list[str], driven: float) -> None:
     made = trial(text)
     assert [r.name for r in judge(made).requirements if r.holds is not True] == violated
     assert made.bodies[0].driven == pytest.approx(driven, abs=0.01)

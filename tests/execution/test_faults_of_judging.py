@@ -72,7 +72,7 @@ def test_clearance_between_two_readings_is_found() -> None:
         "moving = [{ from = [0, 0], to = [9000, 0], radius = 900, speed = 100 }]",
     ],
 )
-def test_a_start_inside_of_something_solid_is_refused_where_it_is_stated(solid: str) -> None:
+def test_a_start_inside_of_an_obstacle_is_refused_at_its_line(solid: str) -> None:
     text = f"{BASE}start = [0, 0, 45]\n{HAND}[world]\n{solid}\n"
     with pytest.raises(MarsError) as raised:
         trial(text)
@@ -137,7 +137,7 @@ python = "b.py:same"
         ("", '[faults]\nA = { kind = "silent", from = 2.9, until = 3 }\n', False),
     ],
 )
-def test_a_stated_delay_loses_no_promise_and_an_unstated_one_does(
+def test_only_a_delay_without_a_declaration_breaks_a_promise(
     delay: str, fault: str, holds: bool | None, tmp_path: Path
 ) -> None:
     (tmp_path / "b.py").write_text("def same(x):\n    return x\n")
@@ -152,7 +152,7 @@ def test_a_message_at_the_very_end_is_one_more_than_was_promised(tmp_path: Path)
     assert [(p.promised, p.delivered, p.hz) for p in promises(made)] == [(30, 30, 10)] * 2
 
 
-def test_what_is_overwritten_before_it_was_read_counts_as_unread(tmp_path: Path) -> None:
+def test_a_value_overwritten_before_it_was_read_counts_as_unread(tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text("def go(x):\n    return 'Trans_Z', 1\n")
     specification = "@specification\n@modules P, C, S\nC uses_data_from S\nP is_controlled_by C\n"
     bound = '[devices.S]\nkind = "odometry"\nperiod = 20\n[bindings.C]\npython = "b.py:go"\n'
@@ -171,7 +171,7 @@ HELD = "@specification hierarchical\n@modules P, C\nP is_controlled_by Arbitrati
     ("hold", "driven"),
     [("hold 1500", 300), ("hold 200", 40), ("hold forever", 600)],
 )
-def test_an_effector_obeys_for_as_long_as_the_arbiter_said(
+def test_an_effector_obeys_for_the_hold_of_the_arbiter(
     hold: str, driven: float, tmp_path: Path
 ) -> None:
     once = "spoken = []\ndef go():\n    if not spoken:\n        spoken.append(1)\n"

@@ -36,7 +36,7 @@ right/P is_controlled_by right/C
 ASKED = "[requirements]\nno_collision = true\nclearance = 50\n"
 
 
-def test_a_contact_of_two_counts_once_and_is_told_of_who_drove() -> None:
+def test_a_contact_of_two_counts_once_and_names_the_driving_robot() -> None:
     made = trial(TWO + ASKED, DRIVE)
     judgement = judge(made)
     entries = {r.name: r.message for r in judgement.requirements if not r.holds}
@@ -114,7 +114,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("old", "new", "told", "line"), WRONG)
-def test_what_leaves_open_which_robot_is_meant_is_refused(
+def test_names_that_fit_several_robots_are_refused(
     old: str, new: str, told: str, line: int
 ) -> None:
     text = DRIVE.replace("right/C\n", "right/C, S, M\n", 1) + "M uses_data_from S\n"

@@ -203,7 +203,7 @@ def test_a_screen_that_fails_fails_the_run_though_nothing_follows_it(tmp_path: P
     assert made.executor.failures["A"].count == 31
 
 
-def test_rules_of_packs_on_a_run_read_what_is_stated_of_modules(tmp_path: Path) -> None:
+def test_rules_of_packs_on_a_run_read_tags_and_properties(tmp_path: Path) -> None:
     (tmp_path / "consequences").mkdir()
     (tmp_path / "run").mkdir()
     (tmp_path / "pack.toml").write_text('name = "mine"\nversion = "1"\n')

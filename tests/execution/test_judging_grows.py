@@ -45,7 +45,7 @@ def ground_rules(duration: int) -> tuple[int, int]:
     return len(made.executor.arbiters["ArbitrationNode"].holdings), counted.rules
 
 
-def test_what_judges_a_run_grows_as_the_run_does() -> None:
+def test_rules_that_judge_a_run_grow_linearly_with_it() -> None:
     (few, short), (some, middle), (many, long) = map(ground_rules, (10, 20, 40))
     assert (some - few, many - some) == (200, 400)
     assert long - middle == 2 * (middle - short) > 100

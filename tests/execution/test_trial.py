@@ -82,7 +82,7 @@ def test_a_condition_on_a_value_other_than_a_number_fails_the_run() -> None:
         ("Q", "`Q` is not a module of the specification"),
     ],
 )
-def test_what_cannot_move_is_no_robot(robot: str, told: str) -> None:
+def test_a_module_that_cannot_move_is_refused_as_a_robot(robot: str, told: str) -> None:
     blocks = "".join(
         f"@module_start\n@module_name {name}\n{annotation}\n@module_end\n"
         for name, annotation in (("S", "@Sense RequestWhenReady\nMap look();"), ("G", "@Grasp"))

@@ -34,7 +34,7 @@ def carrying(
     )
 
 
-def test_one_that_turns_as_it_is_asked_takes_it_alone() -> None:
+def test_a_carrier_with_the_commanded_rotation_serves_it_alone() -> None:
     """Half a turn about x between them turns the sense of y round; a lever arm does not matter."""
     found = carrying(("A", ("Rotn_Y",), placed([("x", 180)], 0, 0, 300)))
     assert found.alone("A", "Rotn_Y") == {"Rotn_Y": pytest.approx(-1)}
@@ -86,7 +86,7 @@ def test_a_slant_too_small_to_tell_gives_no_share(degrees: str, shared: int) -> 
         ("split", [("A", "Rotn_Z", 0.5), ("C", "Rotn_Z", 0.5)]),
     ],
 )
-def test_who_of_several_takes_a_command_is_the_allocations_matter(
+def test_the_allocation_chooses_among_several_carriers(
     allocation: str | None, expected: list[tuple[str, str, float]]
 ) -> None:
     found = carrying(("A", ("Rotn_Z",), None), ("B", ("Rotn_X",), None), ("C", ("Rotn_Z",), None))
@@ -136,7 +136,7 @@ def test_slides_that_make_up_a_turn_are_in_mm() -> None:
     }
 
 
-def test_oblique_slides_of_two_carriers_make_up_what_neither_gives() -> None:
+def test_oblique_slides_of_two_carriers_give_a_motion_that_neither_gives() -> None:
     """Slides along the carrier's x, once in the camera's x, once at 45 degrees to it."""
     found = carrying(("A", ("Trans_X",), None), ("B", ("Trans_X",), placed([("z", -45)])))
     a, b = Joint("A", "Trans_X"), Joint("B", "Trans_X")

@@ -59,7 +59,7 @@ def test_spans_are_those_of_ranks() -> None:
 
 
 @pytest.mark.parametrize(("slant", "inside"), [(3.1e-6, True), (3.2e-6, False)])
-def test_what_is_left_of_a_unit_vector_in_a_span_is_shorter_than_a_bound(
+def test_the_residual_of_a_unit_vector_in_a_span_is_below_a_bound(
     slant: float, inside: bool
 ) -> None:
     """The bound is a tenth of the root of 1e-9, which is 3.1623e-6: of a radian, some 0.00018

@@ -44,7 +44,7 @@ def test_these_are_not_names(text: str) -> None:
 
 
 @pytest.mark.parametrize("sign", ["\x1b", "\x7f", "\x85", "\u2028", "\u202e", "\u2066"])
-def test_what_a_terminal_obeys_or_hides_is_in_no_name(sign: str) -> None:
+def test_names_contain_no_control_or_hidden_characters(sign: str) -> None:
     assert read_name(written(f"a{sign}b")) is None
     text = f'@configuration\n@modules "a{sign}b", B\nB uses_data_from C."{sign}"\n'
     with pytest.raises(MarsError) as caught:
@@ -69,7 +69,7 @@ def test_any_name_of_one_line_reads_back(name: str) -> None:
     assert read_name(written(name)) == name
 
 
-def test_a_robot_with_such_names_is_what_it_says() -> None:
+def test_quoted_names_are_read_as_written() -> None:
     configuration = parse_text(ROBOT, "c.mars").configuration
     assert tuple(each.text for each in configuration.modules) == (*NAMES, 'say "go" \\')
     assert configuration.modules[0].span[1:] == (2, 10, 2, 27)
@@ -84,7 +84,7 @@ def test_base_and_slash_base_are_two_names() -> None:
     ("line", "column", "found"),
     [("A uses_data_from B-", 19, "`-`"), ('"A uses_data_from B', 1, '`"A`'), ("A/ x", 2, "`/`")],
 )
-def test_what_is_wrong_is_found_where_it_stands(line: str, column: int, found: str) -> None:
+def test_a_wrong_name_is_reported_at_its_location(line: str, column: int, found: str) -> None:
     with pytest.raises(MarsError) as caught:
         parse_text(f"@configuration\n@modules A, B\n{line}\n", "c.mars")
     (only,) = caught.value.diagnostics

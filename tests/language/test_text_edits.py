@@ -36,7 +36,7 @@ def test_stretches_that_overlap_exclude_each_other() -> None:
         draft.lines()
 
 
-def test_lines_are_inserted_on_the_stated_side() -> None:
+def test_lines_are_inserted_on_the_requested_side() -> None:
     draft = Draft("robot.mars", "a\nb\n")
     draft.insert(1, "behind", ["c", "d"])
     draft.insert(1, "behind", ["e"])
@@ -76,7 +76,7 @@ def test_a_stretch_may_go_on_over_lines() -> None:
     assert apply_lines(text, draft.lines()) == "a\n b\n"
 
 
-def test_what_is_inserted_beside_a_deleted_line_takes_its_place() -> None:
+def test_a_line_inserted_beside_a_deleted_one_replaces_it() -> None:
     draft = Draft("robot.mars", "a\nb\nc\n")
     draft.delete(2)
     draft.insert(2, "behind", ["d", "e"])
@@ -86,7 +86,7 @@ def test_what_is_inserted_beside_a_deleted_line_takes_its_place() -> None:
     )
 
 
-def test_a_comment_goes_with_what_it_was_about_and_stays_with_what_is_left() -> None:
+def test_a_comment_is_deleted_with_its_entry_and_stays_beside_others() -> None:
     text = "@modules A,  // first\n    B  // second\n"
     draft = Draft("robot.mars", text)
     draft.put(10, 11, "")

@@ -123,7 +123,7 @@ def test_places_are_those_that_the_writer_notes(seed: int) -> None:
         ((), (0, 0)),
     ],
 )
-def test_what_is_not_there_would_be_in_what_is(path: Path, place: tuple[int, int]) -> None:
+def test_a_missing_key_has_the_location_of_its_table(path: Path, place: tuple[int, int]) -> None:
     found = Places("seed = 1\n[robot]\nstart = [1, 2]\n", "s.toml").of(*path)
     assert (found.line, found.column) == place
 

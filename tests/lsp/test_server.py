@@ -61,7 +61,7 @@ def applied(text: str, edits: list[types.TextEdit]) -> str:
     return text
 
 
-def test_a_robot_is_asked_about(folder: Path) -> None:
+def test_the_server_answers_about_a_robot(folder: Path) -> None:
     async def scenario(client: Editor) -> None:
         path = folder / "robot.mars"
         uri = client.open(path)
@@ -324,7 +324,7 @@ wide(M) :- module(M), watched(M). 😀
 """
 
 
-def test_rules_are_asked_about(tmp_path: Path) -> None:
+def test_the_server_answers_about_rules(tmp_path: Path) -> None:
     async def scenario(client: Editor) -> None:
         path = tmp_path / "mine.lp"
         path.write_text("")

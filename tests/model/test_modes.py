@@ -11,7 +11,7 @@ def test_each_mode_is_independent(name: str) -> None:
     assert parse_mode(f"  {name} ") == Mode(name, text=name)
 
 
-def test_what_is_written_is_kept_apart_from_what_it_means() -> None:
+def test_the_text_of_a_mode_is_kept_beside_its_value() -> None:
     found = parse_mode("NotifyOnValue( 30 ,0.50 )")
     assert isinstance(found, Mode)
     assert found.arguments == (Decimal(30), Decimal("0.5"))
@@ -33,7 +33,7 @@ def test_an_argument_can_name_the_measured_quantity() -> None:
         ("NotifyOnChange(of=x)", "NotifyOnChange(0, of=x)"),
     ],
 )
-def test_a_distance_of_zero_is_what_is_meant_where_none_is_stated(short: str, long: str) -> None:
+def test_an_omitted_distance_is_zero(short: str, long: str) -> None:
     assert parse_mode(short) == parse_mode(long)
 
 

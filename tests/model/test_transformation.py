@@ -27,7 +27,7 @@ def pose(*slots: str) -> Transformation:
         (("x", "30", "x", "-30", "_", "_", "_"), ("_", "_", "_")),
     ],
 )
-def test_what_states_one_pose_is_alike(slots: tuple[str, ...], alike: tuple[str, ...]) -> None:
+def test_texts_of_one_pose_are_equal(slots: tuple[str, ...], alike: tuple[str, ...]) -> None:
     assert normalized(pose(*slots)) == normalized(pose(*alike))
 
 

@@ -57,7 +57,7 @@ def test_cases(name: str, update_golden: bool, capsys: pytest.CaptureFixture[str
 
 
 @pytest.mark.parametrize("name", sorted({*ROBOTS} - {*GOOD}))
-def test_every_verb_agrees_on_what_is_wrong(
+def test_every_command_reports_the_same_errors(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     robot, rules = f"tests/attributes/{name}.mars", ("--rules", PACK)
@@ -74,7 +74,7 @@ def test_every_verb_agrees_on_what_is_wrong(
     assert answer(capsys, "run", robot, *rules, *scenario) == output
 
 
-def test_without_the_pack_it_is_said_how_to_give_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missing_pack_has_a_hint_to_pass_it(capsys: pytest.CaptureFixture[str]) -> None:
     status, output = answer(capsys, "check", "tests/attributes/blocks.mars")
     assert status == 2
     assert output.count("no rule pack declares") == 5
@@ -83,7 +83,7 @@ def test_without_the_pack_it_is_said_how_to_give_it(capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.parametrize("name", GOOD)
-def test_what_is_printed_says_the_same(name: str) -> None:
+def test_a_printed_configuration_has_the_same_meaning(name: str) -> None:
     path = FOLDER / f"{name}.mars"
     text = path.read_text(encoding="utf-8")
     first = parse_text(text, str(path)).configuration
@@ -213,7 +213,7 @@ PACKS = {
 
 
 @pytest.mark.parametrize("case", PACKS)
-def test_what_cannot_be_an_attribute_is_an_error(case: str, tmp_path: Path) -> None:
+def test_an_invalid_attribute_is_an_error(case: str, tmp_path: Path) -> None:
     text, message = PACKS[case]
     (tmp_path / "mine.lp").write_text(declared(text), encoding="utf-8")
     with pytest.raises(MarsError) as caught:

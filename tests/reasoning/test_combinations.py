@@ -207,7 +207,7 @@ PLATFORM = Tree(
 )
 
 
-def test_a_lift_below_an_arm_has_no_share_in_what_its_hinges_make() -> None:
+def test_a_lift_below_an_arm_has_no_share_in_motions_of_the_hinges() -> None:
     project = read(commanding(ARM, ("Trans_X",)))
     hinges = frozenset({"S1", "S2", "S3"})
     assert expected_target(Motions(ARM, "Cam", 0), "Trans_X") == hinges

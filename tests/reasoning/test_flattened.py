@@ -106,7 +106,7 @@ def apart(drawn: Robot) -> str:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_ports_cost_what_modules_apart_cost(seed: int) -> None:
+def test_ports_cost_as_much_as_separate_modules(seed: int) -> None:
     rulebook = load_rulebook(stages=("resolve", "verify"))
     entries: list[tuple[object, ...] | None] = []
     for text in (with_ports(robot(seed)), apart(robot(seed))):

@@ -246,7 +246,7 @@ def compare(seed: int, folder: Path) -> str | None:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_what_is_included_means_what_is_written_out(seed: int, tmp_path: Path) -> None:
+def test_an_include_means_the_same_as_its_text_in_place(seed: int, tmp_path: Path) -> None:
     assert compare(seed, tmp_path) is None
 
 

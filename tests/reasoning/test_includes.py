@@ -9,7 +9,7 @@ from mars_asp.model.declarations import Data
 from mars_asp.reasoning.project import load_project
 
 
-def test_names_stand_behind_the_include_and_places_stay(tmp_path: Path) -> None:
+def test_names_get_the_prefix_of_the_include_and_keep_their_locations(tmp_path: Path) -> None:
     inner = "@configuration\n@modules A, /B\nA.x uses_data_from /B.y\n"
     (tmp_path / "inner.mars").write_text(inner)
     robot = tmp_path / "robot.mars"
@@ -40,7 +40,7 @@ def test_an_error_of_a_file_that_is_included_twice_is_reported_once(tmp_path: Pa
 
 
 @pytest.mark.parametrize("target", ["robot.mars", "link.mars", "folder", "none.mars"])
-def test_what_cannot_be_included_is_refused_where_it_is_named(target: str, tmp_path: Path) -> None:
+def test_an_impossible_include_is_refused_at_its_name(target: str, tmp_path: Path) -> None:
     robot = tmp_path / "robot.mars"
     robot.write_text(f"@configuration\n@include {target}\n@modules Z\n")
     (tmp_path / "link.mars").symlink_to(robot)
@@ -51,7 +51,7 @@ def test_what_cannot_be_included_is_refused_where_it_is_named(target: str, tmp_p
     assert (result.span.line, result.span.column) == (2, 10)
 
 
-def test_what_two_files_include_counts_once(tmp_path: Path) -> None:
+def test_a_file_included_twice_counts_once(tmp_path: Path) -> None:
     (tmp_path / "shared.mars").write_text("@configuration\n@modules D, E\nD uses_data_from E\n")
     for name in ("b", "c"):
         text = f"@configuration\n@include shared.mars\n@modules {name}\n{name} uses_data_from E\n"
@@ -122,7 +122,7 @@ def test_a_limit_of_includes_is_reported_once(tmp_path: Path) -> None:
         assert limit in result.message
 
 
-def test_a_description_of_its_own_counts_and_is_said(tmp_path: Path) -> None:
+def test_a_description_of_its_own_counts_and_is_reported(tmp_path: Path) -> None:
     block = "@module_start\n@module_name {}\n@Sense NotifyWhenReady\n{} look();\n@module_end\n"
     robot = tmp_path / "robot.mars"
     text = "@configuration\n@modules left: Camera, right: Camera\nleft uses_data_from right\n"

@@ -31,7 +31,7 @@ def expected(path: Path) -> Counter[tuple[int, str]]:
 
 
 @pytest.mark.parametrize("path", sorted(PACK.rglob("*.lp")), ids=lambda path: path.stem)
-def test_what_is_planted_in_a_pack_is_reported_and_nothing_else(path: Path) -> None:
+def test_exactly_the_planted_faults_of_a_pack_are_reported(path: Path) -> None:
     found = (each for each in lint([PACK], grounded=False).diagnostics)
     here = (each for each in found if Path(each.span.path) == path)
     assert Counter((each.span.line, each.code) for each in here) == expected(path)
@@ -42,7 +42,7 @@ def reported(path: Path) -> Counter[tuple[int, str]]:
 
 
 @pytest.mark.parametrize("path", [*FAULTS, *CORRECT], ids=lambda path: path.stem)
-def test_what_is_planted_is_reported_and_nothing_else(path: Path) -> None:
+def test_exactly_the_planted_faults_are_reported(path: Path) -> None:
     assert reported(path) == expected(path)
 
 
@@ -93,7 +93,7 @@ def test_errors_and_lints_are_found_together(tmp_path: Path) -> None:
     assert {each.diagnostic.code for each in found.lints} == {"rule-redundant", "rule-unused"}
 
 
-def test_what_grows_without_end_is_not_grounded(tmp_path: Path) -> None:
+def test_endless_rules_are_not_grounded(tmp_path: Path) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text("tower(1).\ntower(N + 1) :- tower(N).\n#show tower/1.\n")
     assert [each.code for each in lint([pack]).diagnostics] == ["rule-recursion"]

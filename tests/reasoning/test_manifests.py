@@ -31,7 +31,7 @@ outputs = "one"
 
 
 @pytest.mark.parametrize("folder", CASES, ids=lambda folder: folder.name)
-def test_what_is_wrong_is_told(
+def test_each_mistake_has_its_message(
     folder: Path,
     update_golden: bool,
     capsys: pytest.CaptureFixture[str],
@@ -49,7 +49,7 @@ def test_what_is_wrong_is_told(
     assert output == expected.read_text(encoding="utf-8")
 
 
-def test_every_verb_says_the_same() -> None:
+def test_every_stage_reports_the_same_errors() -> None:
     for folder in CASES:
         packs = sorted(folder.glob("with-*")) or [folder]
         entries = []

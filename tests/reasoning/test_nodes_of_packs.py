@@ -73,7 +73,7 @@ def lines_of(text: str) -> list[str]:
 
 
 @every_case
-def test_a_synthesis_gives_what_was_expected_by_hand(path: Path) -> None:
+def test_a_synthesis_equals_the_specification_by_hand(path: Path) -> None:
     _, found = resolved(path)
     expected = path.with_suffix(".expected.mars").read_text(encoding="utf-8")
     assert lines_of(print_configuration(found.specification.configuration)) == lines_of(expected)
@@ -85,7 +85,7 @@ def judged(specification: Configuration, reasoner: Reasoner) -> tuple[Violation,
 
 
 @every_case
-def test_what_was_expected_by_hand_is_accepted_and_costs_as_much(path: Path) -> None:
+def test_the_specification_by_hand_is_accepted_at_the_same_cost(path: Path) -> None:
     reasoner, found = resolved(path)
     expected = read(path.with_suffix(".expected.mars").read_text(encoding="utf-8"), reasoner)
     verification = judge_specification(expected, reasoner.project, reasoner.rulebook)
@@ -184,7 +184,7 @@ def test_drawings_and_json_name_the_node(path: Path, tmp_path: Path) -> None:
 
 
 @every_case
-def test_what_is_told_of_nodes(
+def test_the_explanation_of_nodes_is_as_expected(
     path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -325,7 +325,7 @@ def test_a_constraint_of_a_pack_is_named_where_nothing_is_left(tmp_path: Path) -
         _ = Reasoner(load_project(str(HERE / "arbiter.mars")), book).synthesis
 
 
-def test_packs_use_one_name_apart_and_read_what_is_public_of_packs_they_need(
+def test_packs_use_one_name_independently_and_read_public_predicates_of_required_packs(
     tmp_path: Path,
 ) -> None:
     shared = "%*! odd(M)\nM is odd.\npackage\n*%\nodd(M) :- module(M).".replace(

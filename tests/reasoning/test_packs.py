@@ -37,7 +37,7 @@ def test_a_variable_that_nothing_binds_is_named_at_its_own_place(tmp_path: Path)
     ]
 
 
-def test_a_predicate_that_nobody_gives_or_derives_is_named(tmp_path: Path) -> None:
+def test_a_predicate_without_facts_and_rules_is_named(tmp_path: Path) -> None:
     text = "seen(M) :- modul(M).\n{ odd(M) : seen(M, 1) } :- module(M), not -hidden(M).\n"
     assert refusals(tmp_path, text) == [
         ("rule-unknown", 1, 12, "nothing gives or derives `modul/1`"),
@@ -60,7 +60,7 @@ def test_packs_may_use_each_other_and_declare_facts_of_their_own(tmp_path: Path)
     load_rulebook([tmp_path])
 
 
-def test_what_is_found_has_a_severity_and_is_no_choice(tmp_path: Path) -> None:
+def test_a_consequence_has_a_severity_and_is_not_in_a_choice(tmp_path: Path) -> None:
     text = (
         "consequence(a, eror, M, 1) :- module(M). consequence(a, (note;1), M, 2) :- module(M).\n"
         "  { consequence(b, error, M, 1) } :-\n  module(M).\n"
@@ -86,7 +86,7 @@ def test_what_is_found_has_a_severity_and_is_no_choice(tmp_path: Path) -> None:
     ],
 )
 @pytest.mark.parametrize("words", [["check"], ["explain", "odd(Eye)"], ["explain", "plain(Eye)"]])
-def test_what_is_found_follows_from_the_facts(
+def test_consequences_follow_from_the_facts(
     rules: str, words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pack = tmp_path / "mine.lp"
@@ -144,7 +144,7 @@ concerns(busy, C, work, X) :- is_controlled_by(X, _, C), uses_data_from(_, C, _)
 
 
 @pytest.mark.parametrize("subject", ["", "busy", "busy(D0)", "busy(D1)"])
-def test_who_and_at_say_what_heads_by_hand_say(
+def test_listed_participants_and_locations_equal_heads_by_hand(
     subject: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pack = tmp_path / "mine.lp"
@@ -165,7 +165,7 @@ def test_who_and_at_say_what_heads_by_hand_say(
     assert busy
 
 
-def test_a_demand_over_who_takes_part_names_itself(tmp_path: Path) -> None:
+def test_a_constraint_over_participants_is_named(tmp_path: Path) -> None:
     pack = tmp_path / "mine.lp"
     others = ':- module("Nobody").\nseen(M) :- module(M).\n'
     pack.write_text(f":- participant(data_divergence, _, _, _, M), module(M).\n{others}")
@@ -209,7 +209,7 @@ consequence(late, warning, M, N) :- called(M, N), deadline(M, T), T > 100.
 """
 
 
-def test_what_is_given_to_runs_alone_is_free_for_packs_without_rules_on_runs(
+def test_facts_of_runs_are_optional_for_packs_without_rules_on_runs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pack = tmp_path / "pace"

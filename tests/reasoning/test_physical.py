@@ -186,7 +186,7 @@ def test_random_chains(rules: str) -> None:
     "kind",
     ["similar_inheritance", "emergent_functionality", "module_conflict", "global_functionality"],
 )
-def test_help_says_that_a_definition_is_ours(kind: str) -> None:
+def test_help_marks_a_definition_as_ours(kind: str) -> None:
     entries = [r.help for r in load_rulebook().rules if r.text.startswith(f"consequence({kind},")]
     assert entries
     assert all(help_ and "our definition" in help_ for help_ in entries)
@@ -203,7 +203,7 @@ def test_signs_and_names_through_right_angles() -> None:
     } <= entries
 
 
-def test_two_oblique_slides_together_give_what_neither_gives(rules: str) -> None:
+def test_two_oblique_slides_together_give_a_motion_that_neither_gives(rules: str) -> None:
     mounts = [Mount("M0", "A", HERE, transformation=placed([("y", 30)])), Mount("A", "B", HERE)]
     slides = [module("M0", sensor=True), module("A", "Trans_X"), module("B", "Trans_Z")]
     emergent = {("emergent_functionality", "Trans_X"), ("emergent_functionality", "Trans_Z")}

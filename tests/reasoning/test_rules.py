@@ -87,7 +87,7 @@ def test_messages_are_compared_where_a_case_has_one(tmp_path: Path, rulebook: Ru
     assert not run_case(case, rulebook).passed
 
 
-def test_what_an_answer_costs_is_compared_where_a_case_says_it(
+def test_the_cost_of_an_answer_is_compared_if_a_case_expects_one(
     tmp_path: Path, rulebook: Rulebook
 ) -> None:
     case = tmp_path / "case.lp"
@@ -99,7 +99,7 @@ def test_what_an_answer_costs_is_compared_where_a_case_says_it(
     assert not run_case(case, rulebook).passed
 
 
-def test_what_the_current_folder_is_called_gives_a_case_no_stage(
+def test_the_name_of_the_current_folder_gives_a_case_no_stage(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "verify" / "can").mkdir(parents=True)
@@ -152,7 +152,7 @@ LISTS_WITHOUT_A_CASE = {
 }
 
 
-def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Rulebook) -> None:
+def test_every_rule_fires_in_one_case_and_narrowly_fails_in_another(rulebook: Rulebook) -> None:
     """A new rule needs two cases in `tests/rules`: see `mars_asp/asp/cases/coverage.py`."""
     # Accounts need whole configurations: `tests/accounts` uses each of their rules.
     found = covered(rulebook, [rule for rule in rulebook.rules if rule.stage != STAGE])
@@ -176,7 +176,7 @@ def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
     assert {rule.id for rule in unnoticed(lists, rulebook, own)} == expected
 
 
-def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook: Rulebook) -> None:
+def test_each_consequence_has_a_reason_and_fires_in_its_example(rulebook: Rulebook) -> None:
     finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]
     examples = []
     for rule in finding:
@@ -190,7 +190,7 @@ def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook:
     assert silent == []
 
 
-def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: Rulebook) -> None:
+def test_each_finding_has_an_effect_and_each_label_a_location(rulebook: Rulebook) -> None:
     """Each label of a rule appears at a place in at least one case."""
     finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]
     grave = [r for r in finding if "consequence(" in r.text and ", note," not in r.text]

@@ -82,7 +82,7 @@ def _plain(printed: str) -> str:
 GROUNDED = ("chosen", "constraint", "undefined", "wrapping")
 
 
-def test_what_is_refused_is_so_for_every_verb() -> None:
+def test_refusals_are_equal_for_all_stages() -> None:
     refused = [pack for pack in PACKS if pack.stem not in GROUNDED]
     for pack in refused:
         entries = []
@@ -117,7 +117,7 @@ def test_no_stage_shares_a_predicate_with_packs() -> None:
     ],
     ids=["lines", "dots", "blocks", "signs", "brackets", "string", "facts"],
 )
-def test_what_would_overflow_the_parser_does_not_reach_it(text: str, tmp_path: Path) -> None:
+def test_text_that_would_overflow_the_parser_does_not_reach_it(text: str, tmp_path: Path) -> None:
     path = tmp_path / "deep.lp"
     path.write_text(text, encoding="utf-8")
     for read in (lambda: load_rulebook([path]), lambda: run_case(path, load_rulebook())):
@@ -140,7 +140,7 @@ def test_what_would_overflow_the_parser_does_not_reach_it(text: str, tmp_path: P
     ],
     ids=["sum", "signs", "functions", "both", "arguments", "negatives"],
 )
-def test_what_is_deep_or_long_but_allowed_is_read(
+def test_deep_or_long_text_within_the_bounds_is_read(
     term: str, verb: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
@@ -246,7 +246,7 @@ def test_the_constants_of_facts_are_known() -> None:
     assert {"flat", "sensor", "data", "zero", "none"} <= seen <= CONSTANTS
 
 
-def test_a_clean_pack_is_taken_and_lint_tells_what_else_is_noteworthy(tmp_path: Path) -> None:
+def test_a_clean_pack_is_accepted_and_lint_reports_the_rest(tmp_path: Path) -> None:
     path = tmp_path / "mine.lp"
     path.write_text(
         "% größer\n#const most = 1.\n#defined team/2.\n#show odd/1.\n"
@@ -267,7 +267,7 @@ def test_no_change_of_a_text_ends_the_process(first: int) -> None:
     assert seen["taken taken"] > 15
 
 
-def test_a_pack_declares_nothing_of_what_is_not_its_own(tmp_path: Path) -> None:
+def test_a_pack_declares_only_its_own_predicates(tmp_path: Path) -> None:
     pack = tmp_path / "own.lp"
     pack.write_text("%*! module(M: city)\nM is.\npacks: extend\n*%\nmodule(a).\n")
     with pytest.raises(MarsError) as caught:

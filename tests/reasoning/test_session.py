@@ -91,7 +91,9 @@ def test_a_specification_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(own) == len([call for call in synthesised if call[0] is reasoner.project]) == 1
 
 
-def test_what_explained_consequences_is_grounded_anew_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reasoner_that_explained_consequences_is_grounded_again_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     analysed = counted(monkeypatch, "analyse")
     reasoner = fresh()
     explain(reasoner, None, only="consequences")
@@ -101,7 +103,7 @@ def test_what_explained_consequences_is_grounded_anew_once(monkeypatch: pytest.M
     assert len(analysed) == 2
 
 
-def test_a_reasoner_verifies_what_it_synthesised_and_refuses_less() -> None:
+def test_a_reasoner_verifies_its_synthesis_and_refuses_less() -> None:
     reasoner = Reasoner(PROJECT, load_rulebook(stages=("resolve", "verify")))
     assert reasoner.synthesis is not None
     whole = reasoner.synthesis.specification.configuration

@@ -206,7 +206,7 @@ def test_a_changed_synthesis_is_refused(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", seeds(3, 12))
-def test_commands_for_what_is_inherited_are_passed_on(seed: int) -> None:
+def test_commands_for_inherited_functions_are_forwarded(seed: int) -> None:
     refuses_every_mutation(carried(seed), seed)
 
 
@@ -227,7 +227,7 @@ def written(specification: Configuration, project: Project) -> dict[int, int]:
 
 
 @pytest.mark.parametrize("seed", seeds(6, 28))
-def test_a_synthesis_costs_what_its_text_says(seed: int) -> None:
+def test_the_cost_of_a_synthesis_equals_the_cost_of_its_text(seed: int) -> None:
     """Without comments the cheapest converters are meant, and a synthesis has those."""
     project = Project(parse_text(random_configuration(seed), "c.mars").configuration, {}, ())
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
@@ -293,7 +293,7 @@ D uses_data_from DataSplitter1
         ("// DataTransformer1: no converter declared (Image -> geo::Lines)", True, 2),
     ],
 )
-def test_conversion_cost_decides_what_is_minimal(
+def test_conversion_cost_decides_minimality(
     comment: str, minimal: bool, conversion: int, tmp_path: Path
 ) -> None:
     (tmp_path / "c.mars").write_text(CHOICE)
@@ -470,7 +470,7 @@ def judged(text: str, configuration: str) -> tuple[list[str], list[str]]:
     return violations, [f"{found.rule.id}: {found.message}" for found in alone.cautions]
 
 
-def test_a_caution_is_no_violation_and_says_why_in_words() -> None:
+def test_a_caution_is_not_a_violation_and_has_a_reason() -> None:
     flat = RANKED.replace("hierarchical", "flat")
     assert judged(flat.format(a=3, b=7), FLAT) == ([], [])
     violations, (caution,) = judged(flat.format(a=7, b=3), FLAT)
@@ -479,7 +479,7 @@ def test_a_caution_is_no_violation_and_says_why_in_words() -> None:
     assert "`B`" in caution
 
 
-def test_a_comment_is_judged_by_what_its_converter_converts() -> None:
+def test_a_comment_is_judged_by_the_types_of_its_converter() -> None:
     """Both names of a comment are read as those that the configuration knows."""
     right = "// DataTransformer1: Cheap ({} -> {})"
     for names in (

@@ -172,7 +172,7 @@ FORMS = (
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_what_wraps_while_grounding_is_what_does_not_fit(form: str) -> None:
+def test_grounding_wraps_exactly_the_values_that_do_not_fit(form: str) -> None:
     wrapping = 0
     for seed in range(60):
         rng = random.Random(f"{form}{seed}")

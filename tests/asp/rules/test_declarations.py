@@ -106,7 +106,7 @@ unless: {p.C}
     ]
 
 
-def test_what_is_no_mark_is_no_declaration() -> None:
+def test_comments_without_the_mark_are_not_declarations() -> None:
     assert read('%* p(X) *%\n% p(X)\nq("%*! p(X) *%").\n') == ([], [])
 
 
@@ -129,7 +129,7 @@ def test_what_is_no_mark_is_no_declaration() -> None:
         ("%*! p(X)\nWords.\n*%\n%*! p(Y)\nWords.\n*%", "`p/1` is documented twice"),
     ],
 )
-def test_what_is_wrong_is_told(text: str, problem: str) -> None:
+def test_each_mistake_has_its_message(text: str, problem: str) -> None:
     _, (result,) = read(text)
     assert result.split(": ", 1)[1].startswith(problem)
 
@@ -140,7 +140,7 @@ def test_words_that_look_like_a_line_are_words() -> None:
     assert found.words == "Words, as in example: such."
 
 
-def test_what_never_ends_is_told_in_few_words() -> None:
+def test_an_endless_declaration_gets_a_short_message() -> None:
     _, (result,) = read("%*! p(" + "X,\n" * 20_000 + "*%")
     assert len(result) < 200
     _, (result,) = read("%*! p" + " " * 100_000 + "q(X)\n*%")

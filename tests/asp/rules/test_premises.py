@@ -80,7 +80,7 @@ def test_kept_rules_keep_their_locations() -> None:
     assert found.text.count("\n") == text.count("\n")
 
 
-def test_what_makes_atoms_possible_besides_rules_is_not_read() -> None:
+def test_external_and_program_statements_are_not_read() -> None:
     for text in ("#external q.", "#external q(X) : r(X).", "#program more(n)."):
         assert read_premises(f"p :- q. {text}") is None
 

@@ -213,14 +213,14 @@ def test_disjoint_needs_are_met_by_every_answer_and_have_no_atom_to_spare() -> N
     assert needed > 30
 
 
-def test_what_costs_where_it_is_false_is_no_need() -> None:
+def test_an_atom_that_costs_when_false_is_in_no_core() -> None:
     either = component(3, (forbid(-1, -2), forbid(3)), ((20, 1, 1), (20, 1, 2), (20, 1, -3)))
     best = optimise(either)
     assert disjoint_needs(either, best, 20) == ((1, (1, 2)),)
     assert disjoint_needs(either, best, 10) == ()
 
 
-def test_needs_below_a_level_are_those_of_what_is_least_above() -> None:
+def test_cores_below_a_level_hold_for_the_optima_of_that_level() -> None:
     dear = component(2, (forbid(-1, -2),), ((30, 1, 1), (20, 5, 2), (20, 2, 1)))
     best = optimise(dear)
     assert disjoint_needs(dear, best, 30) == ()
@@ -343,7 +343,7 @@ def test_after_the_deadline_a_search_without_an_answer_is_late(left: float) -> N
         optimise(holes(7, False), time.monotonic() + left)
 
 
-def test_what_costs_where_it_is_false_is_added_up_behind_the_deadline() -> None:
+def test_costs_of_false_atoms_are_summed_after_the_deadline() -> None:
     hard = holes(12, True, forbid(1))
     costs = (*hard.costs, (20, 5, 1), (20, 7, -1), (10, 11, 2), (10, 13, -2))
     whole = Component(hard.size, hard.rules, costs, hard.projected)

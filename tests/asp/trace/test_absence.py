@@ -52,7 +52,9 @@ def attempts(program: str, atom: str) -> list[NearMiss]:
         ("q(5). s(1). p(X) :- q(X), s(Z), t(1 - Y * 2).", "t((1-(Y*2)))", "t((1-(Y*2)))", None),
     ],
 )
-def test_what_fails(program: str, fails: str | None, cause: str | None, value: str | None) -> None:
+def test_the_failing_literal_has_its_cause_and_value(
+    program: str, fails: str | None, cause: str | None, value: str | None
+) -> None:
     (attempt,) = attempts(program, "p(5)")
     if fails is not None:
         assert attempt.fails == fails

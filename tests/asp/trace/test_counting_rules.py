@@ -59,7 +59,7 @@ def test_traces_are_true_and_none_is_missing(program: str) -> None:
 
 
 @pytest.mark.parametrize("program", [f"a :- {body}" for body in _BODIES if "v(_)" in body])
-def test_what_is_counted_is_found_once_for_all_firings(
+def test_counted_elements_are_found_once_for_all_firings(
     program: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sizes: list[int] = []
@@ -92,7 +92,7 @@ _FAILING = [
 
 
 @pytest.mark.parametrize("body", _FAILING)
-def test_what_fails_is_found_once_for_all_values(
+def test_the_failing_literal_is_found_once_for_all_values(
     body: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sizes: list[int] = []
@@ -110,7 +110,7 @@ def test_what_fails_is_found_once_for_all_values(
     assert sizes[1] <= 2 * sizes[0]
 
 
-def test_what_counts_is_tested_once_for_all_values() -> None:
+def test_a_count_is_tested_once_for_all_values() -> None:
     seconds = [min(_seconds_of_why_not(size) for _ in range(3)) for size in (500, 2000)]
     # Four times as much where growth is linear, 16 times where each value counts anew.
     assert seconds[1] < 8 * seconds[0]
@@ -137,7 +137,9 @@ def _seconds_of_why_not(size: int) -> float:
         ("v(_), 2 <= #count {{ X : v(X) }}, not v(1).", None),
     ],
 )
-def test_what_fails_for_each_of_several_values_is_told_once(body: str, value: str | None) -> None:
+def test_a_literal_that_fails_for_several_values_is_reported_once(
+    body: str, value: str | None
+) -> None:
     text = (f"a :- {body}" + _VALUES).format(size=4)
     found = explainer_of(text)
     assert found is not None

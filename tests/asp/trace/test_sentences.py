@@ -94,7 +94,7 @@ def test_an_absence_is_rendered_without_its_unbound_arguments(
     assert sentences('wants(1,"A","B")').unless(atom(pattern)) == said
 
 
-def test_a_number_orders_what_names_the_same_thing() -> None:
+def test_a_number_orders_atoms_about_the_same_thing() -> None:
     result = sentences('wants(1,"A","B")', "rate(1,12500)")
     ranks = [result.rank(atom(each)) for each in ('wants(1,"A","B")', 'wants(2,"A","B")', "x(1)")]
     assert ranks == [12500, None, None]

@@ -24,7 +24,7 @@ FILES = {
 UNUSED = {"unused.py", "lib/unused.py", "pkg/unused.py"}
 
 
-def test_what_is_imported_from_beside_is_found(tmp_path: Path) -> None:
+def test_modules_imported_from_beside_a_file_are_found(tmp_path: Path) -> None:
     for name, text in FILES.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)

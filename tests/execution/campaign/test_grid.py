@@ -37,7 +37,7 @@ def test_seeds_are_read_in_their_order(text: str, seeds: tuple[int, ...]) -> Non
         ("-9223372036854775808-9223372036854775807", f"a campaign has at most {MOST_RUNS} runs"),
     ],
 )
-def test_what_are_no_seeds_is_refused(text: str, message: str) -> None:
+def test_invalid_seeds_are_refused(text: str, message: str) -> None:
     with pytest.raises(ValueError) as wrong:
         read_seeds(text)
     assert str(wrong.value) == message

@@ -42,7 +42,7 @@ def test_each_further_value_is_a_series_with_its_name() -> None:
     assert len(set(re.findall(r'r="4" fill="(\S+)"', svg))) == 2
 
 
-def test_what_all_cells_have_is_written_once() -> None:
+def test_values_shared_by_all_cells_are_written_once() -> None:
     cells = [cell._replace(vary={"duration": 20, **cell.vary}) for cell in CELLS]
     svg = campaign_picture(cells, [Axis("duration", (20,)), SWITCH, RADIUS], "t")
     assert svg.count("duration=20") == 1

@@ -47,7 +47,7 @@ def result(seed: int, verdict: str, vary: Any = None, **more: Any) -> dict[str, 
     return {**run, "control_time": {}, **more}
 
 
-def test_what_is_not_decided_is_not_counted_for_its_requirement() -> None:
+def test_undecided_runs_are_not_counted_for_their_requirement() -> None:
     results = [result(1, "pass"), result(2, "fail"), result(3, "not decided")]
     found = summary_json(results, lambda each: f"again {each['seed']}")
     assert (found["runs"], found["passed"]) == (3, 1)

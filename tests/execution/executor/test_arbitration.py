@@ -50,7 +50,7 @@ def arbitrated(
     return [(time, value.get(GO)) for time, value in inbox.got], executor
 
 
-def test_priority_0_alone_passes_and_a_never_heard_controller_blocks_nobody() -> None:
+def test_priority_0_alone_passes_and_a_silent_controller_does_not_block() -> None:
     got, _ = arbitrated({"A": {0: 1}, "B": {}}, 0.05)
     assert got == [(0, 1)]
 
@@ -119,7 +119,7 @@ def test_the_default_hold_is_two_and_a_half_periods_or_200_ms(
     assert inbox.got == [(0, {GO: 1}), (hold, {})]
 
 
-def test_who_holds_control_why_and_since_when_is_recorded() -> None:
+def test_the_holder_of_control_is_recorded_with_instant_and_reason() -> None:
     _, executor = arbitrated({"A": {0: 1, 60: 2}, "B": {20: 9}}, 0.3)
     held = [(h.since / 1e6, h.holder, h.why) for h in executor.arbiters["ArbitrationNode"].holdings]
     assert held == [
@@ -169,7 +169,7 @@ def test_an_inner_arbiter_sends_no_stop_of_its_own() -> None:
     assert inner.delivered == 1
 
 
-def test_flat_sends_at_each_end_the_mean_per_function_of_what_came_in_the_period() -> None:
+def test_flat_sends_the_mean_of_each_function_at_the_end_of_a_period() -> None:
     text = "P is_controlled_by ArbitrationNode\n" + "\n".join(
         f"ArbitrationNode is_controlled_by {name}" for name in "AB"
     )
@@ -179,7 +179,7 @@ def test_flat_sends_at_each_end_the_mean_per_function_of_what_came_in_the_period
 
 
 @pytest.mark.parametrize(("stated", "first"), [("", 100), (" period 50", 50), (" period 200", 200)])
-def test_flat_sends_every_100_ms_or_at_a_stated_period(stated: str, first: int) -> None:
+def test_flat_sends_every_100_ms_or_at_its_period(stated: str, first: int) -> None:
     text = "P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by A"
     got, _ = arbitrated({"A": {30: 7}}, 0.4, text, f"specification flat{stated}")
     assert got == [(first, 7)]
@@ -262,7 +262,7 @@ def test_a_provider_that_nothing_describes_is_taken_where_it_is_the_only_one() -
     assert found.message == "the functions that `Head` provides to `InheritanceNode1` are unknown"
 
 
-def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits() -> None:
+def test_a_module_led_both_ways_does_its_own_motion_and_leaves_inherited_ones() -> None:
     arm, base = Inbox(), Inbox()
     executor = executed(
         "Arm is_mounted_on Base (z, 90, _, _, 0, 0, 0)\nControlSplitter1 is_controlled_by A\n"
@@ -329,7 +329,7 @@ def test_an_inheritance_node_allocates_by_its_input(
     assert base.got == at_base
 
 
-def test_a_suppressed_message_counts_for_the_module_that_said_it() -> None:
+def test_a_suppressed_message_counts_for_its_sender() -> None:
     text = """
         P is_controlled_by ArbitrationNode
         ArbitrationNode is_controlled_by ControlSplitter1 0 hold 100
@@ -342,9 +342,7 @@ def test_a_suppressed_message_counts_for_the_module_that_said_it() -> None:
     assert arbiter.suppressed == {"A": 1}
 
 
-def test_an_inheritance_node_beside_a_led_module_stands_for_another_that_stands_on_the_same() -> (
-    None
-):
+def test_an_inheritance_node_beside_a_led_module_serves_another_on_the_same_carrier() -> None:
     # `Arm` has the commanded functions, so the node is that of `Eye`, and forwards all.
     base = Inbox()
     executed(

@@ -109,7 +109,7 @@ def test_turned_vertices_and_a_turned_tuple_are_taken_in_their_order(function: s
     assert len(rates) == 3
 
 
-def test_a_stretched_arm_says_that_it_cannot() -> None:
+def test_a_stretched_arm_reports_an_impossible_command() -> None:
     """The posture is singular: along the arm no rate of the hinges moves it."""
     text = "\n".join(
         [
@@ -133,7 +133,7 @@ def test_a_stretched_arm_says_that_it_cannot() -> None:
     assert failures.count == 1
 
 
-def test_where_nobody_says_where_a_joint_is_it_is_reckoned() -> None:
+def test_an_unreported_joint_position_is_computed() -> None:
     """Two slides are parallel until the hinge between them has turned by 90 degrees."""
     functions = {"Low": "Trans_X", "Hinge": "Rotn_Z", "High": "Trans_X"}
     text = "\n".join(

@@ -122,13 +122,13 @@ def test_clocks_of_one_instant_tick_in_the_direction_of_the_data(hz: int) -> Non
     assert inbox.got == [(0, 0), (100, 10), (200, 20), (300, 30)]
 
 
-def test_a_splitter_repeats_what_is_only_notified_when_ready_and_counts_it_stale() -> None:
+def test_a_splitter_repeats_old_notifications_and_counts_them_as_stale() -> None:
     inbox, link = split("NotifyWhenReady", None, "NotifyAtFrequency 10", 0.5, period=ms(250))
     assert inbox.got == [(0, 0), (100, 0), (200, 0), (300, 1), (400, 1), (500, 2)]
     assert link.stale == 3
 
 
-def test_a_splitter_polls_what_answers_requests() -> None:
+def test_a_splitter_polls_a_source_that_answers_requests() -> None:
     inbox, _ = split("RequestWhenReady", None, "NotifyAtFrequency 10", 0.3)
     assert inbox.got == [(0, 0), (100, 1), (200, 2), (300, 3)]
 

@@ -51,7 +51,7 @@ def deliveries(
     st.lists(st.sampled_from(ASKED[:4]), max_size=3),
 )
 @settings(max_examples=15, deadline=None)
-def test_a_specification_delivers_what_its_relationships_would(
+def test_a_specification_delivers_as_its_relationships_do(
     first: list[str], second: list[str]
 ) -> None:
     modules = {"S": sensor("S", "NotifyAtFrequency", 100)}

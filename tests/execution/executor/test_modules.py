@@ -36,7 +36,7 @@ def test_an_algorithm_computes_with_the_latest_of_each_input_once_all_have_arriv
     assert inbox.got == [(150, (1, 0)), (200, (2, 0)), (300, (3, 0)), (400, (4, 1))]
 
 
-def test_an_algorithm_at_a_frequency_computes_on_its_clock_with_what_came_in_that_instant() -> None:
+def test_an_algorithm_at_a_frequency_uses_the_input_of_its_instant() -> None:
     inbox = Inbox()
     executed(
         "D uses_data_from S\nA uses_data_from D",
@@ -199,7 +199,7 @@ def test_all_that_is_unbound_or_never_runs_is_reported_at_once() -> None:
 
 
 @pytest.mark.parametrize("stated", ["NotifyOnValue", "NotifyOnValue(of=range)"])
-def test_a_value_that_is_not_stated_is_reported_before_the_run(stated: str) -> None:
+def test_a_missing_value_is_reported_before_the_run(stated: str) -> None:
     with pytest.raises(MarsError) as raised:
         executed(
             f"D uses_data_from S\nA uses_data_from D {stated}",

@@ -101,7 +101,7 @@ def test_a_described_module_has_the_kind_of_its_services() -> None:
     assert plan.services("S") == seeing.services
 
 
-def test_who_moves_is_an_effector_whomever_it_commands_and_so_is_who_only_carries() -> None:
+def test_a_moving_or_carrying_module_is_an_effector() -> None:
     plan = planned(control("M", "E") + "M is_mounted_on Base\n", effector("E", "Rotn_X"))
     assert {name: plan.kind(name) for name in plan.names} == {
         "M": "effector",
@@ -125,7 +125,7 @@ def test_an_undescribed_module_has_the_kind_of_its_relationships() -> None:
 # ---- Modes and rates -----------------------------------------------------------------------------
 
 
-def test_a_module_offers_its_first_mode_or_what_its_single_client_asks_for() -> None:
+def test_a_module_offers_its_first_mode_or_the_one_of_its_single_client() -> None:
     several = sensor("S", "NotifyWhenReady | NotifyAtFrequency | RequestWhenReady", 20)
     ready, regular = mode("NotifyWhenReady"), mode("NotifyAtFrequency")
     for asked, expected in (
@@ -160,7 +160,7 @@ def test_a_sensor_is_sampled_raw_for_a_condition() -> None:
         assert planned(data("C", "S"), make("S", "RequestWhenReady")).made("S") == (asking, None)
 
 
-def test_a_link_carries_what_it_states_or_what_stands_behind_it() -> None:
+def test_a_link_carries_its_own_mode_or_the_one_of_its_source() -> None:
     ready, regular = mode("NotifyWhenReady"), mode("NotifyAtFrequency")
     chain = (
         data("DataSplitter1", "S") + data("DataTransformer1", "DataSplitter1")
@@ -185,7 +185,7 @@ def test_a_link_carries_what_it_states_or_what_stands_behind_it() -> None:
     assert plan.made("DataSplitter1") == plan.carried(plan.links[1]) == (ready, None)
 
 
-def test_a_stated_condition_keeps_no_rate_of_what_is_behind_it() -> None:
+def test_a_condition_of_a_link_drops_the_rate_of_its_source() -> None:
     plan = planned(
         data("DataSplitter1", "S") + "C uses_data_from DataSplitter1 NotifyOnMax",
         sensor("S", "NotifyAtFrequency", 10),
@@ -193,7 +193,7 @@ def test_a_stated_condition_keeps_no_rate_of_what_is_behind_it() -> None:
     assert plan.carried(plan.links[1]) == (mode("NotifyOnMax"), None)
 
 
-def test_what_is_stated_is_carried_whatever_is_behind_it() -> None:
+def test_the_mode_of_a_link_overrides_its_source() -> None:
     text = data("DataSplitter1", "S") + "C uses_data_from DataSplitter1 NotifyAtFrequency"
     plan = planned(text, sensor("S"))
     assert plan.carried(plan.links[1]) == (mode("NotifyAtFrequency"), None)
@@ -233,7 +233,7 @@ def test_a_command_stays_in_force_for_two_and_a_half_periods() -> None:
 
 
 @pytest.mark.parametrize("node", ["ControlSplitter1", "InheritanceNode1", "ArbitrationNode2"])
-def test_how_often_is_a_matter_of_who_speaks_through_nodes(node: str) -> None:
+def test_a_hold_depends_on_the_period_of_the_module_before_the_nodes(node: str) -> None:
     text = PAIR.format(a=node, b="Q") + control("M", "ArbitrationNode")
     periods: dict[str, int | None] = {"P": SECOND // 5, "R": SECOND}
     alone = planned(text + control(node, "P"), periods=periods)
@@ -246,7 +246,7 @@ def test_how_often_is_a_matter_of_who_speaks_through_nodes(node: str) -> None:
     assert round_.hold(link(round_, "ArbitrationNode", node)) == DEFAULT_HOLD
 
 
-def test_arbiters_are_counted_one_behind_the_other() -> None:
+def test_depth_counts_the_arbiters_in_sequence() -> None:
     chain = (
         control("M", "ArbitrationNode") + PAIR.format(a="InheritanceNode1", b="Q")
         + control("InheritanceNode1", "ArbitrationNode2") + control("ArbitrationNode2", "P")
@@ -262,7 +262,7 @@ def test_arbiters_are_counted_one_behind_the_other() -> None:
     assert ring.depth("ArbitrationNode") == 2
 
 
-def test_what_reaches_an_effector_without_another_arbiter() -> None:
+def test_names_that_reach_an_effector_without_another_arbiter() -> None:
     chain = (
         control("M", "ControlSplitter1") + control("ControlSplitter1", "ArbitrationNode")
         + control("ArbitrationNode", "ControlSplitter2") + control("ControlSplitter2", "P")
@@ -322,7 +322,7 @@ def test_of_several_providers_each_must_be_described() -> None:
     assert planned(alone).unknown_providers("InheritanceNode1") == []
 
 
-def test_what_nothing_is_mounted_on_is_carried_by_nobody() -> None:
+def test_a_module_that_carries_none_has_no_carriers() -> None:
     fixed = "\n".join(
         line for line in TOWER.format(high="High").splitlines() if "mount" not in line
     )
@@ -337,7 +337,7 @@ def test_what_nothing_is_mounted_on_is_carried_by_nobody() -> None:
     assert (carrying.name, list(carrying.carriers)) == ("Cam", ["High", "Low"])
 
 
-def test_who_leads_a_module_and_its_node_leaves_to_providers_what_they_give() -> None:
+def test_a_controller_of_a_module_and_its_node_leaves_motions_to_the_providers() -> None:
     """The camera turns itself about z; its carriers give all motions of the plane across y."""
     pilot = control_out("Pilot", "Rotn_Y", "Rotn_Z")
     apart = planned(TOWER.format(high="High"), *TOWER_MODULES, pilot)

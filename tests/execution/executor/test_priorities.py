@@ -111,5 +111,5 @@ def compare_run(seed: int) -> str | None:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_who_wins_at_each_module_follows_from_declared_priorities(seed: int) -> None:
+def test_winners_at_each_module_follow_from_declared_priorities(seed: int) -> None:
     assert compare_run(seed) is None

@@ -50,7 +50,7 @@ WAYS = [
 
 
 @pytest.mark.parametrize("lines", WAYS)
-def test_no_receiver_sees_what_another_did(lines: str) -> None:
+def test_no_receiver_sees_the_changes_of_another(lines: str) -> None:
     first, second, result, kept = Box(), Box(), list[bytes](), [1, [2]]
 
     def passing(value: list[Any]) -> list[Any]:
@@ -69,7 +69,7 @@ def test_no_receiver_sees_what_another_did(lines: str) -> None:
     assert not executor.failures
 
 
-def test_a_list_that_its_sender_goes_on_changing_is_what_it_was_when_it_was_sent() -> None:
+def test_a_sent_list_is_unchanged_by_later_changes_of_its_sender() -> None:
     kept: list[int] = []
     seen: list[tuple[list[int], int]] = []
 
@@ -90,7 +90,7 @@ def test_a_list_that_its_sender_goes_on_changing_is_what_it_was_when_it_was_sent
 
 
 @pytest.mark.parametrize("sender", ["S", "D", "DataTransformer1"])
-def test_what_a_sender_keeps_changes_no_message(sender: str) -> None:
+def test_a_value_kept_by_its_sender_changes_no_message(sender: str) -> None:
     kept: list[int] = [0]
     seen: list[int] = []
 
@@ -130,7 +130,7 @@ def test_the_latest_of_an_input_is_as_it_was_sent_at_each_computation() -> None:
     assert set(seen) == {1}
 
 
-def test_what_a_request_answers_is_as_it_was_sent() -> None:
+def test_the_answer_to_a_request_is_unchanged() -> None:
     kept, seen = [0], []
     modules = [sensor("S"), control_out("C"), effector("P", "Trans_Z")]
 
@@ -180,7 +180,7 @@ def test_inputs_of_a_failure_are_shown_as_they_were_given() -> None:
 
 
 @pytest.mark.parametrize("made", [lambda: (n for n in [1]), lambda: open(__file__)])  # noqa: PTH123, SIM115
-def test_what_cannot_be_copied_fails_at_the_module_that_sent_it(made: Callable[[], Any]) -> None:
+def test_a_value_that_cannot_be_copied_fails_at_its_sender(made: Callable[[], Any]) -> None:
     seen: list[Any] = []
     place = "b.py", 3
     behaviours: dict[str, Any] = {"S": Behaviour(made, ms(100), place=place), "A": seen.append}

@@ -95,7 +95,7 @@ def test_every_message_conforms_to_its_schema_and_every_event_is_there() -> None
     assert len(logs) == 4
 
 
-def test_the_robot_stands_where_the_run_left_it_in_metres_and_obstacles_where_they_are() -> None:
+def test_the_final_robot_and_the_obstacles_are_placed_in_metres() -> None:
     made, _, content = recorded()
     found = messages(content)
     last = [message for topic, _, _, message in found if topic == "/tf"][-1]
@@ -142,7 +142,7 @@ def test_a_package_that_is_missing_is_named_before_the_run(
     assert (output.out, out.exists()) == ("", False)
 
 
-def test_an_ending_that_says_nothing_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_file_ending_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as raised:
         run_here([*WORDS, "--record", "a.txt"])
     assert raised.value.code == 2

@@ -44,7 +44,7 @@ def texts(picture: Element) -> list[str]:
     return [each.text or "" for each in picture.iterfind(".//{*}text")]
 
 
-def test_a_plot_names_who_held_control() -> None:
+def test_a_plot_names_the_holder_of_control() -> None:
     made = trial(BASE + HAND + WALL)
     assert "C" in texts(drawn(made))
 
@@ -222,7 +222,7 @@ def two(start: str) -> Trial:
     return trial(TWO.replace("{start}", start), DRIVES)
 
 
-def test_of_two_robots_each_goal_is_shown_and_who_came_near_to_whom() -> None:
+def test_the_picture_of_two_robots_shows_each_goal_and_their_clearance() -> None:
     # They pass side by side, 230 mm apart, and the wall is 60 mm from the rim of `left`.
     made = two("500, 230")
     picture, result = drawn(made), texts(drawn(made))
@@ -267,7 +267,7 @@ def test_of_several_robots_the_least_clearance_may_be_to_a_wall() -> None:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_two_robots_come_nearest_when_fine_sampling_says(seed: int) -> None:
+def test_the_nearest_instant_of_two_robots_agrees_with_fine_sampling(seed: int) -> None:
     random = Random(seed)
     bodies = Fleet(
         [

@@ -82,7 +82,7 @@ def hostile_page() -> str:
     return replay_page(made, judgement, HOSTILE)
 
 
-def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
+def test_a_page_holds_the_path_the_commands_and_each_winner_with_reason() -> None:
     result = replay_json(*judged())
     assert result["robots"][0]["poses"][0] == [0, 0, 0, 0]
     assert result["robots"][0]["poses"][-1][0] == 3
@@ -138,7 +138,7 @@ def test_a_picture_is_seen_from_above_forward_up_and_side_left() -> None:
     assert "rotate(-30.0)" in plot_run(made)
 
 
-def test_lanes_show_who_wanted_control_and_who_had_it() -> None:
+def test_lanes_show_requests_and_holders_of_control() -> None:
     picture = plot_run(trial())
     assert re.findall(r'class="lane" data-name="(\w+)"', picture) == ["High", "Low"]
     wanted, held = re.findall(r"<g opacity.*?</g>", picture, re.DOTALL)
@@ -197,7 +197,9 @@ CLICK = """((name, share) => {
 
 
 @in_a_browser
-def test_a_click_on_a_lane_says_who_won_and_why(browser: Browser, tmp_path: Path) -> None:
+def test_a_click_on_a_lane_shows_the_winner_and_the_reason(
+    browser: Browser, tmp_path: Path
+) -> None:
     shown(browser, tmp_path / "run.html", page())
 
     def said(name: str, share: float) -> list[str]:
@@ -356,7 +358,9 @@ def test_obstacles_go_their_rounds_as_the_simulator_moves_them(
 
 
 @in_a_browser
-def test_the_page_shows_the_verdict_and_what_is_silent(browser: Browser, tmp_path: Path) -> None:
+def test_the_page_shows_the_verdict_without_overlapping_texts(
+    browser: Browser, tmp_path: Path
+) -> None:
     shown(browser, tmp_path / "run.html", page())
     shown_texts = browser.run(
         "[...document.querySelectorAll('#picture text')].map((each) => each.textContent)"

@@ -90,7 +90,9 @@ def remarks(robot: str = ROBOT, **changed: str) -> list[tuple[int, str, str, str
         ),
     ],
 )
-def test_what_has_no_place_is_an_error(name: str, table: str, message: str, help_text: str) -> None:
+def test_tables_that_do_not_fit_the_robot_are_errors(
+    name: str, table: str, message: str, help_text: str
+) -> None:
     ((line, *found),) = remarks(**{name: table})
     assert found == ["error", message, help_text]
     text = (BASE + "".join({**GOOD, name: table}.values())).splitlines()

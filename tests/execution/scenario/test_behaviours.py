@@ -188,7 +188,7 @@ REFUSED = {
 }
 
 
-def test_what_cannot_run_is_refused_at_its_binding_all_at_once(
+def test_unusable_functions_are_all_refused_at_their_bindings(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -215,7 +215,7 @@ def test_what_cannot_run_is_refused_at_its_binding_all_at_once(
     assert found[6].help == "leave out `.stp`: an object of the class is called"
 
 
-def test_what_is_annotated_and_cannot_run_is_refused_where_it_is_annotated(tmp_path: Path) -> None:
+def test_an_unusable_annotated_function_is_refused_at_its_annotation(tmp_path: Path) -> None:
     source = "\n# @module_start\n# @module_name C\n# @ControlOut Trans_Z\ndef go(x: int): ...\n"
     with pytest.raises(MarsError) as raised:
         annotated(tmp_path, f"{source}# @module_end\n", "P, C", "P is_controlled_by C\n", "")

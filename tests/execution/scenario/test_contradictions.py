@@ -115,7 +115,7 @@ def test_a_key_of_another_kind_names_the_kinds_that_have_it() -> None:
     assert [d.help for d in raised.value.diagnostics] == ["it belongs to sonar, lidar"]
 
 
-def test_what_is_wrong_by_itself_contradicts_nothing() -> None:
+def test_an_invalid_value_contradicts_nothing() -> None:
     text = 'duration = "x"\nrobot.module = "P"\nfaults.C = { from = 3, until = "x" }\n'
     text += 'world.scatter = { radius = [9, "x"], moving = 99, count = "x" }\n'
     with pytest.raises(MarsError) as raised:

@@ -43,7 +43,7 @@ def test_a_behaviour_cannot_end_the_program(body: str, failed: int | None, tmp_p
         ('[devices.P]\nkind = "platform"\n[bindings."C"]\npython = "b.py:go"\n', (8, 11)),
     ],
 )
-def test_a_binding_to_what_is_not_there_is_reported_at_its_line(
+def test_a_binding_to_a_missing_function_is_reported_at_its_line(
     binding: str, place: tuple[int, int], tmp_path: Path
 ) -> None:
     (tmp_path / "b.py").write_text("")

@@ -25,7 +25,7 @@ SCENARIOS = sorted(ROOT.glob("examples/*/*.toml"))
 GOOD: dict[str, Any] = {"duration": 3, "robot": {"module": "P"}}
 
 
-def test_the_document_is_what_is_printed(
+def test_the_document_equals_the_printed_schema(
     capsys: pytest.CaptureFixture[str], update_golden: bool
 ) -> None:
     with pytest.raises(SystemExit) as ended:
@@ -94,7 +94,7 @@ def keys(schema: dict[str, Any]) -> list[str]:
         ("faults.C = { kind = 'stuck', until = -1 }", "`-1` is out of range", "from 0 to inf"),
     ],
 )
-def test_what_is_wrong_is_told(wrong: str, told: str, help_text: str | None) -> None:
+def test_each_mistake_has_its_message(wrong: str, told: str, help_text: str | None) -> None:
     key = wrong.split(" =", maxsplit=1)[0].split(".", maxsplit=1)[0]
     rest = [line for line in ("duration = 3", 'robot.module = "P"') if not line.startswith(key)]
     if wrong.startswith("robot.start"):
@@ -128,7 +128,7 @@ VALUES = st.recursive(
 
 @given(st.dictionaries(st.sampled_from([*SCHEMA["properties"], "x"]), VALUES, max_size=4))
 @settings(max_examples=examples(100, 300), deadline=None)
-def test_whatever_stands_in_a_scenario_is_told_or_is_as_the_schema_says(
+def test_each_scenario_has_a_reported_mistake_or_fits_the_schema(
     tables: dict[str, Any],
 ) -> None:
     entries = list(mistakes({**GOOD, **tables}))
@@ -140,7 +140,7 @@ def test_whatever_stands_in_a_scenario_is_told_or_is_as_the_schema_says(
 
 
 @pytest.mark.parametrize("depth", [80, 200, 300, 400])
-def test_depth_is_told(depth: int) -> None:
+def test_too_deep_nesting_is_reported(depth: int) -> None:
     text = f"{BASE}[world]\nwalls = {'[' * depth}{']' * depth}\n"
     with pytest.raises(MarsError) as raised:
         read_scenario(text, Path("s.toml"))

@@ -86,7 +86,9 @@ def test_a_key_has_another_value(stated: str, value: Any) -> None:
         ("up=1]\nx = [2", "`up=1]\nx = [2` is not a key and its values", None),
     ],
 )
-def test_what_cannot_be_varied_is_refused(stated: str, message: str, help_text: str | None) -> None:
+def test_keys_and_values_that_cannot_vary_are_refused(
+    stated: str, message: str, help_text: str | None
+) -> None:
     with pytest.raises(MarsError) as wrong:
         varied(stated)
     (found,) = wrong.value.diagnostics
@@ -175,7 +177,7 @@ VALUES = st.recursive(
 
 
 @given(VALUES)
-def test_what_is_written_is_read_again(value: Any) -> None:
+def test_a_written_value_reads_back(value: Any) -> None:
     (axis,) = read_axes([written_change("robot.x", value)])
     assert axis.values == (value,)
     assert type(axis.only) is type(value)

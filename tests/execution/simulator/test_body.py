@@ -60,9 +60,7 @@ def test_no_step_is_too_long_to_notice_a_thin_wall() -> None:
 @pytest.mark.parametrize("speed", [100.0, 1e6, 1e9])
 @pytest.mark.parametrize("radius", [0.0, 200.0])
 @pytest.mark.parametrize("turn", [0.0, 1e-3])
-def test_what_is_touched_is_not_passed_at_any_speed(
-    speed: float, radius: float, turn: float
-) -> None:
+def test_a_body_passes_no_obstacle_at_any_speed(speed: float, radius: float, turn: float) -> None:
     """A wall is ahead, a box at the back: the body leaves the wall, and the box stops it."""
     far, until = 100 + radius, 210 / speed + 0.02
     box = [(-far, -900.0), (-far, 900.0), (-far - 50, 900.0), (-far - 50, -900.0)]
@@ -79,7 +77,7 @@ def test_what_is_touched_is_not_passed_at_any_speed(
 
 
 @pytest.mark.parametrize("speed", [100.0, 1e6])
-def test_it_goes_along_what_it_touches_but_not_around_a_corner_into_the_next(speed: float) -> None:
+def test_a_body_slides_along_a_wall_but_not_around_a_corner_into_the_next(speed: float) -> None:
     corner = World(walls=[((100.0, -500.0), (100.0, 700.0), (-500.0, 700.0))])
     body = alone(corner, Pose(0, 0, 0), 100 - 5e-4, command={"Trans_X": speed})
     body.advance(10.0)
@@ -87,7 +85,7 @@ def test_it_goes_along_what_it_touches_but_not_around_a_corner_into_the_next(spe
     assert body.pose.side == pytest.approx(600, abs=2e-3)
 
 
-def test_what_a_fast_robot_flees_is_not_looked_at_step_by_step() -> None:
+def test_an_obstacle_left_at_high_speed_is_not_checked_step_by_step() -> None:
     body = alone(World(walls=[WALL]), Pose(0, 0, 0), 200, command={"Trans_Z": -1e12})
     body.advance(1000.0)
     assert (body.pose.forward, body.clearance) == (-1e15, 800.0)
@@ -155,7 +153,7 @@ def test_noise_is_seeded_for_each_device() -> None:
     assert first != sonar(body, mounted(body), Random("1/b"), sigma=5)(0.0)
 
 
-def test_joints_turn_what_is_mounted_on_them_within_their_bounds() -> None:
+def test_joints_turn_mounted_devices_within_their_bounds() -> None:
     body = alone(World(walls=[WALL]), Pose(0, 0, 0), 200)
     joint = JointDevice("Rotn_Y", -60, 60, 30)
     place = mounted(body, [(100, 0, 0, joint)])

@@ -47,7 +47,7 @@ def test_two_meet_at_the_instant_at_which_their_rims_touch() -> None:
     assert (one.beside, bumper(one)(9), bumper(other)(9)) == ("r1", 1, 1)
 
 
-def test_who_is_struck_at_rest_notes_it_and_may_leave() -> None:
+def test_a_body_struck_at_rest_records_it_and_may_leave() -> None:
     one, other = row(0, -200)
     one.advance(5)
     assert (one.struck, one.contacts) == (["r1"], other.contacts)
@@ -57,7 +57,7 @@ def test_who_is_struck_at_rest_notes_it_and_may_leave() -> None:
     assert [bumper(one)(6.01), one.collisions] == [0, 1]
 
 
-def test_who_follows_a_slower_one_is_in_one_contact() -> None:
+def test_following_a_slower_body_is_one_contact() -> None:
     one, other = row(200, 100)
     # They touch at 8 s, and move on together for one more.
     one.advance(9)
@@ -88,7 +88,7 @@ def test_others_are_seen_and_hide_marks() -> None:
 
 
 @pytest.mark.parametrize("seed", seeds(1, 2))
-def test_what_happens_does_not_depend_on_who_is_asked_or_listed_first(seed: int) -> None:
+def test_motion_does_not_depend_on_the_order_of_bodies_or_queries(seed: int) -> None:
     random = Random(seed)
     rates = [
         {"Trans_Z": random.uniform(-300, 300), "Rotn_Y": random.uniform(-60, 60)} for _ in range(6)

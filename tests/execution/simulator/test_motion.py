@@ -162,7 +162,7 @@ def test_a_polygon_is_solid_and_a_circle_too() -> None:
         assert world.rays(inside, np.array([0.0, pi]), 9000, 0).tolist() == [0, 0]
 
 
-def test_what_is_far_away_is_measured_as_well() -> None:
+def test_far_obstacles_are_measured() -> None:
     body = alone(World(circles=[Circle((50_000, 0), 1000)]), Pose(0, 0, 0), 200)
     assert body.clearance == 48_800
     body.obey({"Trans_Z": 1000}, 0)

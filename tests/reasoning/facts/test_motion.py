@@ -32,7 +32,7 @@ def about(*modules: Module, at: Transformation | None = None) -> list[str]:
     return told(mounts, CAM, *modules)
 
 
-def test_nothing_is_told_where_nothing_moves_or_nobody_asks() -> None:
+def test_there_are_no_facts_without_motion_or_query() -> None:
     turning = module("A", "Rotn_Z")
     assert about(module("A")) == []
     assert told([("Cam", "A", None)], CAM) == []
@@ -43,7 +43,7 @@ def test_nothing_is_told_where_nothing_moves_or_nobody_asks() -> None:
     assert asked == ['rooted("Box","A",1)', 'appears("Box","A","Rotn_Z","Rotn_Z",1)']
 
 
-def test_who_is_carried_by_what_does_not_move_is_rooted_alone() -> None:
+def test_a_module_on_a_fixed_carrier_is_only_rooted() -> None:
     mounts = [("Cam", "Plate", None), ("Cam2", "A", None)]
     modules = (CAM, module("Cam2", sensor=True), module("Plate"), module("A", "Rotn_Z"))
     assert told(mounts, *modules) == [
@@ -53,7 +53,7 @@ def test_who_is_carried_by_what_does_not_move_is_rooted_alone() -> None:
     ]
 
 
-def test_what_one_motion_appears_as() -> None:
+def test_a_motion_appears_as_motions_of_the_carried_module() -> None:
     turned_round = placed([("x", 180)], 0, 0, 0)
     assert about(module("A", "Trans_X", "Trans_Y"), at=turned_round)[1:3] == [
         'appears("Cam","A","Trans_X","Trans_X",1)',
@@ -101,7 +101,7 @@ def facts_of(name: str, facts: Iterable[str]) -> set[str]:
     return {fact for fact in facts if fact.startswith(f"{name}(")}
 
 
-def test_what_one_carrier_combines() -> None:
+def test_one_carrier_combines_its_motions() -> None:
     """Two slides at 45 degrees make the camera's x and y, each of both, in every posture."""
     facts = about(module("A", "Trans_X", "Trans_Y"), at=placed([("z", 45)]))
     assert facts_of("combines", facts) == {
@@ -118,7 +118,7 @@ def test_what_one_carrier_combines() -> None:
     assert not any('"Rotn_Z","Trans' in fact for fact in zero)
 
 
-def test_the_fewest_nearest_carriers_give_together_what_none_gives_alone() -> None:
+def test_the_fewest_nearest_carriers_together_give_a_motion_that_none_gives_alone() -> None:
     """A, B and C slide along x at 0, 45 and 90 degrees to the camera's x.
 
     A gives x alone and C gives y alone, so nothing is left for several; without C any two give y,
@@ -149,7 +149,7 @@ def test_the_fewest_nearest_carriers_give_together_what_none_gives_alone() -> No
     assert facts_of("circuit", facts) == set()
 
 
-def test_what_one_carrier_combines_is_left_to_nobody_else() -> None:
+def test_a_motion_combined_by_one_carrier_has_no_other_support() -> None:
     modules = module("A", "Trans_X", "Trans_Y"), module("B", "Trans_X")
     facts = told([("Cam", "A", placed([("z", 30)])), ("A", "B", None)], CAM, *modules)
     assert facts_of("combines", facts) != set()
@@ -179,7 +179,7 @@ def test_sets_as_near_as_another_are_numbered_by_their_names() -> None:
     ]
 
 
-def test_what_is_asked_is_told_by_circuits_of_several_carriers() -> None:
+def test_a_queried_motion_has_the_circuits_of_several_carriers() -> None:
     """Three slides in a plane: x by A alone, y by any two; a circuit within one carrier is none."""
     mounts = [
         ("Cam", "A", None),

@@ -65,7 +65,7 @@ def test_each_answer_is_that_of_why_not(
         assert (together.present is not None) == alone.present
 
 
-def test_some_modules_are_asked_of_what_is_connected_with_them(tmp_path: Path) -> None:
+def test_absences_of_some_modules_are_those_of_the_whole_robot(tmp_path: Path) -> None:
     path = tmp_path / "config.mars"
     path.write_text(ROBOT)
     every = told(path, ["A", "B", "C", "Base", "Alone"])
@@ -74,9 +74,7 @@ def test_some_modules_are_asked_of_what_is_connected_with_them(tmp_path: Path) -
     assert alone == {title: each for title, each in own.items() if each.kind not in BY_TYPE}
 
 
-def test_of_too_many_modules_nothing_is_asked(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_many_modules_have_no_absences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "config.mars"
     path.write_text(ROBOT)
     monkeypatch.setattr(asked, "MOST_MODULES", 4)

@@ -72,7 +72,7 @@ def show_all_paragraphs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
-def test_what_is_told(
+def test_the_explanation_of_each_case_is_as_expected(
     path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -88,7 +88,7 @@ def test_what_is_told(
 
 
 @pytest.mark.parametrize(("path", "name"), FOREIGN.items(), ids=FOREIGN)
-def test_what_is_told_of_files_of_others(
+def test_the_explanation_of_each_foreign_file_is_as_expected(
     path: str,
     name: str,
     capsys: pytest.CaptureFixture[str],
@@ -133,7 +133,7 @@ def told_alone(path: Path, name: str) -> Account:
 
 
 @pytest.mark.parametrize(("name", "price"), PRICES.items(), ids=PRICES)
-def test_what_sharing_saves_is_found_by_solving(name: str, price: str | None) -> None:
+def test_savings_by_sharing_are_found_by_solving(name: str, price: str | None) -> None:
     notes = told_alone(ROOT / "tests/questions" / name, "ArbitrationNode").notes
     assert [note for note in notes if "apart" in note] == ([price] if price else [])
 
@@ -167,7 +167,7 @@ def test_whatever_a_sentence_counts_is_listed() -> None:
     assert [missing for account in _accounts() for missing in uncounted(account)] == []
 
 
-def test_what_is_counted_and_not_listed_is_found() -> None:
+def test_counts_without_a_list_are_found() -> None:
     cited = Cited(Span(str(CASES[0]), 1, 1, 1, 1), "", "of `A`")
     text = "`A` feeds 2 modules on 1 lines."
     assert [each.partition(" are")[0] for each in uncounted(Account(text, (cited,), ()))] == [
@@ -251,7 +251,7 @@ def test_most_answers_are_short() -> None:
     assert len(long) * FEW <= len(found), long
 
 
-def test_a_part_tells_what_the_whole_does() -> None:
+def test_a_part_has_the_same_explanation_as_the_whole() -> None:
     rulebook = load_rulebook(stages=STAGES)
     for path in sample(CASES, 64, 18):
         project = load_project(str(path))
@@ -296,7 +296,7 @@ Picture paint(Photo photo);
 """
 
 
-def test_what_could_be_chosen_and_is_not_is_not_true(tmp_path: Path) -> None:
+def test_an_unchosen_atom_is_not_true(tmp_path: Path) -> None:
     path = tmp_path / "config.mars"
     path.write_text(TWO_WAYS, encoding="utf-8")
     evidence = Reasoner(load_project(str(path)), load_rulebook()).evidence(resolved=True)

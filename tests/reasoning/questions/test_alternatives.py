@@ -41,7 +41,7 @@ def found(
 
 
 @pytest.mark.parametrize("seed", range(16))
-def test_alternatives_realise_and_cost_what_is_said(seed: int) -> None:
+def test_alternatives_realise_the_configuration_at_the_reported_cost(seed: int) -> None:
     project, answer = found(random_configuration(seed))
     if answer is None:
         return

@@ -48,7 +48,9 @@ def test_nothing_differs_from_itself(configuration: Configuration) -> None:
 
 @settings(few, max_examples=8)
 @given(configurations, configurations)
-def test_what_appears_one_way_vanishes_the_other(old: Configuration, new: Configuration) -> None:
+def test_a_reversed_diff_swaps_appeared_and_vanished(
+    old: Configuration, new: Configuration
+) -> None:
     one, other = _reasoner(old), _reasoner(new)
     forth, back = diff(one, other), diff(other, one)
     mirror = {"appeared": "vanished", "vanished": "appeared", "changed": "changed"}

@@ -153,7 +153,7 @@ def asked_of(
 
 
 @pytest.mark.parametrize("first", [10 * seed for seed in seeds(1, 20)])
-def test_what_is_derived_is_explained_and_nothing_else(first: int, tmp_path: Path) -> None:
+def test_exactly_the_derived_atoms_are_explained(first: int, tmp_path: Path) -> None:
     results = [wrong_explanations(seed, tmp_path) for seed in range(first, first + 10)]
     assert [fault for faults_of_pack in results for fault in faults_of_pack] == []
 

@@ -124,7 +124,7 @@ def test_repairs_of_random_included_files_hold_for_all_instances(seed: int, tmp_
 
 @settings(few, max_examples=6)
 @given(configurations)
-def test_every_mend_holds_and_none_is_larger_than_it_must_be(configuration: Configuration) -> None:
+def test_every_repair_holds_and_is_minimal(configuration: Configuration) -> None:
     project = load_project("robot.mars", text=print_configuration(configuration))
     before = _errors(_analyse(project))
     for found in repairs(project, RULEBOOK):
@@ -221,7 +221,7 @@ def test_where_each_edit_can_be_tried_all_names_are_not_named_at_once() -> None:
         assert "name_all" not in [str(edit.term) for mend in each.mends for edit in mend.edits]
 
 
-def test_findings_that_no_try_is_left_for_say_so(
+def test_findings_without_a_remaining_try_are_marked(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(repair, "MOST_FACTS", 0)

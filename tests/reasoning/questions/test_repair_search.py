@@ -124,7 +124,7 @@ def test_of_many_edits_the_first_twenty_are_combined(
 @pytest.mark.parametrize(
     ("offered", "complete"), [("A1 A2 A3 A4 A5", True), ("A1 A2 A3 A4 A5 A6", False)]
 )
-def test_five_mends_are_enough(
+def test_at_most_five_repairs_are_listed(
     offered: str, complete: bool, book: Callable[[str], Rulebook]
 ) -> None:
     rules = f"doom(0). {_saves(0, offered)} saved(0) :- module(N), save(0, N, _)."
@@ -146,7 +146,7 @@ def test_ten_sets_are_tried_however_large_a_robot_is(
     assert (found.tried, found.complete, found.late) == (10, False, False)
 
 
-def test_edits_that_findings_share_come_first_then_those_that_stand_first(
+def test_shared_edits_are_tried_first_then_by_position(
     book: Callable[[str], Rulebook], tries: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(repair, "MOST_EDITS", 1)
@@ -277,7 +277,7 @@ edit(doomed, M, K, rank(R, P), 1) :- consequence(doomed, _, M, K), priority(R, 2
     assert found.tried == 3
 
 
-def test_an_edit_without_a_message_is_said_as_it_is(book: Callable[[str], Rulebook]) -> None:
+def test_an_edit_without_a_message_is_printed_as_its_term(book: Callable[[str], Rulebook]) -> None:
     rules = """
 doom(0). saved(0) :- module("Good"). save(none, none, 1).
 edit(doomed, M, K, name("Good"), 1) :- consequence(doomed, _, M, K).
@@ -308,9 +308,7 @@ ASKED += "Wheel is_controlled_by Wander, Turn\nWheel is_controlled_by Stop 1\n"
         ("data_divergence", []),
     ],
 )
-def test_a_subject_chooses_findings_that_are_no_notes(
-    subject: str | None, kinds: list[str]
-) -> None:
+def test_a_subject_selects_its_findings_except_notes(subject: str | None, kinds: list[str]) -> None:
     found = repairs(_project(ASKED), RULEBOOK, subject)
     assert [each.consequence.kind for each in found] == kinds
 
@@ -334,7 +332,7 @@ def test_a_subject_that_nothing_is_called_is_an_error(subject: str, help_text: s
     assert [d.help for d in error.value.diagnostics] == [help_text]
 
 
-def test_where_nothing_is_found_no_edits_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_edits_are_proposed_without_findings(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(repair, "_proposals", lambda *_: pytest.fail("asked in vain"))
     assert repairs(_project(), RULEBOOK) == ()
     assert repairs(_project(), RULEBOOK, "W") == ()
@@ -364,7 +362,7 @@ def test_a_finding_is_gone_where_fewer_are_about_it_and_none_reads_like_it() -> 
     assert FindingCounts([one, one, one]).fewer([one, other], before) == 1
 
 
-def test_what_is_new_has_others_taking_part_or_warns_of_something_else() -> None:
+def test_a_new_finding_differs_in_participants_or_kind() -> None:
     one = _finding("tie", "W", "at 1", "A B")
     before = FindingCounts([one])
     for new in (
@@ -432,7 +430,7 @@ def test_new_remarks_are_warnings_that_were_not_there_as_often() -> None:
         ("V:A 0; V:B 1; W:A 0; W:B 1", "V:A; V:B; W:A 0; W:B 1", "unrank(1)", True),
     ],
 )
-def test_who_ranked_strictly_above_another_still_does(
+def test_edits_keep_the_strict_order_of_priorities(
     before: str, after: str, edits: str, kept: bool
 ) -> None:
     terms = [parse_term(edit) for edit in edits.split(";") if edit]

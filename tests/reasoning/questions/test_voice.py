@@ -66,7 +66,7 @@ def test_each_pattern_finds_something(text: str, what: str) -> None:
     assert f"{what}: {text.strip()}" in list(forbidden_in(text))
 
 
-def test_what_an_answer_is_about_may_be_a_module_with_a_small_first_letter() -> None:
+def test_the_subject_of_an_answer_may_begin_with_a_small_letter() -> None:
     assert list(forbidden_in("No ignored_priority(n1): no line of `n1` states one")) == []
     assert list(forbidden_in("No ignored_priority(n1): no last(n1)"))
 

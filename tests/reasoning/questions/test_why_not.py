@@ -44,7 +44,7 @@ def test_mistakes(atom: str, mentions: str) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_what_is_there_is_said_to_be_there() -> None:
+def test_why_not_of_a_present_node_reports_it_as_present() -> None:
     found = json.loads(
         run(f"mars-asp explain {LEVEL0} --why-not DataSplitter(Runaway) --format json")
     )
@@ -95,7 +95,7 @@ def test_no_node_is_there_where_nothing_realises_the_configuration(subject: str)
     assert [trace["rule"]["id"] for trace in found["obstacles"]] == ["data/unresolvable"]
 
 
-def test_what_rules_derive_of_a_node_is_not_there_without_a_specification() -> None:
+def test_atoms_about_nodes_are_absent_without_a_specification() -> None:
     done = mars("explain", UNREALISED, 'splitter("Sonar",origin)')
     assert done.returncode == 2
     assert "no specification realises this configuration" in done.stderr
@@ -189,7 +189,7 @@ def test_lines_that_would_give_it_do(tmp_path: Path) -> None:
         assert not again.startswith("No "), (command, lines, again)
 
 
-def test_what_would_give_it_is_a_key_of_json() -> None:
+def test_json_has_the_change_that_would_give_the_node() -> None:
     found = json.loads(
         run(f"mars-asp explain {LEVEL1} --why-not DataSplitter(Sonar) --format json")
     )

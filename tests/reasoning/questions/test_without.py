@@ -68,7 +68,9 @@ CASES = [
 
 
 @pytest.mark.parametrize(("path", "node", "expected"), CASES)
-def test_what_breaks(path: str, node: str, expected: list[tuple[int, str, list[int]]]) -> None:
+def test_clauses_broken_without_a_node(
+    path: str, node: str, expected: list[tuple[int, str, list[int]]]
+) -> None:
     found = without(node, Reasoner(load_project(str(ROOT / path)), RULEBOOK))
     assert found is not None
     assert [told(broken) for broken in found] == expected

@@ -32,7 +32,7 @@ Image grab();
         (["S1 uses C", "S2 uses S1 NotifyAtFrequency 90", "A uses S2", "B uses S2"], 1),
     ],
 )
-def test_the_mode_that_serves_the_clients_is_stated(lines: list[str], mode: int) -> None:
+def test_the_mode_that_serves_the_clients_is_written(lines: list[str], mode: int) -> None:
     long = {"uses": "uses_data_from", "C": "Camera", "S1": "DataSplitter1", "S2": "DataSplitter2"}
     long["T1"] = "DataTransformer1"
     body = "\n".join(" ".join(long.get(word, word) for word in line.split()) for line in lines)
@@ -91,13 +91,13 @@ def test_each_output_carries_the_mode_that_serves_its_clients(
     }
 
 
-def test_what_leaves_no_choice_stays_as_it_is() -> None:
+def test_a_specification_without_a_choice_of_mode_is_unchanged() -> None:
     text = f"@specification\n@modules A, Camera\nA uses_data_from Camera RequestWhenReady\n{CAMERA}"
     specification = parse_text(text, "s.mars").configuration
     assert state_modes(specification, {}, RULEBOOK) is specification
 
 
-def test_a_run_delivers_what_another_mode_than_the_first_serves(
+def test_a_run_delivers_by_a_mode_other_than_the_first(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "c.mars").write_text(

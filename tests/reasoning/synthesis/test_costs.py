@@ -12,7 +12,7 @@ from tests.reasoning.test_verification import CHOICE, CHOSEN
 @pytest.mark.parametrize(
     "words", [("synthesise", "c"), ("verify", "s", "c"), ("explain", "c", "DataTransformer1")]
 )
-def test_conversion_costs_that_do_not_fit_stand_where_the_largest_is_stated(
+def test_conversion_costs_that_do_not_fit_are_reported_at_the_largest(
     words: tuple[str, ...],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,

@@ -123,7 +123,7 @@ def test_the_cost_is_that_of_an_exhaustive_search(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", seeds(4, 12))
-def test_each_output_costs_what_an_exhaustive_search_finds(seed: int) -> None:
+def test_each_output_costs_as_much_as_in_an_exhaustive_search(seed: int) -> None:
     assert compare_ports(seed) is None
 
 
@@ -133,7 +133,7 @@ def test_inheritance_nodes_feed_least_supports_at_the_least_cost(seed: int) -> N
 
 
 @pytest.mark.parametrize("seed", seeds(4, 12))
-def test_twins_cost_twice_what_one_of_them_costs(seed: int) -> None:
+def test_twins_cost_twice_as_much_as_one(seed: int) -> None:
     assert compare_twins(seed) is None
 
 

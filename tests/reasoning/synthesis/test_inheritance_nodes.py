@@ -83,7 +83,7 @@ def test_a_turned_rider_without_a_controller_turns_no_command(
         assert told(specification)["Base"] == pytest.approx({function: rate})
 
 
-def test_where_several_fit_a_comment_is_asked_for() -> None:
+def test_several_fitting_modules_require_a_comment() -> None:
     _, text = specified(TURNED.format(led="Pan"))
     with pytest.raises(MarsError) as caught:
         told(parse_text(COMMENT.sub("", text), "s.mars").configuration)
@@ -93,7 +93,7 @@ def test_where_several_fit_a_comment_is_asked_for() -> None:
     )
 
 
-def test_a_comment_about_what_is_not_carried_is_refused_before_the_run() -> None:
+def test_a_comment_about_a_module_that_is_not_carried_is_refused() -> None:
     _, text = specified(TURNED.format(led="Pan"))
     with pytest.raises(MarsError) as caught:
         told(parse_text(COMMENT.sub("// InheritanceNode1: Base\n", text), "s.mars").configuration)
@@ -138,7 +138,7 @@ def test_comments_stay_where_a_specification_is_read_laid_out_and_resolved_again
     assert line in specified(text)[1]
 
 
-def test_comments_about_nobody_are_located() -> None:
+def test_comments_with_unknown_names_are_located() -> None:
     _, text = specified(TURNED.format(led="Pan"))
     changed = text.replace("// InheritanceNode1: Pan", "// InheritanceNode2: Pam")
     node, module = parse_text(changed, "s.mars").warnings

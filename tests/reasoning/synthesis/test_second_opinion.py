@@ -21,7 +21,7 @@ def test_no_specification_is_better_than_the_least(part: str, seed: int) -> None
 
 
 @pytest.mark.parametrize("part", PARTS)
-def test_the_search_finds_what_there_is(part: str) -> None:
+def test_the_search_finds_the_optimum(part: str) -> None:
     """Where a node, a cost or a line more is called least, the true least is found."""
     asked = 0
     for seed in seeds(2, 3):

@@ -78,7 +78,7 @@ def lines(told: Iterable[clingo.Symbol], predicates: tuple[str, ...]) -> Counter
 
 @pytest.mark.parametrize("make", MAKERS)
 @pytest.mark.parametrize("seed", seeds(3, 40))
-def test_the_facts_of_what_is_printed_are_what_the_rules_derive(
+def test_a_printed_specification_has_the_derived_facts(
     make: Callable[[int], str], seed: int
 ) -> None:
     reasoner, synthesis = resolved(make(seed))
@@ -115,7 +115,7 @@ def violations(reasoner: Reasoner, told: Iterable[clingo.Symbol]) -> set[str]:
 
 @pytest.mark.parametrize("make", MAKERS)
 @pytest.mark.parametrize("seed", seeds(2, 20))
-def test_what_is_derived_can_be_verified_as_it_is(make: Callable[[int], str], seed: int) -> None:
+def test_derived_atoms_pass_verification(make: Callable[[int], str], seed: int) -> None:
     reasoner, synthesis = resolved(make(seed))
     if synthesis is None:
         return

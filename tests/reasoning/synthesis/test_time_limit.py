@@ -68,7 +68,7 @@ def test_without_time_an_answer_is_found_and_bounded(
     assert least <= [hurried.cost(level) for level in COSTS.values()]
 
 
-def test_what_was_found_is_printed_with_its_bound(
+def test_the_best_solution_is_printed_with_its_bound(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # A fast machine would prove this one in the time that every search has.
