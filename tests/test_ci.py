@@ -82,7 +82,7 @@ def test_the_action_checks_all_that_matches(workspace: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("files", "status", "told"),
+    ("files", "status", "expected"),
     [
         ("robots/a b.mars\n\nrobots/**/no*.mars\n", 0, "::warning file=robots/a b.mars,"),
         ("robots/*.yaml", 2, "::error title=mars-asp::no file matches robots/*.yaml"),
@@ -90,10 +90,10 @@ def test_the_action_checks_all_that_matches(workspace: Path) -> None:
     ],
 )
 def test_the_action_fails_as_the_command_does(
-    files: str, status: int, told: str, workspace: Path
+    files: str, status: int, expected: str, workspace: Path
 ) -> None:
     done = checked(workspace, files=files)
-    assert (done.returncode, done.stdout[: len(told)]) == (status, told)
+    assert (done.returncode, done.stdout[: len(expected)]) == (status, expected)
 
 
 def test_the_documented_workflow_uses_inputs_of_the_action() -> None:

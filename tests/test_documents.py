@@ -61,7 +61,7 @@ def test_the_commands_of_the_case_study_work(tmp_path: Path) -> None:
     for words in blocks:
         if words[0] == "python":
             file, what = (f"{tmp_path}/{each}" if "jsonl" in each else each for each in words[2:])
-            counts = re.findall(r": of (\d+) worlds$", told_by(file, what), re.MULTILINE)
+            counts = re.findall(r": of (\d+) worlds$", output_of(file, what), re.MULTILINE)
             assert counts and {*counts} == {"1"}, words
             continue
         file = words[words.index("-o") + 1]
@@ -77,7 +77,7 @@ def test_the_commands_of_the_case_study_work(tmp_path: Path) -> None:
         assert re.search(r"^passed +\d of \d ", output, re.MULTILINE), words
 
 
-def told_by(file: str, what: str) -> str:
+def output_of(file: str, what: str) -> str:
     return "\n".join(SIGN_TEST["lines"](SIGN_TEST["compared"](Path(file), what)))
 
 

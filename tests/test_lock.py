@@ -16,7 +16,7 @@ LOCK = (ROOT / "requirements-dev.txt").read_text(encoding="utf-8")
 PYTHONS = ["3.11", "3.13", "3.14"]
 
 
-def asked() -> Iterator[Requirement]:
+def requirements() -> Iterator[Requirement]:
     """Yield the requirements of the package, of each extra and of the group `dev`."""
     project = PROJECT["project"]
     lists = [project["dependencies"], *project["optional-dependencies"].values()]
@@ -46,7 +46,7 @@ def locked(python: str) -> dict[str, str]:
 @pytest.mark.parametrize("python", PYTHONS)
 def test_every_requirement_is_locked_within_its_bounds(python: str) -> None:
     versions = locked(python)
-    wrong = [str(r) for r in asked() if not r.specifier.contains(versions.get(r.name, ""))]
+    wrong = [str(r) for r in requirements() if not r.specifier.contains(versions.get(r.name, ""))]
     assert wrong == [], "`make lock`"
 
 

@@ -20,9 +20,9 @@ def test_each_step_works(tmp_path: Path, update_golden: bool) -> None:
     def worked(match: re.Match[str]) -> str:
         sort, title, text = match.groups()
         if sort == "console":
-            asked = re.findall(r"^\$ (.*)$", text, re.MULTILINE)
+            commands = re.findall(r"^\$ (.*)$", text, re.MULTILINE)
             return "".join(
-                ("```console\n", *(f"$ {each}\n{run(each, tmp_path)}" for each in asked), "```")
+                ("```console\n", *(f"$ {each}\n{run(each, tmp_path)}" for each in commands), "```")
             )
         path = tmp_path / title
         path.parent.mkdir(exist_ok=True)

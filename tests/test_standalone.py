@@ -49,7 +49,7 @@ def synthesised(configuration: Path, folder: Path) -> Path:
     return specification
 
 
-def asked(capsys: Captured, *words: str) -> dict[str, object]:
+def result_of(capsys: Captured, *words: str) -> dict[str, object]:
     capsys.readouterr()
     assert run_here([*words, "--format", "json"]) in (0, 1)
     found = json.loads(capsys.readouterr().out)
@@ -61,12 +61,12 @@ def stands_alone(configuration: Path, folder: Path, capsys: Captured) -> None:
     """Check that a specification, written elsewhere, needs nothing but itself."""
     specification = synthesised(configuration, folder)
     of, spec = str(configuration), str(specification)
-    found = asked(capsys, "analyse", spec)
+    found = result_of(capsys, "analyse", spec)
     kinds = {each["kind"] for each in found["consequences"]}  # type: ignore[attr-defined]
     assert not kinds & RESOLVED
-    again = asked(capsys, "synthesise", spec)
+    again = result_of(capsys, "synthesise", spec)
     assert all(each["origin"] == "declared" for each in again["modules"])  # type: ignore[attr-defined]
-    verdict = asked(capsys, "verify", spec, of)
+    verdict = result_of(capsys, "verify", spec, of)
     assert (verdict["realises"], verdict["minimal"]) == (True, True)
     assert run_here(["synthesise", spec, "--quiet", "-o", str(folder / "again.mars")]) == 0
     assert (folder / "again.mars").read_text() == specification.read_text()
@@ -87,7 +87,10 @@ def test_examples(path: Path, tmp_path: Path, capsys: Captured, monkeypatch: Pat
 def test_random_configurations(seed: int, tmp_path: Path, capsys: Captured) -> None:
     path = tmp_path / "config.mars"
     path.write_text(random_configuration(seed))
-    if asked(capsys, "analyse", str(path)) and run_here(["synthesise", str(path), "--quiet"]) == 0:
+    if (
+        result_of(capsys, "analyse", str(path))
+        and run_here(["synthesise", str(path), "--quiet"]) == 0
+    ):
         stands_alone(path, tmp_path / "elsewhere", capsys)
 
 
@@ -101,7 +104,7 @@ def test_a_run_is_the_same(
     records = []
     for file in (path, spec):
         words = ["run", str(file), "--scenario", result, "--duration", "2", "--record", "r.jsonl"]
-        found = asked(capsys, *words)
+        found = result_of(capsys, *words)
         records.append((found, Path("r.jsonl").read_text().splitlines()[1:]))
     assert records[0] == records[1]
 

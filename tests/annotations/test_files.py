@@ -86,7 +86,7 @@ def test_a_folder_is_read_in_order_and_links_to_folders_are_not_followed(tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("used", "annotated", "told"),
+    ("used", "annotated", "is_reported"),
     [
         ("Camra", "Camera", True),
         ("camera", "Camera", True),
@@ -96,7 +96,7 @@ def test_a_folder_is_read_in_order_and_links_to_folders_are_not_followed(tmp_pat
     ],
 )
 def test_a_misspelt_module_is_reported(
-    tmp_path: Path, used: str, annotated: str, told: bool
+    tmp_path: Path, used: str, annotated: str, is_reported: bool
 ) -> None:
     (tmp_path / "sources").mkdir()
     (tmp_path / "sources" / "a.cpp").write_text(MODULE.format(name=annotated))
@@ -106,7 +106,7 @@ def test_a_misspelt_module_is_reported(
     )
     found = load_project(str(path)).diagnostics
     assert [(d.code, d.span.line, d.span.column, d.help) for d in found] == (
-        [("annotations-missing", 3, 10, f"did you mean `{annotated}`?")] if told else []
+        [("annotations-missing", 3, 10, f"did you mean `{annotated}`?")] if is_reported else []
     )
 
 

@@ -12,7 +12,7 @@ from tests.annotations.test_declarations import LANGUAGES, written
 from tests.support.generated import GENERATORS
 
 #: Longer than the longest of the stretches that are tried first.
-BEHIND = "\n" * 5000
+TAIL = "\n" * 5000
 #: Forms whose tail could be taken for the declaration's end, where reading pauses within.
 TAILS = {
     "cpp": [
@@ -46,6 +46,6 @@ def test_where_reading_pauses_changes_nothing(language: str) -> None:
             continue
         step = 1 if declaration in TAILS.get(language, []) else 17
         for before in range(max(0, 256 - len(declaration)), 256, step):
-            text = "\n" * before + declaration + BEHIND
+            text = "\n" * before + declaration + TAIL
             found = following(Source("a", key, text.encode()), 0, len(text.encode())).found
             assert reading(found) == reading(whole), (before, declaration)

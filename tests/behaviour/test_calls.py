@@ -51,7 +51,7 @@ def test_the_context_is_passed_to_every_parameter_for_it(text: str, inputs: int)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("def f(): ...", "`f()` takes no inputs, and the module gets 1 (Eye): give it one"),
         ("def f(x, y): ...", "`f(x, y)` takes 2 inputs, and the module gets 1 (Eye)"),
@@ -65,10 +65,10 @@ def test_the_context_is_passed_to_every_parameter_for_it(text: str, inputs: int)
         ("class K:\n  def step(self): ...\nf = K().step", "`K.step()` takes no inputs"),
     ],
 )
-def test_an_object_that_cannot_be_called_is_refused_with_help(text: str, told: str) -> None:
+def test_an_object_that_cannot_be_called_is_refused_with_help(text: str, message: str) -> None:
     with pytest.raises(UnfitError) as raised:
         prepared(defined(text), context(), lambda: 0.0, ["Eye"])
-    assert str(raised.value).startswith(told)
+    assert str(raised.value).startswith(message)
 
 
 def test_too_many_inputs() -> None:
@@ -108,7 +108,7 @@ def test_a_constructor_is_given_parameters_by_name_and_a_context_that_is_kept_cu
 
 
 @pytest.mark.parametrize(
-    ("kind", "parameters", "told"),
+    ("kind", "parameters", "message"),
     [
         ("class f:\n  def __init__(self, near): ...", {}, "`f(near)` needs the parameter `near`"),
         (
@@ -125,11 +125,11 @@ def test_a_constructor_is_given_parameters_by_name_and_a_context_that_is_kept_cu
     ],
 )
 def test_parameters_that_a_constructor_lacks_or_does_not_know(
-    kind: str, parameters: dict[str, Any], told: str
+    kind: str, parameters: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(UnfitError) as raised:
         made(defined(kind), context(**parameters))
-    assert str(raised.value).startswith(told)
+    assert str(raised.value).startswith(message)
 
 
 def test_a_constructor_may_take_all_parameters() -> None:
@@ -138,18 +138,18 @@ def test_a_constructor_may_take_all_parameters() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "message"),
     [
         (None, "has no `__call__`: name one, as in `FILE.py:Thing.step`"),
         ("stp", "did you mean `step`?"),
     ],
 )
-def test_a_method_that_is_not_there(name: str | None, told: str) -> None:
+def test_a_method_that_is_not_there(name: str | None, message: str) -> None:
     class Thing:
         def step(self) -> None: ...
 
     with pytest.raises(UnfitError) as raised:
         method_of(Thing(), name)
-    assert told in str(raised.value)
+    assert message in str(raised.value)
     step: Callable[..., Any] = method_of(Thing(), "step")
     assert step() is None

@@ -10,7 +10,7 @@ from mars_asp.behaviour.command import command_of
 
 
 @pytest.mark.parametrize(
-    ("function", "rate", "told"),
+    ("function", "rate", "message"),
     [
         ("Rotn_y", 3, "'Rotn_y' is not a function of an effector: did you mean `Rotn_Y`?"),
         ("drive", 3, "'drive' is not a function of an effector: one of Rotn_X, Rotn_Y,"),
@@ -23,11 +23,11 @@ from mars_asp.behaviour.command import command_of
     ],
 )
 def test_an_invalid_command_is_reported_where_it_is_made(
-    function: Any, rate: Any, told: str
+    function: Any, rate: Any, message: str
 ) -> None:
     with pytest.raises((ValueError, TypeError)) as raised:
         Command(function, rate)
-    assert str(raised.value).startswith(told)
+    assert str(raised.value).startswith(message)
     with pytest.raises((ValueError, TypeError)):
         command_of((function, rate))
 

@@ -49,7 +49,7 @@ def test_the_help_of_a_verb_shows_its_example(
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["chek"], "there is no command `chek`: did you mean `check`?"),
         (["anlyze"], "did you mean `analyze`?"),
@@ -79,12 +79,12 @@ def test_the_help_of_a_verb_shows_its_example(
     ],
 )
 def test_suggestions_for_misspelt_words(
-    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_command(words) == 2
     shown = capsys.readouterr()
     assert shown.out == ""
-    assert told in " ".join(shown.err.split())
+    assert message in " ".join(shown.err.split())
     assert "?;" not in shown.err
     assert "`--fix`" not in shown.err and "`--write" not in shown.err
 

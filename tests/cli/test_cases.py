@@ -17,15 +17,15 @@ from mars_asp.diagnostic import Diagnostic, point
 from tests.support.documents import ROOT, answered, questions
 from tests.support.processes import HANGING, mars
 
-ASKED = ROOT / "tests" / "cases" / "questions.txt"
+QUESTIONS = ROOT / "tests" / "cases" / "questions.txt"
 ODD = ROOT / "tests" / "cases" / "odd"
 
 
-@pytest.mark.parametrize(("command", "expected"), questions(ASKED))
+@pytest.mark.parametrize(("command", "expected"), questions(QUESTIONS))
 def test_the_output_of_each_command_is_as_expected(
     command: str, expected: str, update_golden: bool
 ) -> None:
-    answered(ASKED, command, expected, update_golden)
+    answered(QUESTIONS, command, expected, update_golden)
 
 
 @pytest.fixture

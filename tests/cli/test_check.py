@@ -69,9 +69,9 @@ def test_json_keeps_each_finding_of_instances(capsys: pytest.CaptureFixture[str]
     assert not any(", in " in message for message in unused)
 
 
-def heads(told: str) -> list[str]:
+def heads(text: str) -> list[str]:
     """Return the diagnostics up to their severity; those without a line up to their path."""
-    lines = (line for line in told.splitlines() if re.match(r"(\S+:\d+:\d+|mars-asp): ", line))
+    lines = (line for line in text.splitlines() if re.match(r"(\S+:\d+:\d+|mars-asp): ", line))
     parts = (line.split(": ") for line in lines)
     return [": ".join(each[: 3 if each[0] == "mars-asp" else 2]) for each in parts]
 

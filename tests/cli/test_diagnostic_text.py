@@ -102,7 +102,7 @@ class Terminal(io.StringIO):
 
 
 @pytest.mark.parametrize(
-    ("asked", "environment", "terminal", "expected"),
+    ("option", "environment", "terminal", "expected"),
     [
         ("auto", {}, True, True),
         ("auto", {}, False, False),
@@ -118,7 +118,7 @@ class Terminal(io.StringIO):
     ],
 )
 def test_colours_follow_option_environment_and_terminal(
-    asked: str,
+    option: str,
     environment: dict[str, str],
     terminal: bool,
     expected: bool,
@@ -128,14 +128,15 @@ def test_colours_follow_option_environment_and_terminal(
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
     stream = Terminal() if terminal else io.StringIO()
-    assert colours(argparse.Namespace(color=asked), stream) is expected
+    assert colours(argparse.Namespace(color=option), stream) is expected
 
 
 @pytest.mark.parametrize(
-    ("stated", "expected"), [("120", 120), ("", 80), ("wide", 80), ("0", 80), ("-3", 80), ("5", 20)]
+    ("value", "expected"),
+    [("120", 120), ("", 80), ("wide", 80), ("0", 80), ("-3", 80), ("5", 20)],
 )
 def test_columns_come_from_the_environment_or_are_80(
-    stated: str, expected: int, monkeypatch: pytest.MonkeyPatch
+    value: str, expected: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("COLUMNS", stated)
+    monkeypatch.setenv("COLUMNS", value)
     assert columns(io.StringIO()) == expected

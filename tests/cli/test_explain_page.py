@@ -55,7 +55,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 
 @cache
-def told(folder: Path, words: str = "") -> tuple[str, Any]:
+def page_and_json(folder: Path, words: str = "") -> tuple[str, Any]:
     """Return the page of a question, and its JSON."""
     page = run(f"mars-asp explain config.mars {words} --quiet -o -", folder)
     begin = page.index("<!DOCTYPE")
@@ -65,7 +65,7 @@ def told(folder: Path, words: str = "") -> tuple[str, Any]:
 
 
 def test_ids_links_and_labels_lead_somewhere_in_the_page(folder: Path) -> None:
-    page = Page(told(folder)[0])
+    page = Page(page_and_json(folder)[0])
     ids = page.by_id()
     for each in page.top.all():
         for name in ("href", "aria-labelledby", "for"):
@@ -77,7 +77,7 @@ def test_ids_links_and_labels_lead_somewhere_in_the_page(folder: Path) -> None:
 
 
 def test_every_topic_has_its_answer_and_the_lines_that_it_cites(folder: Path) -> None:
-    text, known = told(folder)
+    text, known = page_and_json(folder)
     page = Page(text)
     ids = page.by_id()
     assert known["topics"]
@@ -114,7 +114,7 @@ def lines_of(folder: Path, places: list[dict[str, Any]]) -> list[str]:
 
 
 def test_a_file_is_shown_whole(folder: Path) -> None:
-    page = Page(told(folder)[0])
+    page = Page(page_and_json(folder)[0])
     (configuration, *_) = (
         each for each in page.top.all("section") if "data-name" in each.attributes
     )
@@ -127,7 +127,7 @@ def test_a_file_is_shown_whole(folder: Path) -> None:
 
 @pytest.mark.parametrize("words", ["", "--all"])
 def test_a_trace_leads_to_the_lines_that_the_json_document_has(folder: Path, words: str) -> None:
-    text, known = told(folder, words)
+    text, known = page_and_json(folder, words)
     page = Page(text)
     ids = page.by_id()
     traces = json.loads(ids["traces"].text)
@@ -180,7 +180,7 @@ def reached(steps: list[Any], why: list[int]) -> Iterator[Any]:
 
 
 def test_nothing_is_fetched_and_no_text_of_others_becomes_markup(folder: Path) -> None:
-    text, _ = told(folder)
+    text, _ = page_and_json(folder)
     page = Page(text)
     assert set(re.findall(r"https?://[^\"]*", text)) == {"http://www.w3.org/2000/svg"}
     assert not re.search(r"@import|url\((?!#)|fetch\(|import\(", text)
@@ -202,7 +202,7 @@ def test_nothing_is_fetched_and_no_text_of_others_becomes_markup(folder: Path) -
 
 
 def test_boxes_of_nodes_link_to_their_explanations(folder: Path) -> None:
-    text, known = told(folder)
+    text, known = page_and_json(folder)
     page = Page(text)
     ids = page.by_id()
     (svg,) = page.top.all("svg")
@@ -230,7 +230,7 @@ def test_boxes_of_nodes_link_to_their_explanations(folder: Path) -> None:
 
 def test_errors_come_first(tmp_path: Path) -> None:
     (tmp_path / "config.mars").write_text(IMPOSSIBLE)
-    text, _ = told(tmp_path)
+    text, _ = page_and_json(tmp_path)
     first, *_ = [each.text for each in Page(text).top.all("h2")]
     assert first == "Errors (1)"
     assert text.index("Errors (1)") < text.index("<svg") < text.index("Why not?")
@@ -247,12 +247,12 @@ def test_the_head_counts_errors_and_warnings(tmp_path: Path) -> None:
         (ROOT / "examples" / "level1", "✔ no errors and no warnings"),
         (tmp_path, "▲ 1 warning"),
     ):
-        page = Page(told(folder)[0])
+        page = Page(page_and_json(folder)[0])
         assert [each.text for each in page.top.all("p", "counts")] == [counts]
 
 
 def test_a_finding_has_one_number_in_the_list_and_the_picture() -> None:
-    page = Page(told(ROOT / "examples" / "module-conflict")[0])
+    page = Page(page_and_json(ROOT / "examples" / "module-conflict")[0])
     numbers = [f"{number}" for number in (1, 2, 3)]
     topics = [each for each in page.top.all("details") if "data-finding" in each.attributes]
     assert [each.attributes["data-finding"] for each in topics] == numbers
@@ -267,14 +267,14 @@ def test_a_finding_has_one_number_in_the_list_and_the_picture() -> None:
 
 def test_a_robot_without_anything_to_explain_has_a_page(tmp_path: Path) -> None:
     (tmp_path / "config.mars").write_text(PLAIN)
-    text, _ = told(tmp_path)
+    text, _ = page_and_json(tmp_path)
     assert "nothing to resolve, so nothing to explain" in text
     assert not list(Page(text).top.all("details"))
     assert len(list(Page(text).top.all("svg"))) == 1
 
 
 def test_an_atom_has_its_trace(tmp_path: Path) -> None:
-    text, _ = told(ROOT / "examples" / "scara", '\'gives("Tool","Wrist","Rotn_Z")\'')
+    text, _ = page_and_json(ROOT / "examples" / "scara", '\'gives("Tool","Wrist","Rotn_Z")\'')
     page = Page(text)
     (topic,) = page.top.all("details")
     assert "config.mars:" in topic.text
@@ -311,7 +311,7 @@ def test_a_page_is_written_as_in_the_readme(tmp_path: Path) -> None:
 
 
 def page_of(browser: Browser, folder: Path, path: Path, **words: Any) -> None:
-    path.write_text(told(folder)[0], encoding="utf-8")
+    path.write_text(page_and_json(folder)[0], encoding="utf-8")
     browser.show(path, **words)
 
 

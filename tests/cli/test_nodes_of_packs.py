@@ -217,8 +217,8 @@ def test_nodes_that_no_rule_of_verify_asks_for_are_a_fault_of_packs(
     robot = "@configuration\n@modules Fast, Base\nBase is_controlled_by Fast\n"
     (tmp_path / "c.mars").write_text(robot, encoding="utf-8")
     specification = written(tmp_path, robot.replace("configuration", "specification"))
-    asked = ["verify", str(specification), str(tmp_path / "c.mars"), "--rules", str(pack)]
-    assert run_here(asked) == 1
+    words = ["verify", str(specification), str(tmp_path / "c.mars"), "--rules", str(pack)]
+    assert run_here(words) == 1
     output = " ".join(capsys.readouterr().err.split())
     assert "a fault of rule packs" in output
     assert "no rule in `verify` asks for nodes that packs introduce, such as Limiter1" in output

@@ -49,9 +49,9 @@ def test_blocks_of_a_configuration_describe_its_modules(
     printed, output = capsys.readouterr()
     assert output.startswith("read\nled\n")
     found = json.loads(printed)
-    asked = {(link["source"], link["client"]): link["asked_hz"] for link in found["links"]}
-    assert asked["Eye", "DataSplitter1"] == 20
-    assert asked["DataSplitter1", "Screen"] == 5
+    rates = {(link["source"], link["client"]): link["asked_hz"] for link in found["links"]}
+    assert rates["Eye", "DataSplitter1"] == 20
+    assert rates["DataSplitter1", "Screen"] == 5
     assert found["verdict"] == "pass"
 
 
@@ -161,8 +161,8 @@ def test_a_violated_requirement_is_status_1(
     assert run_command([*words, "--format", "json"]) == 1
     trace, *_ = json.loads(capfd.readouterr().out)["traces"]
     assert trace["rule"]["id"] == "run/clearance"
-    asked, observed = trace["premises"]
-    assert (asked["atom"], asked["kind"]) == ("asked(clearance)", "given")
+    rates, observed = trace["premises"]
+    assert (rates["atom"], rates["kind"]) == ("asked(clearance)", "given")
     assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", 0.0, None)
     assert observed["message"].endswith(" mm, and 3 m was asked for")
 

@@ -80,7 +80,7 @@ def test_ignored_kinds_are_all_but_the_others(capsys: pytest.CaptureFixture[str]
 
 
 @pytest.mark.parametrize(
-    ("option", "told"),
+    ("option", "message"),
     [
         ("ambigous_priority", "no rule finds `ambigous_priority`|did you mean"),
         ("mounts/cycel", "no rule finds `mounts/cycel`|did you mean `mounts/cycle`?"),
@@ -93,12 +93,12 @@ def test_ignored_kinds_are_all_but_the_others(capsys: pytest.CaptureFixture[str]
     ],
 )
 def test_unknown_kinds_are_errors(
-    option: str, told: str, capsys: pytest.CaptureFixture[str]
+    option: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in ("--select", "--ignore"):
         status, _, remarks = analysed(capsys, "a.mars", name, option)
         assert status == 2
-        assert told in remarks[0]
+        assert message in remarks[0]
 
 
 def test_kinds_of_packs_are_known_where_the_pack_is(
@@ -216,7 +216,7 @@ def test_the_nearest_settings_count(
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ('\nselct = ["a"]', "2:1 `selct` is not a key of the settings|did you mean `select`?"),
         (
@@ -232,7 +232,7 @@ def test_the_nearest_settings_count(
 )
 @pytest.mark.parametrize("verb", ["analyse", "check"])
 def test_errors_of_settings_have_a_location(
-    verb: str, text: str, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    verb: str, text: str, message: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "mars.toml").write_text(text)
     assert run_here([verb, "a.mars", "--format", "json"]) == 2
@@ -245,7 +245,9 @@ def test_errors_of_settings_have_a_location(
         assert found["path"] == "none.json"
         assert found["severity"] == "error"
         return
-    assert f"{found['line']}:{found['column']} {found['message']}|{found['help']}".startswith(told)
+    assert f"{found['line']}:{found['column']} {found['message']}|{found['help']}".startswith(
+        message
+    )
     assert found["path"] == "mars.toml"
 
 
@@ -259,7 +261,7 @@ def commented(line: int, comment: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("line", "comment", "hidden", "told"),
+    ("line", "comment", "hidden", "messages"),
     [
         (5, f"// mars: ignore[{ERROR}] it turns", {ERROR}, []),
         (5, f"# mars:ignore[ {ERROR} ]", {ERROR}, []),
@@ -280,7 +282,7 @@ def test_comments_hide_findings_of_their_line(
     line: int,
     comment: str,
     hidden: set[str],
-    told: list[str],
+    messages: list[str],
     folder: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -288,7 +290,7 @@ def test_comments_hide_findings_of_their_line(
     (folder / "a.mars").write_bytes(commented(line, comment).replace("\n", "\r\n").encode())
     status, kinds, remarks = analysed(capsys, "a.mars")
     assert (status, kinds) == (int(ERROR not in hidden), everything - hidden)
-    assert [each[: len(start)] for each, start in zip(remarks, told, strict=True)] == told
+    assert [each[: len(start)] for each, start in zip(remarks, messages, strict=True)] == messages
     assert run_here(["check", "a.mars"]) == status
     assert ("hides nothing" in capsys.readouterr().out) == any(
         " hides nothing" in each for each in remarks
@@ -445,7 +447,7 @@ def test_a_baseline_lists_each_of_two_that_are_alike(
 
 
 @pytest.mark.parametrize(
-    ("raw", "told"),
+    ("raw", "message"),
     [
         (b"", "1:1: error: the baseline is not JSON"),
         (
@@ -469,12 +471,12 @@ def test_a_baseline_lists_each_of_two_that_are_alike(
     ],
 )
 def test_an_invalid_baseline_is_refused(
-    raw: bytes | None, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    raw: bytes | None, message: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if raw is not None:
         (folder / "k.json").write_bytes(raw)
     assert run_here(["check", "a.mars", "--baseline", "k.json"]) == 2
-    assert capsys.readouterr().err.startswith((f"k.json:{told}", told))
+    assert capsys.readouterr().err.startswith((f"k.json:{message}", message))
 
 
 def test_no_baseline_is_written_if_a_file_cannot_be_read(

@@ -56,7 +56,7 @@ def test_both_forms_fit_their_schemas_and_tell_the_same(path: Any, every: bool) 
 
 
 @pytest.mark.parametrize(
-    ("name", "asked"),
+    ("name", "query"),
     [
         ("level1", "ArbitrationNode(Turn)"),
         ("level1", "ArbitrationNode(MobilePlatform)"),
@@ -68,10 +68,10 @@ def test_both_forms_fit_their_schemas_and_tell_the_same(path: Any, every: bool) 
     ],
 )
 def test_why_there_is_none_fits_the_schema_of_explanations(
-    name: str, asked: str, capsys: pytest.CaptureFixture[str]
+    name: str, query: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = str(ROOT / "examples" / name / "config.mars")
-    assert run_here(["explain", file, "--why-not", asked, "--format", "json"]) == 0
+    assert run_here(["explain", file, "--why-not", query, "--format", "json"]) == 0
     document = json.loads(capsys.readouterr().out)
     of_document = jsonschema_rs.validator_for(json.loads(schema_text("explain", "json")))
     assert [error.message for error in of_document.iter_errors(document)] == []

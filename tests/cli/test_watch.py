@@ -42,7 +42,7 @@ def paced(duration: float) -> Iterator[tuple[subprocess.Popen[str], str]]:
         command.communicate()
 
 
-def asked(address: str, path: str = "", **headers: str) -> HTTPResponse:
+def fetched(address: str, path: str = "", **headers: str) -> HTTPResponse:
     parts = urlsplit(address)
     connection = HTTPConnection(parts.netloc, timeout=HANGING)
     connection.request("GET", path or parts.path, headers=headers)
@@ -58,13 +58,13 @@ def scenes(response: HTTPResponse) -> Iterator[dict[str, str | None]]:
 def test_a_client_sees_the_run_go_on_and_then_its_verdict() -> None:
     began = time.monotonic()
     with paced(3) as (command, address):
-        page = asked(address)
+        page = fetched(address)
         text = page.read().decode()
         assert page.status == 200
         assert page.headers["Cross-Origin-Resource-Policy"] == "same-origin"
         assert "default-src 'none'" in text
         assert "unsafe" not in text
-        entries = list(scenes(asked(address, f"{urlsplit(address).path}events")))
+        entries = list(scenes(fetched(address, f"{urlsplit(address).path}events")))
         spent = time.monotonic() - began
         output, _ = command.communicate(timeout=HANGING)
     assert command.returncode == 0
@@ -85,7 +85,7 @@ def test_a_client_sees_the_run_go_on_and_then_its_verdict() -> None:
 def test_nothing_is_answered_without_the_path_or_to_other_sites() -> None:
     with paced(300) as (command, address):
         path = urlsplit(address).path
-        assert asked(address).status == 200
+        assert fetched(address).status == 200
         for other in (
             "/",
             "/events",
@@ -96,22 +96,22 @@ def test_nothing_is_answered_without_the_path_or_to_other_sites() -> None:
             f"{path}../../etc",
             "//",
         ):
-            assert asked(address, other).status == 404
+            assert fetched(address, other).status == 404
         for item in ({"Host": "evil.example"}, {"Host": "localhost.evil.example"}):
-            assert asked(address, **item).status == 404
+            assert fetched(address, **item).status == 404
         for each in (path, f"{path}events"):
-            assert asked(address, each, Origin="http://evil.example").status == 404
+            assert fetched(address, each, Origin="http://evil.example").status == 404
         connection = HTTPConnection(urlsplit(address).netloc, timeout=HANGING)
         connection.request("POST", path, b"x" * 100)
         assert connection.getresponse().status == 501
         # Browsers that do not read, and too many of them, hold nothing up.
-        idle = [asked(address, f"{path}events") for _ in range(8)]
-        assert asked(address, f"{path}events").status == 503
+        idle = [fetched(address, f"{path}events") for _ in range(8)]
+        assert fetched(address, f"{path}events").status == 503
         command.send_signal(signal.SIGINT)
         assert command.wait(HANGING) == 130
         assert all(each.status == 200 for each in idle)
         with pytest.raises(ConnectionRefusedError):
-            asked(address)
+            fetched(address)
 
 
 def test_a_paced_run_is_the_run_that_it_is_without(capsys: pytest.CaptureFixture[str]) -> None:

@@ -311,7 +311,7 @@ def at_terminal(*words: str) -> tuple[int, int]:
     return number, terminal
 
 
-def said_at(terminal: int) -> str:
+def printed_at(terminal: int) -> str:
     text = b""
     try:
         while more := os.read(terminal, 4096):
@@ -325,7 +325,7 @@ def said_at(terminal: int) -> str:
 def test_a_terminal_is_read_though_the_worker_has_a_group_of_its_own() -> None:
     number, terminal = at_terminal("analyse", "-")
     os.write(terminal, b"@configuration\n@modules A, B\nA uses_data_from B\n\x04")
-    result = said_at(terminal)
+    result = printed_at(terminal)
     assert "nothing to resolve" in result
     assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 0
 
@@ -344,7 +344,7 @@ def test_ctrl_z_pauses_the_worker_too_and_ctrl_c_ends_both(pack: Path) -> None:
     os.killpg(number, signal.SIGCONT)
     await_true(lambda: "T" not in states(), "a command that goes on")
     os.write(terminal, b"\x03")
-    said_at(terminal)
+    printed_at(terminal)
     assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 128 + signal.SIGINT
     assert workers_of(str(pack)) == []
 

@@ -118,7 +118,7 @@ def test_a_small_picture_is_drawn_as_it_is() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "shown", "told"),
+    ("words", "shown", "message"),
     [
         ([], "A Arm B Base C-d Lone", ""),
         (["--about", "B"], "A B C-d", "left out: 3 of 6 modules and 2 of 4 relationships"),
@@ -153,7 +153,7 @@ def test_a_small_picture_is_drawn_as_it_is() -> None:
 def test_a_part_is_drawn_or_refused(
     words: list[str],
     shown: str,
-    told: str,
+    message: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -174,8 +174,8 @@ def test_a_part_is_drawn_or_refused(
         printed = capsys.readouterr().err
         assert (status == 0, picture.exists()) == (bool(shown), bool(shown))
         # The diagram also states the omissions.
-        text = picture.read_text() if shown else told
-        assert told in printed and told in text and bool(printed) == bool(told)
+        text = picture.read_text() if shown else message
+        assert message in printed and message in text and bool(printed) == bool(message)
         drawn = {name.replace(" ", "-") for name in re.findall(pattern, text)}
         assert {name for name in drawn if re.fullmatch(r"A|B|C-d|Base|Arm|Lone", name)} == set(
             shown.split()

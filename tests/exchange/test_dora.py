@@ -14,7 +14,7 @@ from mars_asp.exchange.recognise import recognised
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.print import print_relationship
 from tests.support.documents import ROOT
-from tests.support.imported import findings_of, meaning, place, said
+from tests.support.imported import findings_of, golden_lines, meaning, place
 
 FILES = sorted((ROOT / "tests" / "dora").glob("*.yml"))
 named = pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
@@ -24,7 +24,7 @@ named = pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
 def test_each_file_gives_the_expected_output(file: Path, update_golden: bool) -> None:
     text = file.read_text(encoding="utf-8")
     assert recognised(text) == "dora"
-    found = "\n".join(said(import_dora([(text, file.name)]))) + "\n"
+    found = "\n".join(golden_lines(import_dora([(text, file.name)]))) + "\n"
     golden = file.with_suffix(".txt")
     if update_golden:
         golden.write_text(found, encoding="utf-8")

@@ -30,7 +30,7 @@ def nodes(found: Parsed) -> list[str]:
     return [name.text for name in found.configuration.modules]
 
 
-def told(found: Parsed) -> list[str]:
+def notes_of(found: Parsed) -> list[str]:
     return [note.message for note in found.warnings]
 
 
@@ -139,7 +139,7 @@ BODIES = [
 def test_each_branch_is_taken(body: str, expected: list[str], conditional: int) -> None:
     found = launched(body)
     assert nodes(found) == expected
-    noted = [note for note in told(found) if "condition" in note]
+    noted = [note for note in notes_of(found) if "condition" in note]
     verb = "node depends" if conditional == 1 else "nodes depend"
     text = f"{conditional} {verb} on conditions, of which every branch was read"
     assert noted == ([text] if conditional else [])
@@ -168,7 +168,7 @@ def test_more_branches_than_a_file_is_read_for_are_noted() -> None:
         f"if '{n}' in os.environ: x.append(eye('n{n}'))\n" for n in range(80)
     )
     found = launched(body + "return LaunchDescription(x)")
-    assert any(note.startswith("branches of conditions not read") for note in told(found))
+    assert any(note.startswith("branches of conditions not read") for note in notes_of(found))
     assert len(nodes(found)) == 80
 
 
@@ -243,4 +243,4 @@ def test_branches_that_include_one_file_do_not_multiply(
     (tmp_path / f"{depth}.launch.py").write_text(START + ENTRY + "    return LaunchDescription([])")
     found = import_ros2([("", str(tmp_path))])
     assert len(nodes(found)) == depth
-    assert any("includes beyond the first" in each for each in told(found)) == is_cut
+    assert any("includes beyond the first" in each for each in notes_of(found)) == is_cut

@@ -36,7 +36,7 @@ def place(path: str, line: int, column: int, root: Path) -> str:
     return f"{Path(path).resolve().relative_to(root)}:{line}:{column}"
 
 
-def said(found: Parsed, root: Path) -> Iterator[str]:
+def golden_lines(found: Parsed, root: Path) -> Iterator[str]:
     """Yield the modules of a tree, their relationships and the warnings, with locations."""
     configuration = found.configuration
     yield f"modules: {', '.join(name.text for name in configuration.modules)}"
@@ -59,7 +59,7 @@ def said(found: Parsed, root: Path) -> Iterator[str]:
 
 @pytest.mark.parametrize("tree", TREES, ids=lambda path: path.stem)
 def test_each_tree_gives_the_expected_output(tree: Path, update_golden: bool) -> None:
-    found = "\n".join(said(import_ros2([("", str(tree))]), tree)) + "\n"
+    found = "\n".join(golden_lines(import_ros2([("", str(tree))]), tree)) + "\n"
     golden = FOLDER / f"{tree.stem}.txt"
     if update_golden:
         golden.write_text(found, encoding="utf-8")

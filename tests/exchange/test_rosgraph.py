@@ -18,7 +18,7 @@ from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import Control, Data
 from tests.support.documents import ROOT
-from tests.support.imported import findings_of, meaning, place, said
+from tests.support.imported import findings_of, golden_lines, meaning, place
 
 FOLDER = ROOT / "tests" / "rosgraph"
 FILES = sorted(path for path in FOLDER.iterdir() if path.suffix != ".said")
@@ -29,7 +29,7 @@ named = pytest.mark.parametrize("file", FILES, ids=lambda path: path.name)
 def test_each_file_gives_the_expected_output(file: Path, update_golden: bool) -> None:
     text = file.read_text(encoding="utf-8")
     assert recognised(text) == "rosgraph"
-    found = "\n".join(said(import_rosgraph([(text, file.name)]))) + "\n"
+    found = "\n".join(golden_lines(import_rosgraph([(text, file.name)]))) + "\n"
     golden = file.with_name(f"{file.name}.said")
     if update_golden:
         golden.write_text(found, encoding="utf-8")
@@ -369,21 +369,21 @@ BYTES = [
 ]
 
 
-@pytest.mark.parametrize(("raw", "said"), BYTES, ids=range(len(BYTES)))
+@pytest.mark.parametrize(("raw", "message"), BYTES, ids=range(len(BYTES)))
 def test_bytes_other_than_text_are_refused_with_a_location(
-    raw: bytes, said: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    raw: bytes, message: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "d.yml"
     path.write_bytes(raw)
-    assert run_here(["check", "--quiet", str(path)]) == (0 if said is None else 2)
+    assert run_here(["check", "--quiet", str(path)]) == (0 if message is None else 2)
     found = " ".join(capsys.readouterr().out.split())
-    assert said is None or (said in found and "d.yml:" in found)
+    assert message is None or (message in found and "d.yml:" in found)
 
 
 # ---- The command line ----------------------------------------------------------------------------
 
 
-def told(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+def outcome(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
     status = run_here(words.split())
     captured = capsys.readouterr()
     return status, captured.out, captured.err
@@ -405,15 +405,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_files_of_others_are_one_robot_and_each_of_ours_is_its_own(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    _, found, _ = told("check --format json g.dot ours.mars cmd_vel.txt flow.yml", capsys)
+    _, found, _ = outcome("check --format json g.dot ours.mars cmd_vel.txt flow.yml", capsys)
     files = json.loads(found)["files"]
     assert [(each["path"], each["further"]) for each in files] == [
         ("g.dot", ["cmd_vel.txt", "flow.yml"]),
         ("ours.mars", []),
     ]
-    _, found, _ = told("analyse --quiet g.dot cmd_vel.txt flow.yml", capsys)
+    _, found, _ = outcome("analyse --quiet g.dot cmd_vel.txt flow.yml", capsys)
     assert "cmd_vel.txt:5:12: warning: ambiguous_priority: `/a` and `/c` control" in found
-    status, _, found = told("analyse g.dot ours.mars", capsys)
+    status, _, found = outcome("analyse g.dot ours.mars", capsys)
     assert status == 2
     assert "`ours.mars` is a robot of its own" in found
 
@@ -421,7 +421,7 @@ def test_files_of_others_are_one_robot_and_each_of_ours_is_its_own(
 def test_words_before_the_subject_of_explain_are_files(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    status, found, _ = told("explain --quiet g.dot cmd_vel.txt ambiguous_priority", capsys)
+    status, found, _ = outcome("explain --quiet g.dot cmd_vel.txt ambiguous_priority", capsys)
     assert status == 0
     assert "ambiguous_priority(/b)" in found
 
@@ -429,7 +429,7 @@ def test_words_before_the_subject_of_explain_are_files(
 def test_an_import_names_its_origins_and_reads_back(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    status, found, _ = told("import rosgraph g.dot cmd_vel.txt", capsys)
+    status, found, _ = outcome("import rosgraph g.dot cmd_vel.txt", capsys)
     assert status == 0
     assert "/b is_controlled_by /a 0  // from g.dot:1\n" in found
     assert "/b is_controlled_by /c 0  // from cmd_vel.txt:5\n" in found
@@ -465,7 +465,7 @@ KNOWN: dict[str, dict[str, list[str]]] = {
 @pytest.mark.skipif(not SHARED.is_dir(), reason=f"the real files are not here: {SHARED}")
 @pytest.mark.parametrize("name", KNOWN)
 def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    _, found, _ = told(f"analyse --format json {SHARED / name}.yml", capsys)
+    _, found, _ = outcome(f"analyse --format json {SHARED / name}.yml", capsys)
     consequences = json.loads(found)["consequences"]
     loose = {c["subject"]: c["participants"] for c in consequences if c["kind"] == "loose_end"}
     for subject, first in KNOWN[name].items():
@@ -478,7 +478,7 @@ def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFi
 def test_of_a_node_that_is_missing_inputs_wait(capsys: pytest.CaptureFixture[str]) -> None:
     unfed = []
     for name in ("autoware-07.buggy", "autoware-07.fixed"):
-        _, found, _ = told(f"analyse --format json {SHARED / name}.yml", capsys)
+        _, found, _ = outcome(f"analyse --format json {SHARED / name}.yml", capsys)
         consequences = json.loads(found)["consequences"]
         assert "loose_end" not in {c["kind"] for c in consequences}
         unfed.append({c["message"] for c in consequences if c["kind"] == "unfed_input"})

@@ -23,7 +23,7 @@ def place(d: Diagnostic) -> str:
     return f"{d.span.line}:{d.span.column}: {d.severity}: {d.message}"
 
 
-def said(found: Parsed) -> Iterator[str]:
+def golden_lines(found: Parsed) -> Iterator[str]:
     """Yield the muxes of a file, a line for each of their inputs, and the warnings."""
     for mux in found.configuration.muxes:
         yield f"{mux.span.line}:{mux.span.column}: {mux.engine} before {mux.module}"
@@ -37,7 +37,7 @@ def said(found: Parsed) -> Iterator[str]:
 @pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
 def test_each_file_gives_the_expected_output(file: Path, update_golden: bool) -> None:
     text = file.read_text(encoding="utf-8")
-    found = "\n".join(said(import_twist_mux(text, file.name))) + "\n"
+    found = "\n".join(golden_lines(import_twist_mux(text, file.name))) + "\n"
     golden = file.with_suffix(".txt")
     if update_golden:
         golden.write_text(found, encoding="utf-8")
@@ -165,7 +165,7 @@ def mux(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
-def told(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+def outcome(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
     status = run_here(words.split())
     captured = capsys.readouterr()
     return status, captured.out, captured.err
@@ -174,7 +174,7 @@ def told(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]
 def test_findings_and_notes_of_unread_parts_have_lines_of_the_file(
     mux: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    status, findings, notes = told("check --format full robot.txt", capsys)
+    status, findings, notes = outcome("check --format full robot.txt", capsys)
     found = findings + notes
     heads = [line.split(": ")[:2] for line in found.splitlines() if line.startswith("robot")]
     assert heads == [
@@ -192,43 +192,43 @@ def test_findings_and_notes_of_unread_parts_have_lines_of_the_file(
 def test_quiet_hides_notes_of_unread_parts_and_json_keeps_them(
     mux: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert "not read" not in told("check --quiet robot.txt", capsys)[2]
-    notes = json.loads(told("check --quiet --format json robot.txt", capsys)[1])["notes"]
+    assert "not read" not in outcome("check --quiet robot.txt", capsys)[2]
+    notes = json.loads(outcome("check --quiet --format json robot.txt", capsys)[1])["notes"]
     assert [(note["code"], note["message"]) for note in notes] == [
         ("not-read", "locks not read: 1 (`stop`)")
     ]
 
 
 def test_a_file_of_others_is_never_written(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    status, found, notes = told("check --fix robot.txt", capsys)
-    assert (status, found) == told("check robot.txt", capsys)[:2]
+    status, found, notes = outcome("check --fix robot.txt", capsys)
+    assert (status, found) == outcome("check robot.txt", capsys)[:2]
     assert "`robot.txt` was not fixed" in notes
-    status, found, notes = told("check --diff robot.txt", capsys)
+    status, found, notes = outcome("check --diff robot.txt", capsys)
     assert (status, found) == (0, "")
     assert "`robot.txt` was not fixed" in notes
-    status, _, found = told("fmt robot.txt", capsys)
+    status, _, found = outcome("fmt robot.txt", capsys)
     assert status == 2
     assert "`robot.txt` is a file of twist_mux" in found.replace("\n  ", " ")
-    _, repairs, _ = told("explain --repair robot.txt ambiguous_priority", capsys)
+    _, repairs, _ = outcome("explain --repair robot.txt ambiguous_priority", capsys)
     assert "by hand: give `bumper response` and `tablet`" in repairs
     assert mux.read_text(encoding="utf-8") == SCUTTLE
 
 
 def test_a_named_format_overrides_detection(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "expected" in told("check --from mars robot.txt", capsys)[1]
+    assert "expected" in outcome("check --from mars robot.txt", capsys)[1]
     mux.write_text("{ a: 1 }", encoding="utf-8")
-    assert "the file has no mux" in told("check --from twist_mux robot.txt", capsys)[1]
+    assert "the file has no mux" in outcome("check --from twist_mux robot.txt", capsys)[1]
 
 
 def test_the_wiring_of_a_mux_is_verified_against_its_purpose(
     mux: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    status, judged, _ = told("verify robot.txt", capsys)
+    status, judged, _ = outcome("verify robot.txt", capsys)
     assert (status, judged) == (0, "the specification realises the configuration and is minimal\n")
 
 
 def test_imported_lines_have_their_origins(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert told("import twist_mux robot.txt --quiet", capsys)[:2] == (
+    assert outcome("import twist_mux robot.txt --quiet", capsys)[:2] == (
         0,
         """@specification hierarchical
 @modules cmd_vel_out, "bumper response", tablet, idle, ArbitrationNode
@@ -286,7 +286,7 @@ def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFi
     inputs, findings = KNOWN[name]
     found = import_twist_mux(path.read_text(encoding="utf-8"), str(path)).configuration
     assert len(found.relationships) == inputs
-    _, document, _ = told(f"check --format json {path}", capsys)
+    _, document, _ = outcome(f"check --format json {path}", capsys)
     warned = json.loads(document)["findings"]
     places = [f"{r['line']}:{r['column']}: {r['message']}" for r in warned]
     assert [p[: len(f)] for p, f in zip(places, findings, strict=True)] == findings
@@ -323,9 +323,9 @@ def test_long_foreign_text_is_quoted_shortened(
     file = tmp_path / "m.yaml"
     file.write_text(text, encoding="utf-8")
     run_here(["check", "--from", "twist_mux", "--format", format, str(file)])
-    told = capsys.readouterr().out
-    assert "xxx...xxx" in told
-    assert len(told) < 3000
+    outcome = capsys.readouterr().out
+    assert "xxx...xxx" in outcome
+    assert len(outcome) < 3000
 
 
 def test_names_in_a_list_are_labels() -> None:

@@ -260,5 +260,5 @@ def test_the_judge_agrees_with_fine_samples(seed: int) -> None:
 
 if __name__ == "__main__":
     count = int(sys.argv[1])
-    wrong = {s: told for s in range(count) if (told := difference(random_case(Random(s))))}
+    wrong = {s: text for s in range(count) if (text := difference(random_case(Random(s))))}
     print(f"{count} runs, {len(wrong)} differ", *wrong.items(), sep="\n")

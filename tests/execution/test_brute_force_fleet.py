@@ -116,7 +116,7 @@ def random_case(random: Random) -> Case:
 
 @dataclass
 class Sampled:
-    """The first contact (s) and its pairs, and the smallest gap of each robot."""
+    """The instant of the first contact in seconds, its pairs, and the smallest gap of each robot."""
 
     contact: float | None = None
     pairs: set[frozenset[str]] = field(default_factory=set)
@@ -234,5 +234,5 @@ def test_the_judge_agrees_with_fine_samples_of_two_robots(seed: int) -> None:
 
 if __name__ == "__main__":
     count = int(sys.argv[1])
-    wrong = {s: told for s in range(count) if (told := difference(random_case(Random(s))))}
+    wrong = {s: text for s in range(count) if (text := difference(random_case(Random(s))))}
     print(f"{count} runs, {len(wrong)} differ", *wrong.items(), sep="\n")

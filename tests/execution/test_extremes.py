@@ -9,30 +9,34 @@ from mars_asp.execution.judgement import judge
 from tests.support.trials import BASE, DRIVE, HAND, trial, verdicts
 
 WALL = "[world]\nwalls = [[[300, -900], [300, 900]]]\n"
-ASKED = '[requirements]\nno_collision = true\nclearance = 1\nexclusive = [["Trans_Z", "Rotn_Y"]]\n'
+REQUIREMENTS = (
+    '[requirements]\nno_collision = true\nclearance = 1\nexclusive = [["Trans_Z", "Rotn_Y"]]\n'
+)
 NEVER = HAND.replace("200", "0")
 
 
 @pytest.mark.parametrize(
     ("text", "violated", "driven"),
     [
-        pytest.param(BASE + HAND + ASKED, [], 600, id="an empty world"),
-        pytest.param(f"{BASE}{HAND}[world]\nscatter.count = 0\n{ASKED}", [], 600, id="0 obstacles"),
+        pytest.param(BASE + HAND + REQUIREMENTS, [], 600, id="an empty world"),
         pytest.param(
-            f"{BASE}radius = 0\n{HAND}{WALL}{ASKED}",
+            f"{BASE}{HAND}[world]\nscatter.count = 0\n{REQUIREMENTS}", [], 600, id="0 obstacles"
+        ),
+        pytest.param(
+            f"{BASE}radius = 0\n{HAND}{WALL}{REQUIREMENTS}",
             ["no_collision", "clearance"],
             300,
             id="a point meets a wall",
         ),
-        pytest.param(f"{BASE}radius = 298\n{NEVER}{WALL}{ASKED}", [], 0, id="speed 0"),
+        pytest.param(f"{BASE}radius = 298\n{NEVER}{WALL}{REQUIREMENTS}", [], 0, id="speed 0"),
         pytest.param(
-            f"{BASE}radius = 300\n{NEVER}{WALL}{ASKED}",
+            f"{BASE}radius = 300\n{NEVER}{WALL}{REQUIREMENTS}",
             ["no_collision", "clearance"],
             0,
             id="it touches the wall that it starts at",
         ),
         pytest.param(
-            BASE.replace("3", "0.001", 1) + HAND + WALL + ASKED, [], 0.2, id="a run of 1 ms"
+            BASE.replace("3", "0.001", 1) + HAND + WALL + REQUIREMENTS, [], 0.2, id="a run of 1 ms"
         ),
         pytest.param(
             BASE + HAND + "[requirements]\nreach = { at = [0, 0], radius = 0, within = 0 }\n",
@@ -122,7 +126,7 @@ def test_two_effectors_at_one_instant(
         return f'script = [[{begin}, "{name}", 9]{stop}]\n'
 
     hand = f'[devices.C]\nkind = "joystick"\n{script("Trans_Z", *drives)}'
-    made = trial(f"{BASE}{hand}{JOINT}{script('Rotn_Y', *turns)}{ASKED}", TWO)
+    made = trial(f"{BASE}{hand}{JOINT}{script('Rotn_Y', *turns)}{REQUIREMENTS}", TWO)
     assert verdicts(made)["exclusive"] is holds
 
 
@@ -158,6 +162,6 @@ def test_two_robots_at_one_place_are_refused() -> None:
 def test_nothing_is_commanded_without_a_controller(tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text("def go():\n    return None\n")
     binding = '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
-    made = trial(f"{BASE}{binding}{ASKED}", DRIVE, tmp_path)
+    made = trial(f"{BASE}{binding}{REQUIREMENTS}", DRIVE, tmp_path)
     assert judge(made).verdict == "pass"
     assert made.control_time == {}

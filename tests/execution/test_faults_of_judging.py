@@ -11,7 +11,7 @@ from mars_asp.execution.promises import promises
 from mars_asp.execution.trial import Trial
 from tests.support.trials import BASE, DRIVE, HAND, trial, verdicts
 
-ASKED = "[requirements]\n"
+REQUIREMENTS = "[requirements]\n"
 FAST = HAND.replace("200]", "20000]")
 
 
@@ -24,19 +24,19 @@ def link_to(made: Trial, client: str) -> Link:
 
 
 def test_a_place_between_two_samples_is_reached_when_the_way_enters_it() -> None:
-    made = trial(f"{BASE}{FAST}{ASKED}reach = {{ at = [30_500, 3], radius = 5 }}\n")
+    made = trial(f"{BASE}{FAST}{REQUIREMENTS}reach = {{ at = [30_500, 3], radius = 5 }}\n")
     assert verdicts(made)["reach"] is True
     assert made.reached(made.scenario.robots[0]) == pytest.approx((30_500 - 4) / 20_000)
 
 
 def test_a_place_is_reached_in_time_or_not() -> None:
     for within, holds in ((1.0, False), (1.525, True)):
-        asked = f"reach = {{ at = [30_500, 0], radius = 0, within = {within} }}\n"
-        assert verdicts(trial(f"{BASE}{FAST}{ASKED}{asked}"))["reach"] is holds
+        requirement = f"reach = {{ at = [30_500, 0], radius = 0, within = {within} }}\n"
+        assert verdicts(trial(f"{BASE}{FAST}{REQUIREMENTS}{requirement}"))["reach"] is holds
 
 
 def test_a_place_that_may_still_be_reached_is_not_decided() -> None:
-    made = trial(f"{BASE}{HAND}{ASKED}reach = {{ at = [2500, 800], within = 60 }}\n")
+    made = trial(f"{BASE}{HAND}{REQUIREMENTS}reach = {{ at = [2500, 800], within = 60 }}\n")
     assert judge(made).verdict == "not decided"
     assert [d.message for d in made.remarks] == ["`within` is 60 s, and the run ends at 3 s"]
     assert message_of(made, "reach") == (
@@ -44,14 +44,15 @@ def test_a_place_that_may_still_be_reached_is_not_decided() -> None:
         "nearest 2.062 m, at 3 s"
     )
     failed = trial(
-        f"{BASE}limits = {{ Trans_Z = 1 }}\n{HAND}{ASKED}reach = {{ at = [9, 9], within = 60 }}\n"
+        f"{BASE}limits = {{ Trans_Z = 1 }}\n{HAND}{REQUIREMENTS}"
+        "reach = { at = [9, 9], within = 60 }\n"
     )
     assert judge(failed).verdict == "fail"
 
 
 def test_a_clearance_is_measured_however_far_things_are() -> None:
     world = "[world]\nwalls = [[[9000, -9000], [9000, 9000]]]\n"
-    made = trial(f"{BASE}{HAND}{world}{ASKED}clearance = 8300\n")
+    made = trial(f"{BASE}{HAND}{world}{REQUIREMENTS}clearance = 8300\n")
     assert message_of(made, "clearance") == (
         "the least clearance of the robot was 8.2 m, and 8.3 m is required"
     )
@@ -59,7 +60,7 @@ def test_a_clearance_is_measured_however_far_things_are() -> None:
 
 def test_clearance_between_two_readings_is_found() -> None:
     world = "[world]\ncircles = [[20_100, 300, 60]]\n"
-    made = trial(f"{BASE}{FAST}{world}{ASKED}clearance = 45\n")
+    made = trial(f"{BASE}{FAST}{world}{REQUIREMENTS}clearance = 45\n")
     assert made.bodies[0].clearance == pytest.approx(40, abs=1e-3)
 
 
@@ -87,7 +88,7 @@ ARM = '[devices.A]\nkind = "joint"\nfunction = "Rotn_Y"\n'
 
 def test_functions_exclude_each_other_over_all_effectors() -> None:
     turn = '[devices.D]\nkind = "joystick"\nscript = [[1, "Rotn_Y", 5]]\n'
-    text = f'{BASE}{HAND}{ARM}{turn}{ASKED}exclusive = [["Trans_Z", "Rotn_Y"]]\n'
+    text = f'{BASE}{HAND}{ARM}{turn}{REQUIREMENTS}exclusive = [["Trans_Z", "Rotn_Y"]]\n'
     made = trial(text, TWO_ARMS)
     assert message_of(made, "exclusive") == "Trans_Z and Rotn_Y ran at once for 2 s, first at 1 s"
 
@@ -95,7 +96,7 @@ def test_functions_exclude_each_other_over_all_effectors() -> None:
 def test_a_grasp_excludes_other_functions_while_the_gripper_moves() -> None:
     grip = '[devices.D]\nkind = "joystick"\nscript = [[1, "Grasp", 30]]\n'
     hand = '[devices.A]\nkind = "gripper"\nrate = 40\nvalue = 50\n'
-    text = f'{BASE}{HAND}{hand}{grip}{ASKED}exclusive = [["Grasp", "Trans_Z"]]\n'
+    text = f'{BASE}{HAND}{hand}{grip}{REQUIREMENTS}exclusive = [["Grasp", "Trans_Z"]]\n'
     made = trial(text, TWO_ARMS)
     assert message_of(made, "exclusive") == "Grasp and Trans_Z ran at once for 0.5 s, first at 1 s"
 
@@ -186,6 +187,6 @@ def test_an_effector_obeys_for_the_hold_of_the_arbiter(
 def test_squares_are_covered_that_the_way_crosses_between_samples() -> None:
     corners = "[-300, -300], [40_000, -300], [40_000, 300], [-300, 300], [-300, -300]"
     box = f"[world]\nwalls = [[{corners}]]\n"
-    made = trial(f"{BASE}{FAST}{box}{ASKED}coverage = 1\n")
+    made = trial(f"{BASE}{FAST}{box}{REQUIREMENTS}coverage = 1\n")
     # It stops at the end wall; the last whole square begins before that.
     assert made.coverage == 1

@@ -33,11 +33,11 @@ DRIVE = """\
 left/P is_controlled_by left/C
 right/P is_controlled_by right/C
 """
-ASKED = "[requirements]\nno_collision = true\nclearance = 50\n"
+REQUIREMENTS = "[requirements]\nno_collision = true\nclearance = 50\n"
 
 
 def test_a_contact_of_two_counts_once_and_names_the_driving_robot() -> None:
-    made = trial(TWO + ASKED, DRIVE)
+    made = trial(TWO + REQUIREMENTS, DRIVE)
     judgement = judge(made)
     entries = {r.name: r.message for r in judgement.requirements if not r.holds}
     assert entries["clearance"] == (
@@ -113,15 +113,15 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "told", "line"), WRONG)
+@pytest.mark.parametrize(("old", "new", "message", "line"), WRONG)
 def test_names_that_fit_several_robots_are_refused(
-    old: str, new: str, told: str, line: int
+    old: str, new: str, message: str, line: int
 ) -> None:
     text = DRIVE.replace("right/C\n", "right/C, S, M\n", 1) + "M uses_data_from S\n"
     with pytest.raises(MarsError) as raised:
         trial(TWO.replace(old, new), text if "sonar" in new else DRIVE)
     (found,) = raised.value.diagnostics
-    assert told in found.message
+    assert message in found.message
     assert found.span.line == line
 
 

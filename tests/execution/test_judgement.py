@@ -19,7 +19,7 @@ from tests.support.trials import BASE, DRIVE, HAND, WALL, trial, verdicts
 
 
 @pytest.mark.parametrize(
-    ("asked", "name", "holds"),
+    ("requirement", "name", "holds"),
     [
         ("no_collision = true", "no_collision", False),
         ("clearance = 10", "clearance", False),
@@ -29,8 +29,8 @@ from tests.support.trials import BASE, DRIVE, HAND, WALL, trial, verdicts
         ("coverage = 0.9", "coverage", False),
     ],
 )
-def test_requirements_on_request(asked: str, name: str, holds: bool) -> None:
-    made = trial(f"{BASE}{HAND}{WALL}[requirements]\n{asked}\n")
+def test_requirements_on_request(requirement: str, name: str, holds: bool) -> None:
+    made = trial(f"{BASE}{HAND}{WALL}[requirements]\n{requirement}\n")
     assert verdicts(made)[name] is holds
 
 
@@ -58,10 +58,10 @@ def test_a_violation_is_explained_down_to_the_lines_that_require_it(tmp_path: Pa
     assert [p.span.line for p in declared if p.span] == [4]
     peak = next(p for p in limit.premises if isinstance(p, Given) and p.origin == "observed")
     assert peak.seconds == 0
-    asked, obeyed = collision.premises[0], collision.premises[2]
-    assert isinstance(asked, Given)
-    assert asked.span is not None
-    assert text.splitlines()[asked.span.line - 1] == "no_collision = true"
+    given, obeyed = collision.premises[0], collision.premises[2]
+    assert isinstance(given, Given)
+    assert given.span is not None
+    assert text.splitlines()[given.span.line - 1] == "no_collision = true"
     assert isinstance(obeyed, Given)
     assert obeyed.message == "the robot obeyed `C` in `Trans_Z` from 0 s to 3 s"
 
@@ -141,7 +141,7 @@ def go(reading):
 
 
 @pytest.mark.parametrize(
-    ("odd", "body", "told"),
+    ("odd", "body", "message"),
     [
         (False, "check(reading)", "ValueError: too far (b.py:7, at 0.1 s, given 4.5)"),
         (
@@ -153,7 +153,7 @@ def go(reading):
     ],
 )
 def test_a_failure_has_its_line_its_instant_and_its_inputs(
-    odd: bool, body: str, told: str, tmp_path: Path
+    odd: bool, body: str, message: str, tmp_path: Path
 ) -> None:
     (tmp_path / "b.py").write_text(SONAR_ERRORS.format(odd=odd, body=body))
     bound = FROM_FILE + ('[bindings.S]\npython = "b.py:sonar"\nperiod = 100\ndelay = 100\n')
@@ -161,12 +161,12 @@ def test_a_failure_has_its_line_its_instant_and_its_inputs(
     made = trial(BASE + bound, specification, tmp_path)
     (requirement,) = (r for r in judge(made).requirements if not r.holds)
     times = made.executor.failures["C"].count
-    assert requirement.message == f"`C` failed {times} times, first by {told}"
+    assert requirement.message == f"`C` failed {times} times, first by {message}"
 
 
 def test_a_goal_that_was_not_reached_is_reported_with_the_nearest_point(tmp_path: Path) -> None:
-    asked = "[requirements]\nreach = { at = [2500, 800], within = 1.5 }\n"
-    judgement = judge(trial(BASE + HAND + asked, folder=tmp_path))
+    requirements = "[requirements]\nreach = { at = [2500, 800], within = 1.5 }\n"
+    judgement = judge(trial(BASE + HAND + requirements, folder=tmp_path))
     (requirement,) = (r for r in judgement.requirements if not r.holds)
     assert requirement.message == (
         "the robot did not reach (2500, 800) within 1.5 s; nearest 2.341 m, at 1.5 s"

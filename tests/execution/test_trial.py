@@ -74,7 +74,7 @@ def test_a_condition_on_a_value_other_than_a_number_fails_the_run() -> None:
 
 
 @pytest.mark.parametrize(
-    ("robot", "told"),
+    ("robot", "message"),
     [
         ("S", "the robot's `module` is an effector, and `S` is not (sensor)"),
         ("C", "the robot's `module` is an effector, and `C` is not (control out)"),
@@ -82,7 +82,7 @@ def test_a_condition_on_a_value_other_than_a_number_fails_the_run() -> None:
         ("Q", "`Q` is not a module of the specification"),
     ],
 )
-def test_a_module_that_cannot_move_is_refused_as_a_robot(robot: str, told: str) -> None:
+def test_a_module_that_cannot_move_is_refused_as_a_robot(robot: str, message: str) -> None:
     blocks = "".join(
         f"@module_start\n@module_name {name}\n{annotation}\n@module_end\n"
         for name, annotation in (("S", "@Sense RequestWhenReady\nMap look();"), ("G", "@Grasp"))
@@ -91,7 +91,7 @@ def test_a_module_that_cannot_move_is_refused_as_a_robot(robot: str, told: str) 
     with pytest.raises(MarsError) as raised:
         trial(f'duration = 3\n[robot]\nradius = 9\nmodule = "{robot}"\n{HAND}', text)
     (found,) = raised.value.diagnostics
-    assert (found.message, found.span.line, found.span.column) == (told, 4, 1)
+    assert (found.message, found.span.line, found.span.column) == (message, 4, 1)
 
 
 def test_a_module_with_nothing_to_run_it_is_reported_where_it_is_named() -> None:

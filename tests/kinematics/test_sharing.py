@@ -97,7 +97,7 @@ ARM = placed((), 100, 0, 0)
 
 
 def test_turns_that_make_up_a_shift_are_in_degrees() -> None:
-    """Three hinges about z, A nearest, each 100 mm behind the next; A and B are bent by 90 degrees.
+    """Three hinges about z, A nearest, 100 mm from one to the next; A and B are bent by 90 degrees.
 
     Seen from the camera A is at (-100, 0), B at (-100, 100), C at (0, 100). A radian of each
     shifts the camera by (0, 100), (100, 100), (100, 0). A shift without a turn along x thus takes

@@ -107,9 +107,9 @@ def test_places_are_those_that_the_writer_notes(seed: int) -> None:
     text = writer.document()
     tomllib.loads(text)
     places = Places(text.replace("\r\n", "\n"), "s.toml")
-    asked = list(writer.noted)
-    writer.rng.shuffle(asked)
-    for path in asked:
+    paths = list(writer.noted)
+    writer.rng.shuffle(paths)
+    for path in paths:
         place = places.of(*path)
         assert (place.line, place.column) == writer.noted[path], (path, text)
 

@@ -25,7 +25,7 @@ from mars_asp.lsp.symbols import module_symbols, workspace_symbols
 from mars_asp.lsp.workspace import EditorWorkspace
 from mars_asp.model.declarations import DELIVERY_MODES
 from mars_asp.reasoning.findings import EXPANSIONS
-from tests.support.asked import asked
+from tests.support.editor_answers import editor_answer
 
 
 def desk_of(folder: Path, texts: Mapping[str, str], robot: str = "robot.mars") -> EditorWorkspace:
@@ -34,7 +34,7 @@ def desk_of(folder: Path, texts: Mapping[str, str], robot: str = "robot.mars") -
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
         desk.texts[str(folder / name)] = text
-    found = asked("check", folder / robot)
+    found = editor_answer("check", folder / robot)
     assert isinstance(found, CheckedFile)
     assert found.robot is not None, found.findings
     desk.store(str(folder / robot), *found)

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from mars_asp.lsp.questions import CheckedFile, LintedFile
-from tests.support.asked import asked, printed, told_of
 from tests.support.documents import ROOT
+from tests.support.editor_answers import editor_answer, editor_findings, printed
 
 FOLDERS = ("bad", "findings", "voice", "lsp/robot")
 CONFIGURATIONS = [
@@ -30,23 +30,23 @@ def shown(path: Path) -> str:
 
 @pytest.mark.parametrize("path", CONFIGURATIONS, ids=shown)
 def test_a_robot_has_the_diagnostics_of_check(path: Path) -> None:
-    found = asked("check", path)
+    found = editor_answer("check", path)
     assert isinstance(found, CheckedFile)
-    assert told_of(found.findings) == printed("check", str(path))
+    assert editor_findings(found.findings) == printed("check", str(path))
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=shown)
 def test_a_source_has_the_diagnostics_of_extract(path: Path) -> None:
-    found = asked("source", path)
+    found = editor_answer("source", path)
     assert isinstance(found, CheckedFile)
-    assert told_of(found.findings) == printed("extract", str(path))
+    assert editor_findings(found.findings) == printed("extract", str(path))
 
 
 @pytest.mark.parametrize("path", RULES, ids=shown)
 def test_rules_have_the_diagnostics_of_lint(path: Path) -> None:
-    found = asked("lint", path)
+    found = editor_answer("lint", path)
     assert isinstance(found, LintedFile)
-    assert told_of(found.findings) == printed("rules", "lint", str(path))
+    assert editor_findings(found.findings) == printed("rules", "lint", str(path))
 
 
 @pytest.mark.parametrize(
@@ -69,12 +69,12 @@ def test_unsaved_text_is_checked_as_if_it_were_saved(
     for path in sorted((ROOT / "tests" / "lsp" / "robot").iterdir()):
         (tmp_path / path.name).write_bytes(path.read_bytes())
     robot, changed = tmp_path / "robot.mars", tmp_path / name
-    before = told_of(asked("check", robot).findings)
+    before = editor_findings(editor_answer("check", robot).findings)
     text = changed.read_text(encoding="utf-8")
     assert old in text
     unsaved = text.replace(old, new)
-    found = told_of(asked("check", robot, {str(changed): unsaved}).findings)
-    assert told_of(asked("check", robot).findings) == before
+    found = editor_findings(editor_answer("check", robot, {str(changed): unsaved}).findings)
+    assert editor_findings(editor_answer("check", robot).findings) == before
     changed.write_text(unsaved, encoding="utf-8")
     assert found == printed("check", str(robot))
     assert found != before
@@ -84,7 +84,7 @@ def test_unsaved_rules_are_checked_as_if_they_were_saved(tmp_path: Path) -> None
     path = tmp_path / "mine.lp"
     path.write_text("%! id: mine/a\n%! because: `{M}`\nmine(M) :- module(M).\n")
     unsaved = "%! id: mine/a\n%! because: `😀 {N}`\nmine(M) :- modul(M).\n"
-    found = told_of(asked("lint", path, {str(path): unsaved}).findings)
+    found = editor_findings(editor_answer("lint", path, {str(path): unsaved}).findings)
     path.write_text(unsaved, encoding="utf-8")
     assert found
     assert found == printed("rules", "lint", str(path))

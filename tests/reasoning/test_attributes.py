@@ -103,12 +103,12 @@ def test_a_saved_specification_states_the_same_facts(
     robot = f"tests/attributes/{name}.mars"
     assert answer(capsys, "synthesise", robot, *rules, "--quiet", "-o", str(saved))[0] == 0
 
-    def stated(path: str) -> set[str]:
+    def attribute_facts(path: str) -> set[str]:
         _, output = answer(capsys, "facts", path, *rules)
         return {line for line in output.splitlines() if line.startswith(NAMES)}
 
-    assert stated(str(saved)) == stated(robot)
-    assert stated(robot)
+    assert attribute_facts(str(saved)) == attribute_facts(robot)
+    assert attribute_facts(robot)
 
 
 def test_a_printed_block_reads_back() -> None:
@@ -134,8 +134,8 @@ ATTRIBUTES = st.builds(
 
 @few
 @given(st.lists(st.tuples(names, ATTRIBUTES), max_size=5))
-def test_lines_of_attributes_read_back(said: list[tuple[str, Attribute]]) -> None:
-    lines = tuple(Attributed(module, attribute) for module, attribute in said)
+def test_lines_of_attributes_read_back(attributes: list[tuple[str, Attribute]]) -> None:
+    lines = tuple(Attributed(module, attribute) for module, attribute in attributes)
     modules = tuple(Name(name, HERE) for name in MODULES)
     configuration = Configuration("config.mars", HERE, modules=modules, attributed=lines)
     text = print_configuration(configuration)
@@ -147,8 +147,8 @@ def test_lines_of_attributes_read_back(said: list[tuple[str, Attribute]]) -> Non
 
 @few
 @given(st.lists(ATTRIBUTES, max_size=5, unique_by=lambda each: (each.name, each.word)))
-def test_blocks_with_attributes_read_back(said: list[Attribute]) -> None:
-    module = Module("A", HERE, named=HERE, attributes=tuple(said))
+def test_blocks_with_attributes_read_back(attributes: list[Attribute]) -> None:
+    module = Module("A", HERE, named=HERE, attributes=tuple(attributes))
     read = read_blocks("config.mars", print_module(module))
     assert read.diagnostics == ()
     assert meaning(read.modules) == meaning((module,))

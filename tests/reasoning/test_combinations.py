@@ -214,19 +214,19 @@ def test_a_lift_below_an_arm_has_no_share_in_motions_of_the_hinges() -> None:
     assert verify(specifying(ARM, hinges), project, RULEBOOK) == ()
     clauses = {v.clause for v in verify(specifying(ARM, hinges | {"Lift"}), project, RULEBOOK)}
     assert clauses == {5}
-    assert asked(ARM, "Trans_X of Cam while Trans_Y of Cam while Trans_Z of Lift")
-    assert not asked(ARM, "Trans_X of Cam while Rotn_Z of S2")
+    assert is_compatible(ARM, "Trans_X of Cam while Trans_Y of Cam while Trans_Z of Lift")
+    assert not is_compatible(ARM, "Trans_X of Cam while Rotn_Z of S2")
 
 
 def test_only_motions_with_a_share_are_busy() -> None:
-    assert asked(PLATFORM, "Trans_X of Cam while Trans_Z of Plat")
-    assert asked(PLATFORM, "Trans_X of Cam while Trans_Y of Cam")
-    assert asked(PLATFORM, "Trans_X of Cam while Trans_Z of Eye")
-    assert not asked(PLATFORM, "Trans_X of Cam while Trans_X of Plat")
-    assert not asked(PLATFORM, "Trans_X of Cam while Trans_Y of Eye")
+    assert is_compatible(PLATFORM, "Trans_X of Cam while Trans_Z of Plat")
+    assert is_compatible(PLATFORM, "Trans_X of Cam while Trans_Y of Cam")
+    assert is_compatible(PLATFORM, "Trans_X of Cam while Trans_Z of Eye")
+    assert not is_compatible(PLATFORM, "Trans_X of Cam while Trans_X of Plat")
+    assert not is_compatible(PLATFORM, "Trans_X of Cam while Trans_Y of Eye")
 
 
-def asked(tree: Tree, query: str) -> bool:
+def is_compatible(tree: Tree, query: str) -> bool:
     return capability(read(standing(tree)), RULEBOOK, query).able
 
 

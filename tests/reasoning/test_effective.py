@@ -145,10 +145,10 @@ def random_robot(seed: int) -> Robot:
 
 @dataclass(frozen=True)
 class Input:
-    """What arrives at a module by one way: a controller itself, or what stands for a module.
+    """An input of a module: a controller, or the node through which a module's commands arrive.
 
-    `spoken` has the controllers with their declared priorities, `functions` what each drives of
-    the module where it arrives, `heard` those whose commands really come this way.
+    `spoken` maps each controller to its declared priority, `functions` to the functions of the
+    module that it drives; `heard` are the controllers whose commands arrive by this input.
     """
 
     rank: int
@@ -340,12 +340,12 @@ def found(robot: Robot) -> list[Finding]:
     findings = []
     for each in analysis.consequences:
         if each.kind in KINDS:
-            result = _told(each.kind, each.atom.arguments[3])
+            result = _result_of(each.kind, each.atom.arguments[3])
             findings.append((each.kind, each.subject, frozenset(each.participants), result))
     return sorted(findings, key=_key)
 
 
-def _told(kind: str, case: Symbol) -> str:
+def _result_of(kind: str, case: Symbol) -> str:
     match kind:
         case "ambiguous_priority":
             return str(case.arguments[0])

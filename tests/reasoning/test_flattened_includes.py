@@ -80,7 +80,7 @@ class Draft(NamedTuple):
     lines: list[Line]
     includes: "list[tuple[Draft, str | None]]"
     here: bool
-    stated: bool
+    has_architecture: bool
 
     def kind(self, name: str) -> str:
         """Return the name of the block that describes a module of this file."""
@@ -198,7 +198,7 @@ def in_files(draft: Draft, folder: Path, architecture: str) -> Path:
     if not draft.here:
         (folder / "kinds.hpp").write_text(re.sub(r"(?m)^@", "// @", blocks))
     up = "" if path.parent == folder else "../"
-    lines = [f"@configuration {architecture if draft.stated or not up else ''}".rstrip()]
+    lines = [f"@configuration {architecture if draft.has_architecture or not up else ''}".rstrip()]
     lines += [] if draft.here else [f"@sources {up}kinds.hpp"]
     for inner, prefix in draft.includes:
         in_files(inner, folder, architecture)
@@ -216,7 +216,7 @@ def in_files(draft: Draft, folder: Path, architecture: str) -> Path:
     return path
 
 
-def told(path: str, text: str | None = None) -> tuple[object, ...]:
+def result_of(path: str, text: str | None = None) -> tuple[object, ...]:
     """Return the findings of a file, and the cost and the lines of its specification."""
     reasoner = Reasoner(load_project(path, text=text), RULEBOOK)
     found = sorted(
@@ -240,8 +240,8 @@ def compare(seed: int, folder: Path) -> str | None:
     random = Random(seed)
     architecture = random.choice(["flat", "hierarchical"])
     draft = drawn(random)
-    parts = told(str(in_files(draft, folder, architecture)))
-    whole = told("robot.mars", in_one(draft, architecture))
+    parts = result_of(str(in_files(draft, folder, architecture)))
+    whole = result_of("robot.mars", in_one(draft, architecture))
     return None if parts == whole else f"{parts}\n  in one file: {whole}"
 
 

@@ -101,8 +101,8 @@ def goldens(stage: str) -> Iterator[tuple[Rule, str]]:
         if explained is None:
             continue
         explainer, true = explained
-        asked = sorted(a for a in true if signature_of(a).unsigned in heads)
-        for atom, trace in explainer.why(asked).items():
+        atoms = sorted(a for a in true if signature_of(a).unsigned in heads)
+        for atom, trace in explainer.why(atoms).items():
             if isinstance(trace, Derived) and trace.rule.span in wanted:
                 yield wanted.pop(trace.rule.span), shown(case, atom, trace)
     assert not wanted, f"no case has a trace that ends in {[str(r.span) for r in wanted.values()]}"

@@ -1,6 +1,6 @@
 """Lint finds each planted fault in `tests/lint/faults`, and nothing in `tests/lint/correct`.
 
-A comment `%~ CODE ...` names the faults of its line; `^` moves them one line further up.
+A comment `%~ CODE ...` names the faults of its line; each `^` after `%~` moves them one line up.
 """
 
 import re

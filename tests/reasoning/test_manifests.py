@@ -61,7 +61,7 @@ def test_every_stage_reports_the_same_errors() -> None:
 
 
 @pytest.mark.parametrize(
-    ("there", "asked", "is_right"),
+    ("there", "bound", "is_right"),
     [
         ("1.2", ">= 1.2", True),
         ("1.2", ">= 1.2.0", True),
@@ -75,9 +75,9 @@ def test_every_stage_reports_the_same_errors() -> None:
     ],
 )
 def test_versions_are_compared_as_numbers(
-    there: str, asked: str, is_right: bool, tmp_path: Path
+    there: str, bound: str, is_right: bool, tmp_path: Path
 ) -> None:
-    for name, more in (("base", ""), ("user", f'needs = ["base {asked}"]')):
+    for name, more in (("base", ""), ("user", f'needs = ["base {bound}"]')):
         (tmp_path / name).mkdir()
         version = there if name == "base" else "1"
         text = f'name = "{name}"\nversion = "{version}"\n{more}\n'

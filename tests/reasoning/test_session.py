@@ -28,13 +28,13 @@ SUBJECTS = (
 )
 
 
-def told(reasoner: Reasoner, subject: str | None) -> list[object]:
+def explanation_of(reasoner: Reasoner, subject: str | None) -> list[object]:
     return [(t.title, trace_json(t.trace)) for t in explain(reasoner, subject).topics]
 
 
-def asked(reasoner: Reasoner, question: int) -> object:
+def answer_to(reasoner: Reasoner, question: int) -> object:
     if question < len(SUBJECTS):
-        return told(reasoner, SUBJECTS[question])
+        return explanation_of(reasoner, SUBJECTS[question])
     if question == len(SUBJECTS):
         answer = why_not(reasoner, "DataSplitter(Sonar)")
         return trace_json(answer.trace), answer.extra, answer.offered
@@ -52,7 +52,7 @@ def fresh() -> Reasoner:
 @cache
 def of(question: int) -> object:
     try:
-        return asked(fresh(), question)
+        return answer_to(fresh(), question)
     except Exception as error:  # whatever it is, it is the answer
         return repr(error)
 
@@ -62,7 +62,7 @@ def test_every_question_is_answered_after_any_other(first: int) -> None:
     reasoner = fresh()
     for question in (first, *EVERY, first):
         try:
-            found = asked(reasoner, question)
+            found = answer_to(reasoner, question)
         except Exception as error:
             found = repr(error)
         assert found == of(question), (first, question)

@@ -443,7 +443,7 @@ def test_a_cost_below_the_least_is_a_fault_of_ours(
 
 
 def test_many_ranked_inputs_are_judged_in_proportion_to_their_number() -> None:
-    """Counts the ground atoms about their order: none may be about a pair of inputs."""
+    """The ground atoms about their order grow linearly: none is about a pair of inputs."""
 
     def compared(count: int) -> int:
         names = [f"D{index}" for index in range(count)]

@@ -30,7 +30,7 @@ _CONTROL = re.compile(r"\s*(\w+)\s+is_controlled_by\s+(.+)")
 _MEMBER = re.compile(r"(\w+)\s*(\d+)?")
 
 
-def told(*arguments: str) -> tuple[int, dict[str, Any], list[dict[str, Any]]]:
+def result_of(*arguments: str) -> tuple[int, dict[str, Any], list[dict[str, Any]]]:
     """Return the status of a command, the JSON that it prints, and its diagnostics."""
     out, errors = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
@@ -115,10 +115,10 @@ def check_repairs(seed: int, folder: Path, instances: int = 0) -> tuple[int, int
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(text)
     main = str(folder / "robot.mars")
-    status, before, remarks = told("analyse", main)
+    status, before, remarks = result_of("analyse", main)
     if status == 2:
         return 0, 0, [f"{seed}: not readable: {remarks}"]
-    _, found, _ = told("explain", main, "--repair")
+    _, found, _ = result_of("explain", main, "--repair")
     wrong: list[str] = []
     tried = 0
     for repair in found["repairs"]:
@@ -149,7 +149,7 @@ def _wrong(
     before: Mapping[str, Any],
     remarks: Sequence[Mapping[str, Any]],
 ) -> Iterator[str]:
-    status, after, new_remarks = told("analyse", main)
+    status, after, new_remarks = result_of("analyse", main)
     if status == 2:
         yield f"does not parse: {new_remarks}"
         return

@@ -66,7 +66,7 @@ class Browser:
         )
         for end in (reading, writing, *ends):
             os.close(end)
-        self._asked, self._buffer, self._session = 0, b"", ""
+        self._last_id, self._buffer, self._session = 0, b"", ""
         self.events: list[dict[str, Any]] = []
         target = self("Target.createTarget", url="about:blank")["targetId"]
         attached = self("Target.attachToTarget", targetId=target, flatten=True)
@@ -97,13 +97,13 @@ class Browser:
 
     def __call__(self, method: str, **words: object) -> dict[str, Any]:
         """Call a method of the developer tools' protocol; return its result."""
-        self._asked += 1
-        message = {"id": self._asked, "method": method, "params": words}
+        self._last_id += 1
+        message = {"id": self._last_id, "method": method, "params": words}
         if self._session:
             message["sessionId"] = self._session
         os.write(self._to, json.dumps(message).encode() + b"\0")
         for item in self._messages():
-            if item.get("id") == self._asked:
+            if item.get("id") == self._last_id:
                 assert "error" not in item, (method, item["error"])
                 result: dict[str, Any] = item["result"]
                 return result

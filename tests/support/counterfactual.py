@@ -80,7 +80,7 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
     for answer in _answers(text, path)[0]:
         for at in answer.cited:
             # A line that is stated twice is still stated.
-            if _is_stated_again(lines, at):
+            if _is_repeated(lines, at):
                 continue
             if at not in without:
                 numbers = [*range(at), *range(at + 1, len(lines))]
@@ -165,7 +165,7 @@ def malformed(topic: Topic) -> Iterator[str]:
     yield from (f"{each} twice for {topic.name}" for each, number in times.items() if number > 1)
 
 
-def _is_stated_again(lines: Sequence[str], at: int) -> bool:
+def _is_repeated(lines: Sequence[str], at: int) -> bool:
     """Whether another line has the same relationship of the same two modules."""
     related = lines[at].split()[:3]
     return any(line.split()[:3] == related for line in (*lines[:at], *lines[at + 1 :]) if related)
@@ -356,7 +356,7 @@ def main(words: Sequence[str]) -> int:
     Interrupted, it prints its results so far.
     """
     count, first = int(words[0]), int((*words, "0")[1])
-    asked: Counter[str] = Counter()
+    answers: Counter[str] = Counter()
     tried = cited = wrong = 0
     with suppress(KeyboardInterrupt):
         for seed, kind in product(range(first, first + count), KINDS):
@@ -372,11 +372,11 @@ def main(words: Sequence[str]) -> int:
                 wrong += 1
                 print(f"{kind.__name__} {seed}: {line}", flush=True)
             tried += 1
-            asked.update(re.sub(r"\d*$|\(.*", "", topic.name) for topic in result)
+            answers.update(re.sub(r"\d*$|\(.*", "", topic.name) for topic in result)
             cited += sum(len(account.cites) for account in accounts)
-    print(", ".join(f"{name} {number}" for name, number in asked.most_common()))
+    print(", ".join(f"{name} {number}" for name, number in answers.most_common()))
     print(
-        f"{tried} configurations of {len(KINDS)} kinds, {asked.total()} answers, "
+        f"{tried} configurations of {len(KINDS)} kinds, {answers.total()} answers, "
         f"{cited} cited lines: {wrong} are wrong"
     )
     return int(wrong > 0)

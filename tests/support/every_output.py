@@ -65,7 +65,7 @@ class Printed(NamedTuple):
     output: str
 
     @property
-    def told(self) -> str:
+    def text(self) -> str:
         """Return the messages, then the standard output."""
         return self.messages + self.output
 
@@ -181,12 +181,12 @@ def questions(name: str, each: int = 1) -> Iterator[Command]:
     except (MarsError, UnicodeDecodeError):
         return
     kinds = [*NODE_NAMES.values(), *sorted(consequence_kinds(load_rulebook()))]
-    asked = [f"{kind}({module})" for module in modules for kind in kinds]
+    queries = [f"{kind}({module})" for module in modules for kind in kinds]
     for module in modules[::each]:
         yield ["explain", name, module], ""
         yield ["explain", name, module, "--repair"], ""
         yield ["can", name, f"{MOTION_FUNCTIONS[len(module) % 6]} of {module}"], ""
-    for atom in asked[len(name) % each :: each]:
+    for atom in queries[len(name) % each :: each]:
         yield ["explain", name, "--why-not", atom], ""
 
 
@@ -234,15 +234,15 @@ def main(words: Sequence[str]) -> int:
     for path in paths:
         os.chdir(path.parent)
         commands = of_file(path, each)
-        for asked, given in commands if outputs else chain(helps(), of_rules(), commands):
-            found = printed(asked, given)
+        for command, given in commands if outputs else chain(helps(), of_rules(), commands):
+            found = printed(command, given)
             outputs += 1
-            lengths.update(len(each.split("\n")) for each in answers(asked, found.output))
-            for wrong in wrong_in(asked, found.told):
+            lengths.update(len(each.split("\n")) for each in answers(command, found.output))
+            for wrong in wrong_in(command, found.text):
                 sentence = re.sub(r"`[^`]*`|\d+", "", wrong)
                 if sentence not in seen:
                     seen.add(sentence)
-                    print(f"{path}: mars-asp {' '.join(asked)}: {wrong}", flush=True)
+                    print(f"{path}: mars-asp {' '.join(command)}: {wrong}", flush=True)
     single = lengths.total()
     long = sum(many for lines, many in lengths.items() if lines > MOST_LINES)
     print(f"{outputs} outputs of {len(paths)} files: {len(seen)} sentences hold what is forbidden")

@@ -68,7 +68,10 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
         voice = speaking(line, known)
         port = line.source_port if voice is None else voice.port or voice.function
         mine = data.setdefault((line.source, port), [])
-        if all(stated(line, known, meant) != stated(other, known, meant) for other in mine):
+        if all(
+            written_value(line, known, meant) != written_value(other, known, meant)
+            for other in mine
+        ):
             mine.append(line)
     parts += [resolve_data(lines, known, meant) for lines in data.values()]
     hierarchical = configuration.architecture == "hierarchical"
@@ -107,7 +110,7 @@ def taking(
     return [e for e in entries if (e[0] in own if own else line.client_port in (None, e[0]))]
 
 
-def stated(
+def written_value(
     line: Data, known: Mapping[str, Module], meant: Mapping[int, tuple[str, ...]]
 ) -> Hashable:
     """Return the client, the input and the service of a line."""

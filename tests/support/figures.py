@@ -39,7 +39,7 @@ _WORDING = re.compile("|".join(f"(?:{pattern})" for pattern in PATTERNS), re.IGN
 _WORD = re.compile(r"[A-Za-z][\w'-]*")
 _WHAT = re.compile(r"\bwhat\b", re.IGNORECASE)
 #: Verbs and pronouns of persons, and two places, that prose of code does without.
-_TOLD = re.compile(
+_SPEECH = re.compile(
     r"\b(?:told|tells?|said|says?|stands?|behind|ask(?:s|ed)?|hears|who|(?:some|no)body)\b",
     re.IGNORECASE,
 )
@@ -219,7 +219,7 @@ def figures_of_words(sources: Iterable[Source]) -> dict[str, Figure]:
         counted["comments"] += _found(_WORDING, path, source.comments)
         counted["return_what"] += _found(_RETURN_WHAT, path, docstrings)
         counted["what"] += _found(_WHAT, path, docstrings)
-        counted["told"] += _found(_TOLD, path, docstrings)
+        counted["told"] += _found(_SPEECH, path, docstrings)
         counted["identifiers"] += _speech(path, source.identifiers)
     goals = {"what": size * 15 // 10_000, "told": size * 5 // 10_000}
     return {

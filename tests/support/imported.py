@@ -18,7 +18,7 @@ def place(diagnostic: Diagnostic) -> str:
     return f"{span.line}:{span.column}: {diagnostic.severity}: {diagnostic.message}"
 
 
-def said(found: Parsed) -> Iterator[str]:
+def golden_lines(found: Parsed) -> Iterator[str]:
     """Yield the modules with their ports, the relationships and the warnings, with locations."""
     configuration = found.configuration
     described = {module.name: module for module in configuration.declared}

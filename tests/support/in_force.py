@@ -15,7 +15,7 @@ from tests.support.exhaustive import STANDS_FOR, hearing, inheritance
 #: The values that a controller sends for its one function, by time.
 Script: TypeAlias = Mapping[int, float]
 #: The commands of an effector, with their times; `None` is a stop.
-Told: TypeAlias = list[tuple[float, float | None]]
+Commands: TypeAlias = list[tuple[float, float | None]]
 FOR_EVER = 10**9
 WINDOW = 100
 
@@ -46,11 +46,11 @@ class Reading:
         for line in hearing(configuration, inheritance(configuration, modules)):
             self.heard.setdefault(line.controlled, []).append(line)
 
-    def commands_until(self, name: str, end: int) -> Told:
+    def commands_until(self, name: str, end: int) -> Commands:
         """Return the commands of a module up to an instant."""
         if not self.hierarchical:
-            return [(time, value) for time, value in self.said_to(name, end) if time <= end]
-        entries: Told = []
+            return [(time, value) for time, value in self.messages_to(name, end) if time <= end]
+        entries: Commands = []
         last: Command | None = None
         for now in range(end + 1):
             winner = self.winner(name, now)
@@ -94,13 +94,13 @@ class Reading:
 
     # ---- flat ----
 
-    def said_to(self, name: str, end: int) -> list[tuple[float, float]]:
+    def messages_to(self, name: str, end: int) -> list[tuple[float, float]]:
         """Return the messages that reach a module: those of a single controller, or means."""
         entries: list[tuple[float, float]] = [
             message
             for line in self.heard[name]
             for message in (
-                self.said_to(line.controller, end)
+                self.messages_to(line.controller, end)
                 if line.controller.startswith(STANDS_FOR)
                 else self.scripts[line.controller].items()
             )

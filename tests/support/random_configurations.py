@@ -120,8 +120,8 @@ def _control(rng: random.Random, names: list[str], lines: list[str], modules: in
 def random_twins(seed: int) -> str:
     """Return a random configuration twice over in which all conversions cost the same.
 
-    The cost of a converter then counts for each transformer that applies it, for many converters
-    and for both twins. Some modules hold several converters.
+    With equal costs, the total counts the transformers of both twins, whichever converters they
+    apply. Some modules hold several converters.
     """
     cost = (1, 2, 1_000_000)[seed % 3]
     text = re.sub(r"@Converts \d+", f"@Converts {cost}", random_configuration(seed))

@@ -131,7 +131,7 @@ def _of_client(
 def _eliminated(
     rest: list[Data], left: list[str], known: Inputs, brought: Mapping[int, str | None]
 ) -> dict[int, str | None]:
-    """Return which of the inputs left each line without a fitting representation feeds."""
+    """Return the input in `left` that each line in `rest` feeds, or None if it stays open."""
     meant: dict[int, str | None] = {}
     untyped = [name for name in left if known[name] is None]
     typed = [line for line in rest if brought[id(line)] is not None]

@@ -181,7 +181,7 @@ class _DataJudge:
             for index, s in enumerate(module.services)
             if s.kind == "Converts"
         ]
-        self.said = {c.transformer: c for c in whole.specification.conversions}
+        self.conversions = {c.transformer: c for c in whole.specification.conversions}
 
     def judge(self) -> set[str]:
         """Judge clauses 2 and 3; return the nodes that something passes."""
@@ -252,7 +252,7 @@ class _DataJudge:
         self, name: str, delivered: str | None, paths: Sequence[DataPath]
     ) -> Iterator[Applied]:
         """Yield the possible conversions of a transformer."""
-        result: Conversion | None = self.said.get(name)
+        result: Conversion | None = self.conversions.get(name)
         turns = {(given, made) for given, made, _, _ in self.converters}
         if result is not None and result.converter is not None:
             of = {(g, m) for g, m, _, (module, _) in self.converters if module == result.converter}
@@ -336,10 +336,10 @@ class _DataJudge:
             refuse(3, f"{client} gets {here}")
 
     def brings(
-        self, path: DataPath, stated: Offer | None, offer: Offer | None, first: Offer | None
+        self, path: DataPath, declared: Offer | None, offer: Offer | None, first: Offer | None
     ) -> None:
         """Follow the service."""
-        need = first if stated is None else stated
+        need = first if declared is None else declared
         if offer is None and need is not None and path[0].mode is not None:
             # The line of a source that nothing describes is taken at its word.
             offer = (path[0].mode, path[0].hz)
@@ -347,21 +347,21 @@ class _DataJudge:
         doubt = None
         filtered = False
         for number, line in enumerate(path):
-            asked = None if line.mode is None else (line.mode, line.hz)
+            requested = None if line.mode is None else (line.mode, line.hz)
             if number and self.whole.kind(line.source) == "data_splitter":
-                if asked is not None:
-                    how = None if carried is None else table(asked, carried)
+                if requested is not None:
+                    how = None if carried is None else table(requested, carried)
                     if carried is not None and how is None:
-                        doubt = f"{asked} is not made of {carried}"
+                        doubt = f"{requested} is not made of {carried}"
                     if how == "filter":
                         filtered = True
                     if how != "direct":
-                        carried = asked
-            elif asked is not None:
+                        carried = requested
+            elif requested is not None:
                 if carried is None:
-                    carried = asked
-                elif not same(asked, carried):
-                    refuse(3, f"{line.source} does not hand on {asked}")
+                    carried = requested
+                elif not same(requested, carried):
+                    refuse(3, f"{line.source} does not hand on {requested}")
             if self.whole.kind(line.client) == "data_transformer" and filtered:
                 refuse(3, f"a condition before {line.client}")
             if offer is not None and need is not None and line is not path[-1] and carried:

@@ -54,7 +54,7 @@ _SOON = 1.0
 _REFUSED, _ENDED, _INTERRUPTED = 2, 3, 128 + signal.SIGINT
 
 
-def contained(name: str, options: tuple[str, ...], said: str, seconds: float) -> tuple[str, str]:
+def contained(name: str, options: tuple[str, ...], message: str, seconds: float) -> tuple[str, str]:
     """Run a runaway; return its end, and the fault of that end or an empty text.
 
     Without a time limit in the options, it is interrupted after `seconds`.
@@ -83,8 +83,8 @@ def contained(name: str, options: tuple[str, ...], said: str, seconds: float) ->
         return end, "an internal error"
     if took > seconds:
         return end, f"took more than {seconds} s"
-    if command.returncode == _ENDED and said not in result and "memory limit" not in result:
-        return end, f"does not say `{said}`"
+    if command.returncode == _ENDED and message not in result and "memory limit" not in result:
+        return end, f"does not say `{message}`"
     if command.returncode == _REFUSED and "pack.lp:" not in result:
         return end, "is refused without a place"
     if command.returncode not in (0, _REFUSED, _ENDED, _INTERRUPTED):

@@ -164,12 +164,12 @@ def least_heights(
 
 
 #: What tells one firing of a rule from another: the rule's number, its bindings, its head.
-Told = tuple[int, frozenset[tuple[str, clingo.Symbol]], clingo.Symbol]
+Fired = tuple[int, frozenset[tuple[str, clingo.Symbol]], clingo.Symbol]
 
 
 def standing_firings(
     rules: Sequence[Rule], given: Set[clingo.Symbol], true: Set[clingo.Symbol]
-) -> frozenset[Told]:
+) -> frozenset[Fired]:
     """Return all firings of which the premises can be derived without the head.
 
     For each true atom A, `in(without(A),...)` is all that can be derived when A is not; the firings
@@ -186,12 +186,12 @@ def standing_firings(
                 lines.append(f"in(_P,_H) :- {body}; true(_H); _P != without(_H).")
                 fired = f"fired({number},v({pairs.rstrip(',')}),_H)"
                 lines.append(f"{fired} :- {body}; true(_H); _P = without(_H).")
-    found: set[Told] = set()
+    found: set[Fired] = set()
     for atom in _solved(lines, true):
         if atom.match("fired", 3) and atom.arguments[2] not in given:
-            told_by, values, head = atom.arguments
+            index, values, head = atom.arguments
             bindings = frozenset((p.arguments[0].string, p.arguments[1]) for p in values.arguments)
-            found.add((told_by.number, bindings, head))
+            found.add((index.number, bindings, head))
     return frozenset(found)
 
 
@@ -233,19 +233,19 @@ class _Claims:
         self.given = given
         self.wrong: list[str] = []
         self.lines: list[str] = []
-        self.said: dict[clingo.Symbol, str] = {}
+        self.texts: dict[clingo.Symbol, str] = {}
         self._below: dict[int, frozenset[str]] = {}
 
-    def claim(self, said: str, *bodies: str) -> None:
+    def claim(self, text: str, *bodies: str) -> None:
         """Claim that one of some bodies holds."""
-        number = len(self.said)
-        self.said[clingo.Function("ok", [clingo.Number(number)])] = said
+        number = len(self.texts)
+        self.texts[clingo.Function("ok", [clingo.Number(number)])] = text
         self.lines.extend(f"ok({number}) :- {body}." for body in bodies)
 
-    def claim_not(self, said: str, body: str) -> None:
+    def claim_not(self, text: str, body: str) -> None:
         """Claim that no instance of a body holds."""
-        self.lines.append(f"holds({len(self.said)}) :- {body}.")
-        self.claim(said, f"not holds({len(self.said)})")
+        self.lines.append(f"holds({len(self.texts)}) :- {body}.")
+        self.claim(text, f"not holds({len(self.texts)})")
 
     def look(self, trace: Trace | NearMiss) -> frozenset[str]:
         """Check a trace once; return the atoms in and below it."""
@@ -276,7 +276,7 @@ class _Claims:
 
     def step(self, step: Derived) -> None:
         """Claim that a rule gives an atom from the premises of a step."""
-        place = f"step({len(self.said)})"
+        place = f"step({len(self.texts)})"
         rests = [p.atom for p in step.premises if isinstance(p, Given | Derived)]
         self.lines.extend(f"in({place},{atom})." for atom in rests)
         bodies = _instances(step.rule, place, step.bindings, f"_H = {step.atom}")
@@ -314,17 +314,17 @@ def faults(
     this checks only that the rule derives the atom.
     """
     claims = _Claims(given)
-    asked = tuple(traces)
-    steps = all_steps(asked)
+    queried = tuple(traces)
+    steps = all_steps(queried)
     others = {id(other): other for step in steps for other in step.others}
-    for trace in (*asked, *(step for step in steps if id(step) not in others)):
+    for trace in (*queried, *(step for step in steps if id(step) not in others)):
         claims.look(trace)
     for other in others.values():
         claims.step(other)
         for premise in other.premises:
             claims.look(premise)
     held = _solved((*constants, *claims.lines), true)
-    return claims.wrong + [item for atom, item in claims.said.items() if atom not in held]
+    return claims.wrong + [item for atom, item in claims.texts.items() if atom not in held]
 
 
 def height(trace: Trace) -> int:

@@ -167,7 +167,7 @@ def edited(text: str, rng: random.Random) -> str:
     return text[:begin] + (piece if rng.random() < 0.7 else "") + text[end:]
 
 
-def asked_at(text: str, uri: str, rng: random.Random) -> tuple[str, dict[str, object]]:
+def request_at(text: str, uri: str, rng: random.Random) -> tuple[str, dict[str, object]]:
     """Return a question about a place of a text, which may be outside of it."""
     line = rng.randrange(text.count("\n") + 3)
     place = {"line": line, "character": rng.randrange(50)}
@@ -197,12 +197,12 @@ def main(edits: int) -> None:
             texts[uri] = originals[uri] = text
         for number in range(edits):
             uri = rng.choice(sorted(texts))
-            # What is edited for too long is noise that nothing reads.
+            # After many edits a text is noise; begin with the original again.
             text = originals[uri] if rng.random() < 0.02 else edited(texts[uri], rng)
             texts[uri] = text
             wire.change(uri, text, number + 2)
             began = time.monotonic()
-            method, params = asked_at(text, uri, rng)
+            method, params = request_at(text, uri, rng)
             error = wire.ask(method, params).get("error")
             if method != "textDocument/codeAction":
                 slowest = max(slowest, time.monotonic() - began)

@@ -78,7 +78,7 @@ def test_results_that_fit_are_those_of_clingo(sign: str) -> None:
 
 
 #: Numbers that a user may state however large.
-STATED = {Signature("priority", 2): (1,), Signature("hold", 2): (1,)}
+FREE_NUMBERS = {Signature("priority", 2): (1,), Signature("hold", 2): (1,)}
 
 
 @pytest.mark.parametrize(
@@ -119,10 +119,10 @@ def test_products_and_sums_of_numbers_of_users_are_risks(text: str, risky: list[
     ]
     found = [
         (each.message.split("`")[1], each.span.column)
-        for each in (one.diagnostic for one in risks(clauses_of(rules).values(), STATED))
+        for each in (one.diagnostic for one in risks(clauses_of(rules).values(), FREE_NUMBERS))
     ]
     fitting = clauses_of(replace(rule, fits="it does") for rule in rules).values()
-    assert not list(risks(fitting, STATED))
+    assert not list(risks(fitting, FREE_NUMBERS))
     assert [written for written, _ in found] == risky
     assert all(text.startswith(written, column - 1) for written, column in found)
 

@@ -153,17 +153,17 @@ def test_an_error_in_a_list_is_reported_at_its_location(text: str, message: str)
 def test_clingo_is_called_once_for_lists_without_faults(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    asked: list[str] = []
+    parsed: list[str] = []
 
     def refused(text: str, shown: str) -> Iterator[Diagnostic]:
-        asked.append(text)
+        parsed.append(text)
         return refused_rules(text, shown)
 
     monkeypatch.setattr("mars_asp.asp.rules.read.refused_rules", refused)
     assert len(made(f"%! via: X, Y\n{RULE}\n" * 3)) == 6
-    assert len(asked) == 1
+    assert len(parsed) == 1
     assert wrong(f"%! via: X\n{RULE}\n%! via: Q\n{RULE}")[1] == 3
-    assert len(asked) == 6
+    assert len(parsed) == 6
 
 
 def test_without_a_host_no_key_lists_anything() -> None:

@@ -35,7 +35,7 @@ from tests.support.trace_checker import (
 )
 
 #: So many absent atoms of a program are asked about, each over so many levels.
-_ASKED, _LEVELS = 2, 9
+_QUERIES, _LEVELS = 2, 9
 
 
 def wrong_in(seed: int) -> list[str] | None:
@@ -58,7 +58,7 @@ def wrong_explanations(text: str, facts: Iterable[str], rng: random.Random) -> l
         if height(trace) != least.get(atom)
     ]
     absent = [clingo.parse_term(atom) for atom in atoms_besides(map(str, true))]
-    for atom in rng.sample(absent, min(_ASKED, len(absent))):
+    for atom in rng.sample(absent, min(_QUERIES, len(absent))):
         missing = explain_absence(explainer, atom, _LEVELS)
         wrong += faults([missing], given, true)
         entries = {id(attempt.rule) for attempt in getattr(missing, "attempts", ())}
@@ -304,8 +304,8 @@ def test_a_variable_of_a_head_is_another_one_than_that_of_an_aggregate() -> None
     found = explainer_of("q(1..2). 1 { s(X) : V = 1..2 } :- q(X), 2 <= #count { V : q(V) }.")
     assert found is not None
     explainer, true = found
-    asked = clingo.parse_term("s(2)")
-    trace = explainer.why([asked])[asked]
+    query = clingo.parse_term("s(2)")
+    trace = explainer.why([query])[query]
     assert isinstance(trace, Derived)
     assert {premise.atom for premise in trace.premises} == {"q(1)", "q(2)"}
     assert set(trace.bindings) == {"X"}

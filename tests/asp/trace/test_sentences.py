@@ -60,7 +60,7 @@ def sentences(*facts: str) -> Sentences:
 
 
 @pytest.mark.parametrize(
-    ("fact", "said"),
+    ("fact", "expected"),
     [
         ('wants(1,"A","B")', "`A` wants `B`"),
         ("rate(1,12500)", "`A` wants `B` at 12.5 Hz"),
@@ -72,14 +72,14 @@ def sentences(*facts: str) -> Sentences:
     ],
 )
 def test_a_fact_is_rendered_by_the_first_form_that_can_be_filled(
-    fact: str, said: str | None
+    fact: str, expected: str | None
 ) -> None:
     result = sentences('wants(1,"A","B")').says(atom(fact))
-    assert (result.sentence if result else None) == said
+    assert (result.sentence if result else None) == expected
 
 
 @pytest.mark.parametrize(
-    ("pattern", "said"),
+    ("pattern", "expected"),
     [
         ('wants(_any("_"),"A","B")', "`A` does not want `B`"),
         ('wants(_any("_"),"A",_any("X"))', "`A` wants nothing"),
@@ -89,9 +89,9 @@ def test_a_fact_is_rendered_by_the_first_form_that_can_be_filled(
     ],
 )
 def test_an_absence_is_rendered_without_its_unbound_arguments(
-    pattern: str, said: str | None
+    pattern: str, expected: str | None
 ) -> None:
-    assert sentences('wants(1,"A","B")').unless(atom(pattern)) == said
+    assert sentences('wants(1,"A","B")').unless(atom(pattern)) == expected
 
 
 def test_a_number_orders_atoms_about_the_same_thing() -> None:

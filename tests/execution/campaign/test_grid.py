@@ -50,7 +50,7 @@ def test_the_first_key_changes_slowest_and_seeds_fastest() -> None:
     assert runs[:4] == [(2, 150, "on"), (1, 150, "on"), (2, 150, "off"), (1, 150, "off")]
 
 
-def test_a_run_has_one_name_however_its_keys_were_stated() -> None:
+def test_the_name_of_a_run_is_independent_of_the_form_of_its_keys() -> None:
     names = [
         [run.name for run in Grid((1,), read_axes(declared)).runs()]
         for declared in (["b.x=1", "a.x=2"], ["a.x=2", "b.x=1"])

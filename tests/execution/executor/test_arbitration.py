@@ -178,10 +178,10 @@ def test_flat_sends_the_mean_of_each_function_at_the_end_of_a_period() -> None:
     assert got == [(100, 3), (200, 7)]
 
 
-@pytest.mark.parametrize(("stated", "first"), [("", 100), (" period 50", 50), (" period 200", 200)])
-def test_flat_sends_every_100_ms_or_at_its_period(stated: str, first: int) -> None:
+@pytest.mark.parametrize(("period", "first"), [("", 100), (" period 50", 50), (" period 200", 200)])
+def test_flat_sends_every_100_ms_or_at_its_period(period: str, first: int) -> None:
     text = "P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by A"
-    got, _ = arbitrated({"A": {30: 7}}, 0.4, text, f"specification flat{stated}")
+    got, _ = arbitrated({"A": {30: 7}}, 0.4, text, f"specification flat{period}")
     assert got == [(first, 7)]
 
 

@@ -26,14 +26,14 @@ SPLIT = "DataSplitter1 uses_data_from S\nA uses_data_from DataSplitter1 {}"
 def split(
     offered: str,
     hz: float | None,
-    asked: str,
+    requested: str,
     seconds: float,
     call: Callable[[], Any] | None = None,
     period: int | None = None,
 ) -> tuple[Inbox, Link]:
     inbox = Inbox()
     executor = executed(
-        SPLIT.format(asked),
+        SPLIT.format(requested),
         [sensor("S", offered, hz), sink("A")],
         {"S": Behaviour(call or counter(), period), "A": inbox},
         seconds,
@@ -79,16 +79,16 @@ def test_step_until_runs_up_to_and_including_an_instant() -> None:
 
 
 @pytest.mark.parametrize(
-    ("source", "asked"), [(25, 10), (10, 8), (50, 20), (100, 80), (100, 37), (10, 10), (37, 10)]
+    ("source", "requested"), [(25, 10), (10, 8), (50, 20), (100, 80), (100, 37), (10, 10), (37, 10)]
 )
-def test_a_splitter_lowers_a_rate_exactly(source: int, asked: int) -> None:
-    inbox, link = split("NotifyAtFrequency", source, f"NotifyAtFrequency {asked}", 9.9999999)
-    assert len(inbox.got) == 10 * asked
+def test_a_splitter_lowers_a_rate_exactly(source: int, requested: int) -> None:
+    inbox, link = split("NotifyAtFrequency", source, f"NotifyAtFrequency {requested}", 9.9999999)
+    assert len(inbox.got) == 10 * requested
     # The messages after the last deadline wait for the next one.
-    waiting = -(-source // asked) - 1
-    assert 0 <= 10 * (source - asked) - link.dropped["lowered"] <= waiting
-    if source != asked:
-        grid = [tick_time(k, Fraction(asked)) / 1e6 for k in range(10 * asked)]
+    waiting = -(-source // requested) - 1
+    assert 0 <= 10 * (source - requested) - link.dropped["lowered"] <= waiting
+    if source != requested:
+        grid = [tick_time(k, Fraction(requested)) / 1e6 for k in range(10 * requested)]
         assert [at for at, _ in inbox.got] == grid
 
 
@@ -134,7 +134,7 @@ def test_a_splitter_polls_a_source_that_answers_requests() -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "readings", "delivered"),
+    ("requested", "readings", "delivered"),
     [
         ("NotifyOnMax(3)", [1, 3, 2, 4, 4], [3, 4, 4]),
         ("NotifyOnMax", [1, 3, 2, 3, 4], [1, 3, 4]),
@@ -161,10 +161,10 @@ def test_a_splitter_polls_a_source_that_answers_requests() -> None:
     ],
 )
 def test_conditions_deliver_when_they_hold(
-    asked: str, readings: list[float], delivered: list[float]
+    requested: str, readings: list[float], delivered: list[float]
 ) -> None:
     seconds = (len(readings) - 1) / 10
-    for offered, wanted in (("NotifyWhenReady", asked), (asked, "")):
+    for offered, wanted in (("NotifyWhenReady", requested), (requested, "")):
         inbox, _ = split(offered, None, wanted, seconds, replay(readings), ms(100))
         assert inbox.values == delivered
 
@@ -177,14 +177,14 @@ def test_a_drift_is_reported_at_every_third_step() -> None:
 
 def test_a_condition_is_about_a_field() -> None:
     readings = [{"nearest": 400}, {"nearest": 200}]
-    asked = "NotifyOnMin(300, of=nearest)"
-    inbox, _ = split("NotifyWhenReady", None, asked, 0.1, replay(readings), ms(100))
+    requested = "NotifyOnMin(300, of=nearest)"
+    inbox, _ = split("NotifyWhenReady", None, requested, 0.1, replay(readings), ms(100))
     assert inbox.values == [{"nearest": 200}]
 
 
 def test_a_message_without_the_field_is_dropped_counted_and_marks_the_link() -> None:
-    asked = "NotifyOnMin(300, of=nearest)"
-    inbox, link = split("NotifyWhenReady", None, asked, 0.1, replay([{}, {}]), ms(100))
+    requested = "NotifyOnMin(300, of=nearest)"
+    inbox, link = split("NotifyWhenReady", None, requested, 0.1, replay([{}, {}]), ms(100))
     assert (inbox.got, link.dropped["failed"], link.faulty) == ([], 2, True)
 
 

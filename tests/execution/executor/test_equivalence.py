@@ -17,7 +17,7 @@ from mars_asp.reasoning.synthesis.synthesise import synthesise
 from tests.support.execute_builders import counter, data_out, sensor, sink
 
 RULEBOOK = load_rulebook()
-ASKED = [
+REQUESTED = [
     "",
     "NotifyAtFrequency 37",
     "NotifyAtFrequency 10",
@@ -47,8 +47,8 @@ def deliveries(
 
 
 @given(
-    st.lists(st.sampled_from(ASKED), min_size=1, max_size=5),
-    st.lists(st.sampled_from(ASKED[:4]), max_size=3),
+    st.lists(st.sampled_from(REQUESTED), min_size=1, max_size=5),
+    st.lists(st.sampled_from(REQUESTED[:4]), max_size=3),
 )
 @settings(max_examples=15, deadline=None)
 def test_a_specification_delivers_as_its_relationships_do(
@@ -56,17 +56,17 @@ def test_a_specification_delivers_as_its_relationships_do(
 ) -> None:
     modules = {"S": sensor("S", "NotifyAtFrequency", 100)}
     lines = []
-    for k, asked in enumerate(first):
+    for k, requested in enumerate(first):
         name = f"C{k}"
         # A client that requests needs a clock of its own.
-        clocked = asked == "RequestWhenReady"
+        clocked = requested == "RequestWhenReady"
         modules[name] = data_out(name, "NotifyAtFrequency", 20) if clocked else sink(name)
-        lines.append(f"{name} uses_data_from S {asked}")
+        lines.append(f"{name} uses_data_from S {requested}")
     modules["M"] = data_out("M")
     lines.append("M uses_data_from S NotifyAtFrequency 50")
-    for k, asked in enumerate(second):
+    for k, requested in enumerate(second):
         modules[f"D{k}"] = sink(f"D{k}")
-        lines.append(f"D{k} uses_data_from M {asked if 'Frequency' not in asked else ''}")
+        lines.append(f"D{k} uses_data_from M {requested if 'Frequency' not in requested else ''}")
     text = "\n".join(["@configuration", "@modules " + ", ".join(modules), *lines])
     configuration = parse_text(text, "x.mars").configuration
     facts = configuration_facts(configuration, modules)

@@ -198,12 +198,12 @@ def test_all_that_is_unbound_or_never_runs_is_reported_at_once() -> None:
     ]
 
 
-@pytest.mark.parametrize("stated", ["NotifyOnValue", "NotifyOnValue(of=range)"])
-def test_a_missing_value_is_reported_before_the_run(stated: str) -> None:
+@pytest.mark.parametrize("mode", ["NotifyOnValue", "NotifyOnValue(of=range)"])
+def test_a_missing_value_is_reported_before_the_run(mode: str) -> None:
     with pytest.raises(MarsError) as raised:
         executed(
-            f"D uses_data_from S\nA uses_data_from D {stated}",
-            [sensor("S", stated), data_out("D"), sink("A")],
+            f"D uses_data_from S\nA uses_data_from D {mode}",
+            [sensor("S", mode), data_out("D"), sink("A")],
             {"S": counter(), "D": lambda x: x},
             1,
         )

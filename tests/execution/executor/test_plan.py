@@ -128,7 +128,7 @@ def test_an_undescribed_module_has_the_kind_of_its_relationships() -> None:
 def test_a_module_offers_its_first_mode_or_the_one_of_its_single_client() -> None:
     several = sensor("S", "NotifyWhenReady | NotifyAtFrequency | RequestWhenReady", 20)
     ready, regular = mode("NotifyWhenReady"), mode("NotifyAtFrequency")
-    for asked, expected in (
+    for requested, expected in (
         ("", (ready, None)),
         (" NotifyAtFrequency", (regular, Fraction(20))),
         (" RequestWhenReady", (mode("RequestWhenReady"), None)),
@@ -136,7 +136,9 @@ def test_a_module_offers_its_first_mode_or_the_one_of_its_single_client() -> Non
         (" NotifyAtFrequency\nD uses_data_from S RequestWhenReady", (ready, None)),
         (" NotifyAtFrequency\nD uses_data_from S", (regular, Fraction(20))),
     ):
-        assert planned(f"C uses_data_from S{asked}", several).offered("S") == expected, asked
+        assert planned(f"C uses_data_from S{requested}", several).offered("S") == expected, (
+            requested
+        )
     assert planned(data("C", "S"), sensor("S", "NotifyAtFrequency")).offered("S") == (regular, None)
     computed = planned(data("C", "S"), data_out("S", "NotifyAtFrequency", 4))
     assert computed.offered("S") == (regular, Fraction(4))

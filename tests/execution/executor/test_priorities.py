@@ -14,7 +14,7 @@ from mars_asp.execution.executor import Behaviour, Executor
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model.declarations import Configuration, Module
 from tests.support.execute_builders import Inbox, ms
-from tests.support.in_force import Reading, Script, Told
+from tests.support.in_force import Commands, Reading, Script
 from tests.support.random_configurations import random_control
 from tests.support.subjects import read, synthesised
 
@@ -44,7 +44,7 @@ def executed(
     modules: Mapping[str, Module],
     sent: dict[str, Script],
     periods: dict[str, int],
-) -> dict[str, Told]:
+) -> dict[str, Commands]:
     """Run a specification; return the commands of each effector, in ms."""
     boxes = {name: Inbox() for name in modules if name not in sent}
     behaviours = {name: Behaviour(box) for name, box in boxes.items()}
@@ -60,9 +60,9 @@ def executed(
     }
 
 
-def changes(told: Told) -> Told:
+def changes(commands: Commands) -> Commands:
     """Omit repeated commands: the same message may arrive on two paths."""
-    return [each for k, each in enumerate(told) if k == 0 or each[1] != told[k - 1][1]]
+    return [each for k, each in enumerate(commands) if k == 0 or each[1] != commands[k - 1][1]]
 
 
 def alike(one: tuple[float, float | None], other: tuple[float, float | None]) -> bool:

@@ -49,11 +49,11 @@ TOPICS = {
     "ArbitrationNode -> P": "/P/received",
 }
 #: When, what, where and the value of an event.
-Told = tuple[int, str, str, Any]
+Event = tuple[int, str, str, Any]
 
 
-def recorded() -> tuple[Trial, list[Told], bytes]:
-    file, events = io.BytesIO(), list[Told]()
+def recorded() -> tuple[Trial, list[Event], bytes]:
+    file, events = io.BytesIO(), list[Event]()
     record = Foxglove(file, Plan(parse_text(SPECIFICATION, "x.mars").configuration, {}, {}))
 
     def observe(*event: Any) -> None:

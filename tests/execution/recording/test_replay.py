@@ -202,12 +202,12 @@ def test_a_click_on_a_lane_shows_the_winner_and_the_reason(
 ) -> None:
     shown(browser, tmp_path / "run.html", page())
 
-    def said(name: str, share: float) -> list[str]:
+    def shown_after_click(name: str, share: float) -> list[str]:
         browser.run(f"{CLICK}({json.dumps(name)}, {share})")
         *result, state = text_of(browser, "#time", ".told", ".verdict", ".asked", ".wins", "#state")
         return [*result, state.split(".")[0]]
 
-    assert said("Low", 0.25) == [
+    assert shown_after_click("Low", 0.25) == [
         "0.75 s",
         "High holds control since 0.00 s: priority 7 outranks Low (3)",
         "Low lost to High: priority 3 against 7.",
@@ -215,7 +215,7 @@ def test_a_click_on_a_lane_shows_the_winner_and_the_reason(
         "High",
         "The robot obeys High: Rotn_Y 10",
     ]
-    assert said("Low", 0.5) == [
+    assert shown_after_click("Low", 0.5) == [
         "1.50 s",
         "Low holds control since 1.15 s: the hold of High ran out; alone in force",
         "Low won: the hold of High ran out; alone in force.",
@@ -223,7 +223,7 @@ def test_a_click_on_a_lane_shows_the_winner_and_the_reason(
         "Low",
         "The robot obeys Low: Trans_Z 200",
     ]
-    assert said("High", 0.5)[2:4] == [
+    assert shown_after_click("High", 0.5)[2:4] == [
         "High did not want control.",
         "Highpriority 7silent since 1.15 s",
     ]

@@ -88,7 +88,7 @@ def test_broken_toml_is_placed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
         ("low = 90\nhigh = -90", "`low` is 90, above `high`, which is -90"),
         ("high = 10\nvalue = 11.5", "`value` is 11.5, above `high`, which is 10"),
@@ -96,13 +96,13 @@ def test_broken_toml_is_placed() -> None:
         ("\nlow = inf\nhigh = inf\nvalue = 0", "`low` is inf, above `value`, which is 0"),
     ],
 )
-def test_bounds_of_a_joint_are_in_order(wrong: str, told: str) -> None:
+def test_bounds_of_a_joint_are_in_order(wrong: str, message: str) -> None:
     with pytest.raises(MarsError) as raised:
         read_scenario(f'{BASE}[devices.J]\nkind = "joint"\n{wrong}\n', Path("s.toml"))
     (found,) = raised.value.diagnostics
-    assert found.message == told
+    assert found.message == message
     lines = f"{BASE}[devices.J]\n\n{wrong}\n".split("\n")
-    assert lines[found.span.line - 1].startswith(told.split("`")[1])
+    assert lines[found.span.line - 1].startswith(message.split("`")[1])
 
 
 def test_a_fault_ends_after_it_began() -> None:
@@ -112,7 +112,7 @@ def test_a_fault_ends_after_it_began() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
         ("command_timeout = 0", "`0` is out of range for `command_timeout`"),
         ("command_timeout = inf", "`inf` is out of range for `command_timeout`"),
@@ -126,14 +126,14 @@ def test_a_fault_ends_after_it_began() -> None:
         ("seed = " + "9" * 5000, "a number with more than 4300 digits"),
     ],
 )
-def test_numbers_beyond_reason_are_refused_before_the_run(wrong: str, told: str) -> None:
+def test_numbers_beyond_reason_are_refused_before_the_run(wrong: str, message: str) -> None:
     text = f'{wrong}\nduration = 3\n[robot]\nmodule = "P"\n'
     if wrong.startswith("robot"):
         text = f'{wrong}\nrobot.module = "P"\nduration = 3\n'
     with pytest.raises(MarsError) as raised:
         read_scenario(text, Path("s.toml"))
     (found,) = raised.value.diagnostics
-    assert found.message.startswith(told)
+    assert found.message.startswith(message)
     assert found.span.line == 1
     # What may be open stays open.
     moving = "[world]\nmoving = [{ from = [-9, -9], to = [0, 0], radius = 1, speed = 1 }]\n"

@@ -63,7 +63,7 @@ def keys(schema: dict[str, Any]) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told", "help_text"),
+    ("wrong", "message", "help_text"),
     [
         ("seed = 1.0", "`seed` must be a whole number", None),
         ("duration = 1979-05-27", "`duration` must be a number", None),
@@ -94,7 +94,7 @@ def keys(schema: dict[str, Any]) -> list[str]:
         ("faults.C = { kind = 'stuck', until = -1 }", "`-1` is out of range", "from 0 to inf"),
     ],
 )
-def test_each_mistake_has_its_message(wrong: str, told: str, help_text: str | None) -> None:
+def test_each_mistake_has_its_message(wrong: str, message: str, help_text: str | None) -> None:
     key = wrong.split(" =", maxsplit=1)[0].split(".", maxsplit=1)[0]
     rest = [line for line in ("duration = 3", 'robot.module = "P"') if not line.startswith(key)]
     if wrong.startswith("robot.start"):
@@ -102,7 +102,7 @@ def test_each_mistake_has_its_message(wrong: str, told: str, help_text: str | No
     with pytest.raises(MarsError) as raised:
         read_scenario("\n".join([wrong, *rest]), Path("s.toml"))
     (found,) = raised.value.diagnostics
-    assert found.message.startswith(told)
+    assert found.message.startswith(message)
     assert (found.help or "").startswith(help_text or "")
     assert found.span.line in (1, 2)
 

@@ -28,13 +28,13 @@ clearance = 5
 """
 
 
-def varied(*stated: str) -> Any:
-    changes = {axis.key: axis.only for axis in read_axes(stated)}
+def varied(*words: str) -> Any:
+    changes = {axis.key: axis.only for axis in read_axes(words)}
     return read_scenario(TEXT, Path("s.toml"), changes)
 
 
 @pytest.mark.parametrize(
-    ("stated", "value"),
+    ("words", "value"),
     [
         ("robot.radius=150", lambda s: s.robots[0].radius == 150),
         ("duration = 1.5", lambda s: s.duration == 1.5),
@@ -49,13 +49,13 @@ def varied(*stated: str) -> Any:
         ("modules.C=off", lambda s: s.faults["C"]["kind"] == "silent"),
     ],
 )
-def test_a_key_has_another_value(stated: str, value: Any) -> None:
-    assert value(varied(stated))
+def test_a_key_has_another_value(words: str, value: Any) -> None:
+    assert value(varied(words))
     assert read_scenario(TEXT, Path("s.toml")).devices["C"]["script"] == [[0, "Trans_Z", 200]]
 
 
 @pytest.mark.parametrize(
-    ("stated", "message", "help_text"),
+    ("words", "message", "help_text"),
     [
         ("robot.raduis=1", "unknown key `raduis`", "did you mean `radius`?"),
         ("robt.radius=1", "unknown key `robt`", "did you mean `robot`?"),
@@ -87,10 +87,10 @@ def test_a_key_has_another_value(stated: str, value: Any) -> None:
     ],
 )
 def test_keys_and_values_that_cannot_vary_are_refused(
-    stated: str, message: str, help_text: str | None
+    words: str, message: str, help_text: str | None
 ) -> None:
     with pytest.raises(MarsError) as wrong:
-        varied(stated)
+        varied(words)
     (found,) = wrong.value.diagnostics
     assert (found.span.path, found.message) == ("--vary", message)
     assert help_text is None or found.help == help_text

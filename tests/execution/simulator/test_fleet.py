@@ -94,7 +94,7 @@ def test_motion_does_not_depend_on_the_order_of_bodies_or_queries(seed: int) -> 
         {"Trans_Z": random.uniform(-300, 300), "Rotn_Y": random.uniform(-60, 60)} for _ in range(6)
     ]
 
-    def driven(order: tuple[int, ...], asked: tuple[int, ...]) -> list[object]:
+    def driven(order: tuple[int, ...], queried: tuple[int, ...]) -> list[object]:
         world = World(circles=[Circle((700, 300), 150, ((0, 900),), 120)])
         bodies = {
             k: Body(world, Pose(500 * k, 0, 70 * k), 150, name=f"r{k}", command=rates[k])
@@ -102,7 +102,7 @@ def test_motion_does_not_depend_on_the_order_of_bodies_or_queries(seed: int) -> 
         }
         Fleet([bodies[k] for k in order])
         for step in range(1, 40):
-            for k in asked:
+            for k in queried:
                 if step == 25:
                     bodies[k].obey(rates[k + 3], step / 10)
                 bodies[k].advance(step / 10)

@@ -11,14 +11,14 @@ from mars_asp.reasoning.facts.motion import frame_facts
 from tests.support.robots import HERE, module, placed, robot
 
 
-def told(
+def motion_facts(
     mounts: Iterable[tuple[str, str, Transformation | None]],
     *modules: Module,
-    asked: Iterable[tuple[str, str]] = (),
+    queries: Iterable[tuple[str, str]] = (),
 ) -> list[str]:
     """Return the facts about modules mounted on others."""
     made = [Mount(above, below, HERE, transformation=at) for above, below, at in mounts]
-    return [str(fact.atom) for fact in frame_facts(robot(made, modules), {}, asked)]
+    return [str(fact.atom) for fact in frame_facts(robot(made, modules), {}, queries)]
 
 
 CAM = module("Cam", sensor=True)
@@ -29,24 +29,26 @@ def about(*modules: Module, at: Transformation | None = None) -> list[str]:
     names = ["Cam", *(each.name for each in modules)]
     placements = [at, *[None] * len(modules)]
     mounts = list(zip(names[:-1], names[1:], placements[: len(modules)], strict=True))
-    return told(mounts, CAM, *modules)
+    return motion_facts(mounts, CAM, *modules)
 
 
 def test_there_are_no_facts_without_motion_or_query() -> None:
     turning = module("A", "Rotn_Z")
     assert about(module("A")) == []
-    assert told([("Cam", "A", None)], CAM) == []
-    assert told([("Box", "A", None)], module("Box"), turning) == []
-    assert told([("Box", "A", None)], module("Box"), turning, asked=[("Rotn_Z", "A")]) == []
-    assert told([], CAM, turning) == []
-    asked = told([("Box", "A", None)], module("Box"), turning, asked=[("Rotn_Z", "Box")])
-    assert asked == ['rooted("Box","A",1)', 'appears("Box","A","Rotn_Z","Rotn_Z",1)']
+    assert motion_facts([("Cam", "A", None)], CAM) == []
+    assert motion_facts([("Box", "A", None)], module("Box"), turning) == []
+    assert (
+        motion_facts([("Box", "A", None)], module("Box"), turning, queries=[("Rotn_Z", "A")]) == []
+    )
+    assert motion_facts([], CAM, turning) == []
+    facts = motion_facts([("Box", "A", None)], module("Box"), turning, queries=[("Rotn_Z", "Box")])
+    assert facts == ['rooted("Box","A",1)', 'appears("Box","A","Rotn_Z","Rotn_Z",1)']
 
 
 def test_a_module_on_a_fixed_carrier_is_only_rooted() -> None:
     mounts = [("Cam", "Plate", None), ("Cam2", "A", None)]
     modules = (CAM, module("Cam2", sensor=True), module("Plate"), module("A", "Rotn_Z"))
-    assert told(mounts, *modules) == [
+    assert motion_facts(mounts, *modules) == [
         'rooted("Cam","Plate",1)',
         'rooted("Cam2","A",1)',
         'appears("Cam2","A","Rotn_Z","Rotn_Z",1)',
@@ -129,7 +131,7 @@ def test_the_fewest_nearest_carriers_together_give_a_motion_that_none_gives_alon
         names = ["Cam", *"ABC"[: len(turns)]]
         places = [placed([("z", turn)]) for turn in turns]
         mounts = list(zip(names[:-1], names[1:], places, strict=True))
-        return told(mounts, CAM, *(module(name, "Trans_X") for name in names[1:]))
+        return motion_facts(mounts, CAM, *(module(name, "Trans_X") for name in names[1:]))
 
     assert facts_of("support", sliding(0, -45, -45)) == set()
     assert facts_of("shares", sliding(0, -45, -45)) == set()
@@ -151,7 +153,7 @@ def test_the_fewest_nearest_carriers_together_give_a_motion_that_none_gives_alon
 
 def test_a_motion_combined_by_one_carrier_has_no_other_support() -> None:
     modules = module("A", "Trans_X", "Trans_Y"), module("B", "Trans_X")
-    facts = told([("Cam", "A", placed([("z", 30)])), ("A", "B", None)], CAM, *modules)
+    facts = motion_facts([("Cam", "A", placed([("z", 30)])), ("A", "B", None)], CAM, *modules)
     assert facts_of("combines", facts) != set()
     assert facts_of("support", facts) == set()
 
@@ -167,7 +169,9 @@ def test_sets_as_near_as_another_are_numbered_by_their_names() -> None:
         ("B", "Y", placed([("x", 30), ("z", -30)])),
         ("Y", "Far", None),
     ]
-    facts = told(mounts, CAM, *(module(name, "Trans_Y") for name in ("Z", "A", "B", "Y", "Far")))
+    facts = motion_facts(
+        mounts, CAM, *(module(name, "Trans_Y") for name in ("Z", "A", "B", "Y", "Far"))
+    )
     about_y = [fact for fact in facts if fact.startswith(('support("Cam","Trans_Y"', "shares"))]
     assert [fact for fact in about_y if '"Trans_Y",' in fact and '"Cam","Trans_Y"' in fact] == [
         'support("Cam","Trans_Y",0,5)',
@@ -187,13 +191,15 @@ def test_a_queried_motion_has_the_circuits_of_several_carriers() -> None:
         ("B", "C", placed([("z", -30)])),
     ]
     modules = [module(name, "Trans_X") for name in "ABC"]
-    asked = [("Trans_Y", "Cam"), ("Trans_Y", "Cam"), ("Grasp", "Cam"), ("Trans_Z", "Cam")]
-    facts = told(mounts, CAM, *modules, asked=asked)
+    queries = [("Trans_Y", "Cam"), ("Trans_Y", "Cam"), ("Grasp", "Cam"), ("Trans_Z", "Cam")]
+    facts = motion_facts(mounts, CAM, *modules, queries=queries)
     assert [fact for fact in facts if fact.startswith("circuit")] == [
         f'circuit("Cam","Trans_Y",{number},"{name}","Trans_X")'
         for number, pair in enumerate(["AB", "AC", "BC"])
         for name in pair
     ]
     both = [module("A", "Trans_X", "Trans_Y"), module("B", "Rotn_Z")]
-    facts = told([("Cam", "A", placed([("z", 30)])), ("A", "B", None)], CAM, *both, asked=asked[:1])
+    facts = motion_facts(
+        [("Cam", "A", placed([("z", 30)])), ("A", "B", None)], CAM, *both, queries=queries[:1]
+    )
     assert facts_of("circuit", facts) == set()

@@ -24,9 +24,9 @@ rates = st.lists(periods | exact | near.map(lambda text: Rate(Fraction(text))), 
 
 @few
 @given(rates)
-def test_numbers_are_in_the_exact_order_and_represent_one_rate_each(stated: list[Rate]) -> None:
-    result = rates_of(stated)
-    ordered = sorted(set(stated))
+def test_numbers_are_in_the_exact_order_and_represent_one_rate_each(rates: list[Rate]) -> None:
+    result = rates_of(rates)
+    ordered = sorted(set(rates))
     numbers = [result.millihertz(hz) for hz in ordered]
     assert all(low < high for low, high in pairwise(numbers))
     assert all(1 <= number <= MOST for number in numbers)

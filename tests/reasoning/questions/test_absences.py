@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from mars_asp.reasoning.project import load_project
-from mars_asp.reasoning.questions import absences as asked
 from mars_asp.reasoning.questions.absences import Absence, absences
 from mars_asp.reasoning.questions.connected import BY_TYPE
 from mars_asp.reasoning.questions.why_not import why_not
@@ -37,7 +36,7 @@ def reasoner(path: Path) -> Reasoner:
     return Reasoner(load_project(str(path)), load_rulebook(stages=("resolve",)))
 
 
-def told(path: Path, modules: list[str]) -> dict[str, Absence]:
+def absences_by_title(path: Path, modules: list[str]) -> dict[str, Absence]:
     return {each.title: each for each in absences(reasoner(path), modules)}
 
 
@@ -57,7 +56,7 @@ def test_each_answer_is_that_of_why_not(
         path = tmp_path / "config.mars"
         path.write_text(robot)
     names = [name.text for name in reasoner(path).project.configuration.modules]
-    found = told(path, names)
+    found = absences_by_title(path, names)
     for question in questions:
         alone = why_not(reasoner(path), question, 1)
         together = found[question]
@@ -68,8 +67,8 @@ def test_each_answer_is_that_of_why_not(
 def test_absences_of_some_modules_are_those_of_the_whole_robot(tmp_path: Path) -> None:
     path = tmp_path / "config.mars"
     path.write_text(ROBOT)
-    every = told(path, ["A", "B", "C", "Base", "Alone"])
-    alone = told(path, ["Alone"])
+    every = absences_by_title(path, ["A", "B", "C", "Base", "Alone"])
+    alone = absences_by_title(path, ["Alone"])
     own = {title: each for title, each in every.items() if each.module == "Alone"}
     assert alone == {title: each for title, each in own.items() if each.kind not in BY_TYPE}
 
@@ -77,6 +76,6 @@ def test_absences_of_some_modules_are_those_of_the_whole_robot(tmp_path: Path) -
 def test_too_many_modules_have_no_absences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "config.mars"
     path.write_text(ROBOT)
-    monkeypatch.setattr(asked, "MOST_MODULES", 4)
-    assert told(path, ["A", "B", "C", "Base", "Alone"]) == {}
-    assert told(path, ["Alone"])
+    monkeypatch.setattr("mars_asp.reasoning.questions.absences.MOST_MODULES", 4)
+    assert absences_by_title(path, ["A", "B", "C", "Base", "Alone"]) == {}
+    assert absences_by_title(path, ["Alone"])

@@ -124,7 +124,7 @@ PRICES = {
 }
 
 
-def told_alone(path: Path, name: str) -> Account:
+def account_of(path: Path, name: str) -> Account:
     rulebook = load_rulebook(stages=STAGES)
     found = explain(Reasoner(load_project(str(path)), rulebook), name, traced=False).topics
     account = next(each.account for each in found if each.name == name)
@@ -134,7 +134,7 @@ def told_alone(path: Path, name: str) -> Account:
 
 @pytest.mark.parametrize(("name", "price"), PRICES.items(), ids=PRICES)
 def test_savings_by_sharing_are_found_by_solving(name: str, price: str | None) -> None:
-    notes = told_alone(ROOT / "tests/questions" / name, "ArbitrationNode").notes
+    notes = account_of(ROOT / "tests/questions" / name, "ArbitrationNode").notes
     assert [note for note in notes if "apart" in note] == ([price] if price else [])
 
 
@@ -155,7 +155,7 @@ def test_every_rule_speaks_in_a_case() -> None:
         for topic in explain(Reasoner(project, with_packs), traced=False).topics:
             spoken |= set(topic.account.rules) if topic.account else set()
     for name in PRICES:
-        spoken |= set(told_alone(ROOT / "tests/questions" / name, "ArbitrationNode").rules)
+        spoken |= set(account_of(ROOT / "tests/questions" / name, "ArbitrationNode").rules)
     able = load_rulebook(stages=("can", STAGE))
     for query in ABLE:
         answer = capability(load_project(str(ROOT / "tests/questions/able.mars")), able, query)

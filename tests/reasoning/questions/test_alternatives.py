@@ -125,7 +125,7 @@ def test_why_nothing_costs_less(
     assert text == expected.read_text(encoding="utf-8")
 
 
-def told_of(path: str) -> tuple[Reasoner, Alternatives]:
+def alternatives_of(path: str) -> tuple[Reasoner, Alternatives]:
     reasoner = Reasoner(load_project(str(ROOT / path)), TELLING)
     answer = alternatives(reasoner, most=1)
     assert answer is not None
@@ -137,7 +137,7 @@ def test_each_rule_for_needs_speaks() -> None:
     spoken = {
         rule
         for path in NEEDS
-        for need in told_of(path)[1].needs
+        for need in alternatives_of(path)[1].needs
         for reason in need.reasons
         for rule in reason.rules
     }
@@ -153,7 +153,7 @@ def test_each_rule_for_needs_speaks() -> None:
 @pytest.mark.parametrize("path", sample(NEEDS, 3))
 def test_verification_agrees_with_each_need(path: str) -> None:
     """`rules/verify` know nothing of needs: without the node it is that clause that breaks."""
-    reasoner, answer = told_of(path)
+    reasoner, answer = alternatives_of(path)
     assert all(each.bound == each.cost for each in answer.levels.values())
     judging = Reasoner(reasoner.project, RULEBOOK)
     for need in answer.needs:

@@ -40,13 +40,13 @@ def test_cases(folder: Path, monkeypatch: pytest.MonkeyPatch, update_golden: boo
     texts = EditedTexts(load_project("config.mars"))
     expected = (folder / "edits.txt").read_text()
     edits = [line for line in expected.splitlines() if not line.startswith(" ")]
-    found = "".join(f"{line}\n{''.join(_told(texts, line))}" for line in edits)
+    found = "".join(f"{line}\n{''.join(_changed_lines(texts, line))}" for line in edits)
     if update_golden:
         (folder / "edits.txt").write_text(found)
     assert found == expected
 
 
-def _told(texts: EditedTexts, written: str) -> Iterator[str]:
+def _changed_lines(texts: EditedTexts, written: str) -> Iterator[str]:
     names = _identifiers(texts)
     terms = re.sub(r"\{(.*?)\}", lambda match: str(names[match[1]]), written)
     try:

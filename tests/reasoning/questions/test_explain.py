@@ -64,11 +64,11 @@ def test_an_absent_consequence_is_reported_without_resolving() -> None:
     assert whole.synthesis is not None
     there = {topic.name for topic in explain(whole, only="consequences").topics}
     names = [name.text for name in LEVEL0.configuration.modules]
-    asked = [
+    subjects = [
         f"{kind}({name})" for kind in ("control_divergence", "service_dependency") for name in names
     ]
-    asked += ["control_divergence(Trun)", "control_divergence(", "control_divergence()"]
-    for subject in asked:
+    subjects += ["control_divergence(Trun)", "control_divergence(", "control_divergence()"]
+    for subject in subjects:
         if subject in there:
             continue
         part = Reasoner(LEVEL0, rulebook)

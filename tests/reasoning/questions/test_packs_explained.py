@@ -33,7 +33,7 @@ from tests.support.trace_checker import faults
 #: Of our own rules these are enough: the others take time and read no pack.
 KEPT = ("rules/vocabulary.lp", "rules/data.lp")
 #: Of the atoms of a pack so many are asked for one by one.
-ASKED = 4
+QUERIES = 4
 
 
 @cache
@@ -99,16 +99,16 @@ def wrong_explanations(seed: int, folder: Path) -> list[str]:
     traces = Evidence(rulebook, facts, analysis).explainer.why(sorted(mine | entries))
     wrong += faults(traces.values(), given, true, pack.constants)
     wrong += [f"whole: {a}" for a, trace in traces.items() if not isinstance(trace, Derived)]
-    told_by = (project, rulebook, given, true, pack.constants, wrong)
-    for atom in rng.sample(sorted(mine), min(ASKED, len(mine))):
-        asked_of(str(atom), {str(atom)}, *told_by)
+    context = (project, rulebook, given, true, pack.constants, wrong)
+    for atom in rng.sample(sorted(mine), min(QUERIES, len(mine))):
+        check_answer(str(atom), {str(atom)}, *context)
     by_name: dict[str, set[str]] = {}
     for item in entries:
         name = f"{item.arguments[0]}({shown(item.arguments[2])})"
         by_name.setdefault(name, set()).add(str(item))
-    for name in rng.sample(sorted(by_name), min(ASKED, len(by_name))):
-        asked_of(name, by_name[name], *told_by)
-    for atom in rng.sample(sorted(absent(pack, mine, project)), ASKED):
+    for name in rng.sample(sorted(by_name), min(QUERIES, len(by_name))):
+        check_answer(name, by_name[name], *context)
+    for atom in rng.sample(sorted(absent(pack, mine, project)), QUERIES):
         try:
             explain(Reasoner(project, rulebook), str(atom))
             wrong.append(f"explained: {atom}")
@@ -126,11 +126,11 @@ def absent(pack: Pack, mine: set[clingo.Symbol], project: Project) -> set[clingo
         for first in names:
             arguments = [first, *names[-1:]][:arity]
             found.add(clingo.Function(name.removeprefix("-"), arguments, name[0] != "-"))
-    found |= {clingo.Function("never", [clingo.Number(n)]) for n in range(ASKED)}
+    found |= {clingo.Function("never", [clingo.Number(n)]) for n in range(QUERIES)}
     return found - mine
 
 
-def asked_of(
+def check_answer(
     subject: str,
     wanted: set[str],
     project: Project,

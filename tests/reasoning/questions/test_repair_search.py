@@ -203,7 +203,7 @@ def test_solving_takes_the_time_that_is_left(
     clock = [100.0]
     monkeypatch.setattr(repair, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     begun: list[float] = []
-    asked: list[float | None] = []
+    budgets: list[float | None] = []
 
     def analysed(
         facts: Sequence[Fact], rulebook: Rulebook, span: Span, with_labels: bool = False
@@ -213,14 +213,14 @@ def test_solving_takes_the_time_that_is_left(
         return analyse(facts, rulebook, span, with_labels=with_labels)
 
     def solved(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> dict[int, int]:
-        asked.append(budget.seconds)
+        budgets.append(budget.seconds)
         return {}
 
     monkeypatch.setattr(repair, "analyse", analysed)
     monkeypatch.setattr(repair, "least_cost", solved)
     rules = book(f'doom(0). {_saves(0, "Good")} saved(0) :- module("Good").')
     (found,) = repairs(_project(), rules, seconds=limit)
-    assert (_names(found), asked) == (["Good"], [left])
+    assert (_names(found), budgets) == (["Good"], [left])
 
 
 # ---- Fixes ---------------------------------------------------------------------------------------
@@ -288,8 +288,8 @@ edit(doomed, M, K, name("Good"), 1) :- consequence(doomed, _, M, K).
 
 # ---- What is asked -------------------------------------------------------------------------------
 
-ASKED = "@configuration hierarchical\n@modules Wheel, Wander, Turn, Stop, Idle\n"
-ASKED += "Wheel is_controlled_by Wander, Turn\nWheel is_controlled_by Stop 1\n"
+TIES = "@configuration hierarchical\n@modules Wheel, Wander, Turn, Stop, Idle\n"
+TIES += "Wheel is_controlled_by Wander, Turn\nWheel is_controlled_by Stop 1\n"
 
 
 @pytest.mark.parametrize(
@@ -309,7 +309,7 @@ ASKED += "Wheel is_controlled_by Wander, Turn\nWheel is_controlled_by Stop 1\n"
     ],
 )
 def test_a_subject_selects_its_findings_except_notes(subject: str | None, kinds: list[str]) -> None:
-    found = repairs(_project(ASKED), RULEBOOK, subject)
+    found = repairs(_project(TIES), RULEBOOK, subject)
     assert [each.consequence.kind for each in found] == kinds
 
 
@@ -328,7 +328,7 @@ def test_a_subject_selects_its_findings_except_notes(subject: str | None, kinds:
 )
 def test_a_subject_that_nothing_is_called_is_an_error(subject: str, help_text: str) -> None:
     with pytest.raises(MarsError) as error:
-        repairs(_project(ASKED), RULEBOOK, subject)
+        repairs(_project(TIES), RULEBOOK, subject)
     assert [d.help for d in error.value.diagnostics] == [help_text]
 
 

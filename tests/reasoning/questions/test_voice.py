@@ -46,12 +46,12 @@ def test_traces_show_nothing_of_the_encoding(path: Path, options: str) -> None:
 def test_no_verb_shows_anything_of_the_encoding(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(TRIED.parent)
     for words, given in (*of_whole_files(TRIED.name), *questions(TRIED.name, EACH)):
-        assert list(wrong_in(words, printed(words, given).told)) == [], words
+        assert list(wrong_in(words, printed(words, given).text)) == [], words
 
 
 def test_no_help_shows_anything_of_the_encoding() -> None:
     for words, given in helps():
-        assert list(wrong_in(words, printed(words, given).told)) == [], words
+        assert list(wrong_in(words, printed(words, given).text)) == [], words
 
 
 def test_only_lines_that_could_be_broken_are_too_wide() -> None:

@@ -73,10 +73,10 @@ def test_clauses_broken_without_a_node(
 ) -> None:
     found = without(node, Reasoner(load_project(str(ROOT / path)), RULEBOOK))
     assert found is not None
-    assert [told(broken) for broken in found] == expected
+    assert [clause_and_lines(broken) for broken in found] == expected
 
 
-def told(broken: ViolatedClause) -> tuple[int, str, list[int]]:
+def clause_and_lines(broken: ViolatedClause) -> tuple[int, str, list[int]]:
     lines = [each.span.line for each in broken.relationships]
     return broken.violation.clause, broken.violation.message, lines
 
@@ -103,7 +103,7 @@ def test_something_breaks_without_a_node_of_random_configurations(kind: type) ->
 
 
 @pytest.mark.parametrize(
-    ("words", "status", "told"),
+    ("words", "status", "message"),
     [
         (["verify", "--without", "DataSplitter2", LEVEL1], 1, "Without DataSplitter2:\n  clause 1"),
         (["verify", LEVEL1, "--without", "DataSplitter2", "--quiet"], 1, f"{LEVEL1}:10  Forward"),
@@ -114,18 +114,18 @@ def test_something_breaks_without_a_node_of_random_configurations(kind: type) ->
 def test_the_command(
     words: list[str],
     status: int,
-    told: str,
+    message: str,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(ROOT)
     assert run_here(words) == status
     captured = capsys.readouterr()
-    assert told in captured.out + captured.err
+    assert message in captured.out + captured.err
 
 
 @pytest.mark.parametrize(
-    ("name", "told", "help_text"),
+    ("name", "message", "help_text"),
     [
         ("DataSpliter2", "is not a node", "did you mean `DataSplitter2`?"),
         ("x", "is not a node", "the nodes are DataSplitter1, DataSplitter2, ArbitrationNode"),
@@ -133,11 +133,11 @@ def test_the_command(
         ("", "is not a node", "the nodes are"),
     ],
 )
-def test_a_name_other_than_a_node_is_reported(name: str, told: str, help_text: str) -> None:
+def test_a_name_other_than_a_node_is_reported(name: str, message: str, help_text: str) -> None:
     with pytest.raises(MarsError) as caught:
         without(name, Reasoner(load_project(str(ROOT / LEVEL1)), RULEBOOK))
     (diagnostic,) = caught.value.diagnostics
-    assert told in diagnostic.message
+    assert message in diagnostic.message
     assert help_text in str(diagnostic.help)
 
 

@@ -53,7 +53,7 @@ def specified(text: str) -> tuple[Configuration, str]:
     return whole, print_configuration(replace(whole, declared=project.configuration.declared))
 
 
-def told(specification: Configuration) -> dict[str, object]:
+def commands_of(specification: Configuration) -> dict[str, object]:
     """Return the command of each module if A commands `Trans_X` at 5 mm/s."""
     got: dict[str, object] = {}
 
@@ -80,13 +80,13 @@ def test_a_turned_rider_without_a_controller_turns_no_command(
         replace(whole, declared=read(TURNED.format(led=led)).configuration.declared),
         parse_text(text, "s.mars").configuration,
     ):
-        assert told(specification)["Base"] == pytest.approx({function: rate})
+        assert commands_of(specification)["Base"] == pytest.approx({function: rate})
 
 
 def test_several_fitting_modules_require_a_comment() -> None:
     _, text = specified(TURNED.format(led="Pan"))
     with pytest.raises(MarsError) as caught:
-        told(parse_text(COMMENT.sub("", text), "s.mars").configuration)
+        commands_of(parse_text(COMMENT.sub("", text), "s.mars").configuration)
     (found,) = caught.value.diagnostics
     assert found.message == (
         "`InheritanceNode1` may serve `Cam` or `Pan`, which move in different ways"
@@ -96,7 +96,9 @@ def test_several_fitting_modules_require_a_comment() -> None:
 def test_a_comment_about_a_module_that_is_not_carried_is_refused() -> None:
     _, text = specified(TURNED.format(led="Pan"))
     with pytest.raises(MarsError) as caught:
-        told(parse_text(COMMENT.sub("// InheritanceNode1: Base\n", text), "s.mars").configuration)
+        commands_of(
+            parse_text(COMMENT.sub("// InheritanceNode1: Base\n", text), "s.mars").configuration
+        )
     assert "do not carry `Base`" in caught.value.diagnostics[0].message
 
 
@@ -126,8 +128,8 @@ def test_a_comment_is_printed_only_where_it_is_needed() -> None:
     found = synthesised(project)
     assert found is not None
     assert "//" not in print_configuration(found.specification.configuration)
-    told_by_json = json.loads(json.dumps(synthesis_json(project, found)))
-    (node,) = [each for each in told_by_json["modules"] if each["kind"] == "inheritance_node"]
+    document = json.loads(json.dumps(synthesis_json(project, found)))
+    (node,) = [each for each in document["modules"] if each["kind"] == "inheritance_node"]
     assert node["stands_for"] == "Pan"
 
 

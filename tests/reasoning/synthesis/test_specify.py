@@ -66,10 +66,10 @@ def named(synthesis: Synthesis) -> Iterator[clingo.Symbol]:
         yield clingo.Function(atom.name, [*kept, *map(name_of, rest)])
 
 
-def lines(told: Iterable[clingo.Symbol], predicates: tuple[str, ...]) -> Counter[str]:
+def lines(atoms: Iterable[clingo.Symbol], predicates: tuple[str, ...]) -> Counter[str]:
     """Return lines by their ends and all that they state."""
     found: dict[clingo.Symbol, list[str]] = {}
-    for atom in told:
+    for atom in atoms:
         if atom.name in predicates:
             line, *rest = atom.arguments
             found.setdefault(line, []).append(f"{atom.name}{[str(each) for each in rest]}")
@@ -101,13 +101,13 @@ def symbol(fact: Fact) -> clingo.Symbol:
     return clingo.parse_term(str(fact.atom))
 
 
-def violations(reasoner: Reasoner, told: Iterable[clingo.Symbol]) -> set[str]:
+def violations(reasoner: Reasoner, atoms: Iterable[clingo.Symbol]) -> set[str]:
     """Return the faults of a specification that atoms describe."""
     configuration = reasoner.project.configuration
     kept = replace(configuration, kind="specification", relationships=())
     facts = facts_text(specification_facts(kept, reasoner.project, RULEBOOK))
     mounts = "spec_is_mounted_on(R, M, V, B, W) :- is_mounted_on(R, M, V, B, W)."
-    program = [RULEBOOK.text("verify"), facts, mounts, *(f"{atom}." for atom in told)]
+    program = [RULEBOOK.text("verify"), facts, mounts, *(f"{atom}." for atom in atoms)]
     grounding = reasoner._analyse().grounding
     grounding.derive([Fragment("\n".join(program), "rules")])
     return set(map(str, grounding.symbols("violation", 2)))

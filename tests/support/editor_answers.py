@@ -17,7 +17,7 @@ from mars_asp.lsp.robot import EditorFinding
 
 #: A finding: path, start and end (line and UTF-16 unit, from 0), severity, code, message, help
 #: and effect.
-Told: TypeAlias = tuple[
+Finding: TypeAlias = tuple[
     str, tuple[int, int], tuple[int, int], str, str, str, str | None, str | None
 ]
 
@@ -28,12 +28,14 @@ def options(*words: str) -> argparse.Namespace:
     return parser.parse_intermixed_args(words)
 
 
-def asked(sort: Sort, path: Path, texts: Mapping[str, str] | None = None, about: str = "") -> Any:
+def editor_answer(
+    sort: Sort, path: Path, texts: Mapping[str, str] | None = None, about: str = ""
+) -> Any:
     """Return the answer of the editor's worker to a question about a file."""
     return answer(Question(sort, str(path), texts or {}, about), options())
 
 
-def printed(*words: str) -> list[Told]:
+def printed(*words: str) -> list[Finding]:
     """Return the diagnostics that a verb prints, in the units of editors; no repairs are sought."""
     output, errors = io.StringIO(), io.StringIO()
     with (
@@ -48,10 +50,10 @@ def printed(*words: str) -> list[Told]:
     else:
         lines = errors.getvalue().splitlines()
         found = [json.loads(line) for line in lines if line.startswith("{")]
-    return sorted(_told(each) for each in found if Path(each["path"]).is_file())
+    return sorted(_finding(each) for each in found if Path(each["path"]).is_file())
 
 
-def _told(found: Mapping[str, Any]) -> Told:
+def _finding(found: Mapping[str, Any]) -> Finding:
     path = str(Path(found["path"]).resolve())
     places = [
         _units(path, found[line], found[column])
@@ -79,7 +81,7 @@ def _units(path: str, line: int | None, column: int | None) -> tuple[int, int]:
     return line - 1, sum(2 if ord(each) > 0xFFFF else 1 for each in before)
 
 
-def told_of(found: tuple[EditorFinding, ...]) -> list[Told]:
+def editor_findings(found: tuple[EditorFinding, ...]) -> list[Finding]:
     """Return the findings of a worker, sorted, as tuples like those of `printed`."""
     return sorted(
         (
