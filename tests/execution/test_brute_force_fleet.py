@@ -116,7 +116,7 @@ def random_case(random: Random) -> Case:
 
 @dataclass
 class Sampled:
-    """The instant of the first contact in seconds, its pairs, and the smallest gap of each robot."""
+    """The instant (in s) of the first contact, its pairs, and the smallest gap of each robot."""
 
     contact: float | None = None
     pairs: set[frozenset[str]] = field(default_factory=set)
