@@ -13,7 +13,6 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import defined
 from mars_asp.cli import run_here
 from mars_asp.cli.rules import shown, shown_json
-from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.lint import lint
 from mars_asp.reasoning.packs import FOLDERS
@@ -21,6 +20,7 @@ from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook, seal
 from tests.support.campaigns import sample
 from tests.support.documents import ROOT
+from tests.support.refusals import refusals
 
 #: The id after the sentence of a rule, in a trace or in the list of a repair; not a link.
 CITED = re.compile(r"\[((?:[\w-]+/)+[\w-]+|(?:[\w-]+/)*[\w-]+:\d+(?::\d+)?)\](?!\()")
@@ -88,9 +88,7 @@ def test_a_rule_of_any_stage_is_shown(
 def test_a_misspelt_id_is_reported_with_a_suggestion(
     name: str, meant: str, rulebook: Rulebook
 ) -> None:
-    with pytest.raises(MarsError) as caught:
-        shown(rulebook, name)
-    assert caught.value.diagnostics[0].help == f"did you mean `{meant}`?"
+    assert refusals(shown, rulebook, name)[0].help == f"did you mean `{meant}`?"
 
 
 def test_rules_are_listed_by_stage(rulebook: Rulebook, capsys: pytest.CaptureFixture[str]) -> None:

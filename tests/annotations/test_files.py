@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from mars_asp.annotations.files import MOST_BYTES, extract
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic
 from mars_asp.reasoning.project import load_project
+from tests.support.refusals import refusal
 
 MODULE = (
     "// @module_start\n// @module_name {name}\n// @Sense NotifyWhenReady\nX f();\n// @module_end\n"
@@ -116,8 +117,6 @@ def test_a_module_in_sources_and_in_the_configuration_is_reported(tmp_path: Path
     path.write_text(
         "@configuration\n@sources a.cpp\n@modules A\n" + MODULE.format(name="A").replace("// ", "")
     )
-    with pytest.raises(MarsError) as raised:
-        load_project(str(path))
-    (problem,) = raised.value.diagnostics
+    problem = refusal(load_project, str(path))
     places = {problem.span.path, *(label[0].path for label in problem.labels)}
     assert {Path(place).name for place in places} == {"a.cpp", "config.mars"}

@@ -19,6 +19,7 @@ from mars_asp.asp.solve import optimum
 from mars_asp.asp.trace.tree import Derived, Underivable
 from tests.support.documents import ROOT
 from tests.support.random_programs import ATOMS, random_program
+from tests.support.refusals import refusal
 from tests.support.trace_checker import faults
 
 EXAMPLES = ROOT / "examples" / "engine"
@@ -349,9 +350,7 @@ def test_a_session_finds_each_answer_once() -> None:
 
 def test_all_errors_are_reported_with_their_locations(tmp_path: Path) -> None:
     wrong = "p(X) :- q.\n#script (python) #end.\n"
-    with pytest.raises(MarsError) as raised:
-        asp.Program.from_text(wrong, "wrong.lp")
-    (found,) = raised.value.diagnostics
+    found = refusal(asp.Program.from_text, wrong, "wrong.lp")
     assert (found.span.path, found.span.line) == ("wrong.lp", 2)
     with pytest.raises(MarsError):
         asp.Program.from_files(tmp_path / "nothing.lp")
@@ -455,9 +454,7 @@ def test_an_unreadable_file_is_reported_at_its_include(
     os.mkfifo("pipe")
     with Path("large.lp").open("wb") as large:
         large.truncate(9 * 1024 * 1024)
-    with pytest.raises(MarsError) as raised:
-        asp.Program.from_text(text)
-    (found,) = raised.value.diagnostics
+    found = refusal(asp.Program.from_text, text)
     assert message in found.message
     assert (found.span.line, found.span.column) == (2, 3)
     assert found.help is not None

@@ -22,6 +22,7 @@ from mars_asp.model.declarations import Control
 from tests.support.documents import ROOT
 from tests.support.packages import write_package
 from tests.support.processes import takes_at_most
+from tests.support.refusals import refusals
 
 FOLDER = ROOT / "tests" / "ros2"
 TREES = [
@@ -241,9 +242,7 @@ def test_publishers_in_python_are_found_by_the_tree(statement: str, topics: list
 
 
 def refused(text: str, path: str) -> tuple[Diagnostic, ...]:
-    with pytest.raises(MarsError) as error:
-        launched(text, path)
-    return error.value.diagnostics
+    return refusals(launched, text, path)
 
 
 def test_a_launch_file_that_only_includes_others_is_read() -> None:
@@ -501,9 +500,7 @@ def test_programs_count_as_started_where_no_launch_file_is() -> None:
     folder = ROOT / "examples/ros2_workspace/src/scout_base/src"
     package = folder.parent
     assert import_ros2([("", str(package))]).configuration.modules
-    with pytest.raises(MarsError) as error:
-        import_ros2([("", str(folder))])
-    assert "no launch file and no package" in error.value.diagnostics[0].message
+    assert "no launch file and no package" in refusals(import_ros2, [("", str(folder))])[0].message
 
 
 def test_a_mux_that_is_named_beside_a_launch_file_is_its_mux() -> None:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.diagnostic import MarsError
 from mars_asp.execution.judgement import judge
+from tests.support.refusals import refusal
 from tests.support.trials import BASE, DRIVE, HAND, trial, verdicts
 
 WALL = "[world]\nwalls = [[[300, -900], [300, 900]]]\n"
@@ -153,9 +153,7 @@ def test_two_robots_that_start_side_by_side(radius: int, apart: int, contacts: i
 
 
 def test_two_robots_at_one_place_are_refused() -> None:
-    with pytest.raises(MarsError) as refused:
-        trial(FLEET.format(radius=200, apart=0), "@specification\n@modules P, Q\n")
-    (found,) = refused.value.diagnostics
+    found = refusal(trial, FLEET.format(radius=200, apart=0), "@specification\n@modules P, Q\n")
     assert (found.span.line, found.message) == (8, "`Q` starts 400 mm inside of `P`")
 
 

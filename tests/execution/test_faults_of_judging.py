@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.diagnostic import MarsError
 from mars_asp.execution.executor.link import Link
 from mars_asp.execution.judgement import judge
 from mars_asp.execution.promises import promises
 from mars_asp.execution.trial import Trial
+from tests.support.refusals import refusal
 from tests.support.trials import BASE, DRIVE, HAND, trial, verdicts
 
 REQUIREMENTS = "[requirements]\n"
@@ -75,9 +75,7 @@ def test_clearance_between_two_readings_is_found() -> None:
 )
 def test_a_start_inside_of_an_obstacle_is_refused_at_its_line(solid: str) -> None:
     text = f"{BASE}start = [0, 0, 45]\n{HAND}[world]\n{solid}\n"
-    with pytest.raises(MarsError) as raised:
-        trial(text)
-    (problem,) = raised.value.diagnostics
+    problem = refusal(trial, text)
     assert "inside of something solid" in problem.message
     assert problem.span.line == 4
 

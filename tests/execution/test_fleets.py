@@ -10,6 +10,7 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.execution.judgement import judge
 from mars_asp.execution.recording.picture import plot_run
 from mars_asp.execution.scenario.read import read_scenario
+from tests.support.refusals import refusal
 from tests.support.trials import trial, verdicts
 
 TWO = """\
@@ -118,9 +119,7 @@ def test_names_that_fit_several_robots_are_refused(
     old: str, new: str, message: str, line: int
 ) -> None:
     text = DRIVE.replace("right/C\n", "right/C, S, M\n", 1) + "M uses_data_from S\n"
-    with pytest.raises(MarsError) as raised:
-        trial(TWO.replace(old, new), text if "sonar" in new else DRIVE)
-    (found,) = raised.value.diagnostics
+    found = refusal(trial, TWO.replace(old, new), text if "sonar" in new else DRIVE)
     assert message in found.message
     assert found.span.line == line
 

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mars_asp.cli import run_here
-from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text
 from mars_asp.model.names import read_name, written
+from tests.support.refusals import refusal, refusals
 
 ROBOT = r"""@configuration hierarchical
 @modules "bumper response", joystick, /robot1/base, dora-camera, "a // b # c", "3", "say \"go\" \\"
@@ -47,9 +47,7 @@ def test_these_are_not_names(text: str) -> None:
 def test_names_contain_no_control_or_hidden_characters(sign: str) -> None:
     assert read_name(written(f"a{sign}b")) is None
     text = f'@configuration\n@modules "a{sign}b", B\nB uses_data_from C."{sign}"\n'
-    with pytest.raises(MarsError) as caught:
-        parse_text(text, "c.mars")
-    first, second = caught.value.diagnostics
+    first, second = refusals(parse_text, text, "c.mars")
     assert (first.span[1:3], second.span[1:3]) == ((2, 10), (3, 19))
     assert first.help == second.help
     assert first.help == "a name contains no control characters and no marks of direction"
@@ -85,9 +83,7 @@ def test_base_and_slash_base_are_two_names() -> None:
     [("A uses_data_from B-", 19, "`-`"), ('"A uses_data_from B', 1, '`"A`'), ("A/ x", 2, "`/`")],
 )
 def test_a_wrong_name_is_reported_at_its_location(line: str, column: int, found: str) -> None:
-    with pytest.raises(MarsError) as caught:
-        parse_text(f"@configuration\n@modules A, B\n{line}\n", "c.mars")
-    (only,) = caught.value.diagnostics
+    only = refusal(parse_text, f"@configuration\n@modules A, B\n{line}\n", "c.mars")
     assert only.span[1:3] == (3, column)
     assert only.message.startswith(f"found {found}")
 

@@ -20,6 +20,7 @@ from mars_asp.reasoning.project import load_project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT
+from tests.support.refusals import refusal, refusals
 from tests.support.strategies import HERE, few, names
 from tests.support.strategies import NAMES as MODULES
 
@@ -216,9 +217,7 @@ PACKS = {
 def test_an_invalid_attribute_is_an_error(case: str, tmp_path: Path) -> None:
     text, message = PACKS[case]
     (tmp_path / "mine.lp").write_text(declared(text), encoding="utf-8")
-    with pytest.raises(MarsError) as caught:
-        load_rulebook([tmp_path])
-    assert [each.message for each in caught.value.diagnostics] == [message]
+    assert [each.message for each in refusals(load_rulebook, [tmp_path])] == [message]
 
 
 def packs(folder: Path, first: str, second: str) -> list[Path]:
@@ -241,9 +240,7 @@ def test_two_packs_may_declare_one_attribute_alike(tmp_path: Path) -> None:
 
 def test_two_packs_that_do_not_agree_are_both_named(tmp_path: Path) -> None:
     first = "%*! limit(M: module, T: milliseconds)\nfrom: property\n*%"
-    with pytest.raises(MarsError) as caught:
-        load_rulebook(packs(tmp_path, first, "%*! limit(M: module)\nfrom: tag\n*%"))
-    (result,) = caught.value.diagnostics
+    result = refusal(load_rulebook, packs(tmp_path, first, "%*! limit(M: module)\nfrom: tag\n*%"))
     assert result.message == "the packs `first` and `second` declare `limit` in two ways"
     assert result.span.path.endswith("second.lp")
     assert [span.path.rpartition("/")[2] for span, _ in result.labels] == ["first.lp"]

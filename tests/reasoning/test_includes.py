@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.diagnostic import MarsError
 from mars_asp.model.declarations import Data
 from mars_asp.reasoning.project import load_project
+from tests.support.refusals import refusal
 
 
 def test_names_get_the_prefix_of_the_include_and_keep_their_locations(tmp_path: Path) -> None:
@@ -33,9 +33,7 @@ def test_an_error_of_a_file_that_is_included_twice_is_reported_once(tmp_path: Pa
     robot.write_text(
         "@configuration\n@include inner.mars as left\n@include inner.mars as right\n@modules Z\n"
     )
-    with pytest.raises(MarsError) as caught:
-        load_project(str(robot))
-    (result,) = caught.value.diagnostics
+    result = refusal(load_project, str(robot))
     assert (Path(result.span.path).name, result.span.line) == ("inner.mars", 3)
 
 
@@ -45,9 +43,7 @@ def test_an_impossible_include_is_refused_at_its_name(target: str, tmp_path: Pat
     robot.write_text(f"@configuration\n@include {target}\n@modules Z\n")
     (tmp_path / "link.mars").symlink_to(robot)
     (tmp_path / "folder").mkdir()
-    with pytest.raises(MarsError) as caught:
-        load_project(str(robot))
-    (result,) = caught.value.diagnostics
+    result = refusal(load_project, str(robot))
     assert (result.span.line, result.span.column) == (2, 10)
 
 
@@ -98,9 +94,7 @@ def test_a_module_that_two_files_describe_differently_is_refused(
     (eye,) = load_project(str(robot)).configuration.declared
     assert eye.span.path == str(first)
     other.write_text(files[second] + block.format("RequestWhenReady"))
-    with pytest.raises(MarsError) as caught:
-        load_project(str(robot))
-    (result,) = caught.value.diagnostics
+    result = refusal(load_project, str(robot))
     assert (result.code, result.span.path, result.labels[0][0].path) == (
         "module-twice",
         str(other),
@@ -116,9 +110,7 @@ def test_a_limit_of_includes_is_reported_once(tmp_path: Path) -> None:
         (tmp_path / f"{number}.mars").write_text(text)
     (tmp_path / f"{last}.mars").write_text("@configuration\n@modules A\n")
     for first, limit in ((0, "100 includes within"), (last - 15, "1000 includes")):
-        with pytest.raises(MarsError) as caught:
-            load_project(str(tmp_path / f"{first}.mars"))
-        (result,) = caught.value.diagnostics
+        result = refusal(load_project, str(tmp_path / f"{first}.mars"))
         assert limit in result.message
 
 

@@ -13,6 +13,7 @@ from mars_asp.reasoning.project import load_project, project_facts
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.campaigns import seeds
 from tests.support.random_configurations import random_configuration
+from tests.support.refusals import refusal, refusals
 
 
 @pytest.fixture(autouse=True)
@@ -21,7 +22,7 @@ def wide(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "1000")
 
 
-def refusals(folder: Path, text: str) -> list[tuple[str, int, int, str]]:
+def located(folder: Path, text: str) -> list[tuple[str, int, int, str]]:
     path = folder / "mine.lp"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(MarsError) as caught:
@@ -32,14 +33,14 @@ def refusals(folder: Path, text: str) -> list[tuple[str, int, int, str]]:
 
 def test_a_variable_that_nothing_binds_is_named_at_its_own_place(tmp_path: Path) -> None:
     text = "seen(M) :- module(M).\n\nblind(X, Y) :- module(X), not seen(Y).\n"
-    assert refusals(tmp_path, text) == [
+    assert located(tmp_path, text) == [
         ("rule-unsafe", 3, 10, "nothing in the body binds `Y`"),
     ]
 
 
 def test_a_predicate_without_facts_and_rules_is_named(tmp_path: Path) -> None:
     text = "seen(M) :- modul(M).\n{ odd(M) : seen(M, 1) } :- module(M), not -hidden(M).\n"
-    assert refusals(tmp_path, text) == [
+    assert located(tmp_path, text) == [
         ("rule-unknown", 1, 12, "nothing gives or derives `modul/1`"),
         ("rule-unknown", 2, 12, "nothing gives or derives `seen/2`"),
         ("rule-unknown", 2, 43, "nothing gives or derives `hidden/1`"),
@@ -49,9 +50,7 @@ def test_a_predicate_without_facts_and_rules_is_named(tmp_path: Path) -> None:
 def test_a_near_predicate_is_proposed(tmp_path: Path) -> None:
     path = tmp_path / "mine.lp"
     path.write_text("seen(M) :- modul(M).\n", encoding="utf-8")
-    with pytest.raises(MarsError) as caught:
-        load_rulebook([path])
-    assert caught.value.diagnostics[0].help == "did you mean `module/1`?"
+    assert refusals(load_rulebook, [path])[0].help == "did you mean `module/1`?"
 
 
 def test_packs_may_use_each_other_and_declare_facts_of_their_own(tmp_path: Path) -> None:
@@ -69,7 +68,7 @@ def test_a_consequence_has_a_severity_and_is_not_in_a_choice(tmp_path: Path) -> 
         "consequence(e, S, M, 1) :- module(M), S = note.\n"
     )
     chosen = "occurs in a choice, disjunction or condition"
-    assert refusals(tmp_path, text) == [
+    assert located(tmp_path, text) == [
         ("rule-severity", 1, 16, "`eror` is not a severity"),
         ("rule-head", 1, 57, "`consequence/4` occurs in a pool, or contains one"),
         ("rule-head", 2, 3, f"`consequence/4` {chosen}"),
@@ -121,9 +120,7 @@ def test_a_case_that_clingo_refuses_is_reported_with_its_location(
 ) -> None:
     path = tmp_path / "case.lp"
     path.write_text(text)
-    with pytest.raises(MarsError) as caught:
-        run_case(path, load_rulebook(stages=()))
-    (found,) = caught.value.diagnostics
+    found = refusal(run_case, path, load_rulebook(stages=()))
     assert (found.code, found.span.path) == (code, str(path))
     assert (found.span.line, found.span.column) == place
 
@@ -172,9 +169,9 @@ def test_a_constraint_over_participants_is_named(tmp_path: Path) -> None:
     robot = tmp_path / "robot.mars"
     robot.write_text("@configuration\n@modules A, B, C\nA uses_data_from C\nB uses_data_from C\n")
     project = load_project(str(robot))
-    with pytest.raises(MarsError) as caught:
-        analyse(project_facts(project), load_rulebook([pack]), project.configuration.span)
-    (found,) = caught.value.diagnostics
+    found = refusal(
+        analyse, project_facts(project), load_rulebook([pack]), project.configuration.span
+    )
     assert found.message == "this rule excludes every answer"
     assert (found.span.path, found.span.line, found.labels) == (str(pack), 1, ())
 
@@ -226,9 +223,7 @@ def test_facts_of_runs_are_optional_for_packs_without_rules_on_runs(
     (pack / "run").mkdir()
     rule = "%! because: `{C}` is silent\nconsequence(quiet, note, C, E) :- commanded_by(E, C).\n"
     (pack / "run" / "pace.lp").write_text(rule)
-    with pytest.raises(MarsError) as caught:
-        load_rulebook([pack], STAGES)
-    assert {each.message for each in caught.value.diagnostics} >= {
+    assert {each.message for each in refusals(load_rulebook, [pack], STAGES)} >= {
         "`deadline` means something else already, so it cannot be the property `deadline`",
         "`called/2` is given, and nothing derives it",
     }
@@ -238,7 +233,7 @@ def test_a_list_that_cannot_be_read_is_refused_where_a_predicate_is_called_as_on
     tmp_path: Path,
 ) -> None:
     text = "%! who:     O' : untaken(A', M), seen(A', O'Coverage that\nuseful(899, 900).\n"
-    assert refusals(tmp_path, text) == [
+    assert located(tmp_path, text) == [
         (
             "rule-metadata",
             1,

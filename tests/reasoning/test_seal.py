@@ -14,7 +14,6 @@ from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.cli import run_here
-from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.cases import run_case
 from mars_asp.reasoning.facts.compile import CONSTANTS
@@ -27,6 +26,7 @@ from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
 from tests.support.mutated_texts import faults
 from tests.support.random_configurations import random_configuration
+from tests.support.refusals import refusal, refusals
 
 PACKS = sorted((ROOT / "tests/packs").glob("*.lp"))
 ROBOT = "tests/packs/robot.mars"
@@ -87,13 +87,11 @@ def test_refusals_are_equal_for_all_stages() -> None:
     for pack in refused:
         entries = []
         for stages in ((), ("resolve",), STAGES):
-            with pytest.raises(MarsError) as caught:
-                load_rulebook([pack], stages)
-            entries.append(caught.value.diagnostics)
+            entries.append(refusals(load_rulebook, [pack], stages))
         assert entries[0] == entries[1] == entries[2]
-    with pytest.raises(MarsError) as caught:
-        load_rulebook(refused, STAGES)
-    assert {each.span.path for each in caught.value.diagnostics} == set(map(str, refused))
+    assert {each.span.path for each in refusals(load_rulebook, refused, STAGES)} == set(
+        map(str, refused)
+    )
 
 
 def test_no_stage_shares_a_predicate_with_packs() -> None:
@@ -121,9 +119,7 @@ def test_text_that_would_overflow_the_parser_does_not_reach_it(text: str, tmp_pa
     path = tmp_path / "deep.lp"
     path.write_text(text, encoding="utf-8")
     for read in (lambda: load_rulebook([path]), lambda: run_case(path, load_rulebook())):
-        with pytest.raises(MarsError) as caught:
-            read()
-        (found,) = caught.value.diagnostics
+        found = refusal(read)
         assert (found.code, found.span.path) == ("rules-refused", str(path))
 
 
@@ -164,9 +160,7 @@ def test_a_case_passes_the_gate_and_the_mask(tmp_path: Path) -> None:
         ("p(X) :- q(Y).\n", (1, 3)),
     ]:
         path.write_text(text, encoding="utf-8")
-        with pytest.raises(MarsError) as caught:
-            run_case(path, load_rulebook())
-        (found,) = caught.value.diagnostics
+        found = refusal(run_case, path, load_rulebook())
         assert (found.span.path, found.span.line, found.span.column) == (str(path), *place)
 
 
@@ -180,9 +174,7 @@ def test_a_rule_of_a_pack_without_a_value_in_a_case_is_reported_at_its_location(
         ("\np(X*X) :- X = 65536.\n", "number"),
     ]:
         pack.write_text(text)
-        with pytest.raises(MarsError) as caught:
-            run_case(case, load_rulebook([pack]))
-        (found,) = caught.value.diagnostics
+        found = refusal(run_case, case, load_rulebook([pack]))
         assert (found.code, found.span[:3]) == (f"rule-{code}", (str(pack), 2, 3))
 
 
@@ -270,9 +262,7 @@ def test_no_change_of_a_text_ends_the_process(first: int) -> None:
 def test_a_pack_declares_only_its_own_predicates(tmp_path: Path) -> None:
     pack = tmp_path / "own.lp"
     pack.write_text("%*! module(M: city)\nM is.\npacks: extend\n*%\nmodule(a).\n")
-    with pytest.raises(MarsError) as caught:
-        load_rulebook([pack])
-    (found,) = caught.value.diagnostics
+    found = refusal(load_rulebook, [pack])
     assert (found.code, found.span[:3]) == ("rule-reserved", (str(pack), 5, 1))
     pack.write_text("%*! module(M: city)\nM is.\n*%\nmine(M) :- module(M).\n")
     (argument,) = load_rulebook([pack]).declarations[Signature("module", 1)].arguments

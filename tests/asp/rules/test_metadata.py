@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-import pytest
-
-from mars_asp import MarsError
 from mars_asp.asp import Program
+from tests.support.refusals import refusal
 
 
 def ids(program: Program) -> list[str]:
@@ -40,9 +38,7 @@ def test_a_repeated_id_is_reported_with_both_locations(tmp_path: Path) -> None:
     for path in paths:
         path.parent.mkdir()
         path.write_text("%! id: graph/edge\nedge(1,2).\n")
-    with pytest.raises(MarsError) as caught:
-        Program.from_files(*paths)
-    (found,) = caught.value.diagnostics
+    found = refusal(Program.from_files, *paths)
     assert found.message == "rule id `graph/edge` is used twice"
     assert (found.span.path, found.labels[0][0].path) == (str(paths[1]), str(paths[0]))
 
@@ -58,9 +54,7 @@ def test_a_text_goes_on_in_lines_that_are_indented() -> None:
 
 def test_a_line_that_is_not_below_metadata_goes_on_with_none() -> None:
     text = "%!     not this\n%! why: this\n\n%!     nor this\np(1).\n"
-    with pytest.raises(MarsError) as caught:
-        Program.from_text(text, "a.lp")
-    (found,) = caught.value.diagnostics
+    found = refusal(Program.from_text, text, "a.lp")
     assert found.message == "`why` is not directly above a rule"
     (rule,) = Program.from_text("%!     not this\n%! why: this\np(1).\n", "a.lp").rulebook.rules
     assert rule.why == "this"

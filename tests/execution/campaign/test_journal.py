@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from mars_asp import MarsError
 from mars_asp.diagnostic import point
 from mars_asp.execution.campaign.grid import Grid, Run
 from mars_asp.execution.campaign.journal import (
@@ -16,6 +15,7 @@ from mars_asp.execution.campaign.journal import (
     whole_text,
 )
 from mars_asp.execution.scenario.vary import read_axes
+from tests.support.refusals import refusal
 
 HEADER = header_of("c", "s", "1.0")
 RESULT: dict[str, Any] = {
@@ -106,9 +106,7 @@ def test_runs_of_an_earlier_grid_follow() -> None:
     ],
 )
 def test_a_file_of_something_else_is_refused(raw: bytes, line: int, message: str) -> None:
-    with pytest.raises(MarsError) as wrong:
-        read_journal(raw, HEADER, "o.jsonl")
-    (found,) = wrong.value.diagnostics
+    found = refusal(read_journal, raw, HEADER, "o.jsonl")
     assert (found.span, found.message) == (point("o.jsonl", line, 1), message)
     assert "--fresh" in (found.help or "")
     assert (found.help or "").startswith("remove the line") is ("not a run" in message)

@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mars_asp.diagnostic import MarsError
 from mars_asp.execution.executor import Behaviour, Executor
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.model.declarations import GRASP
 from tests.support.campaigns import examples
 from tests.support.execute_builders import Inbox, control_out, effector, executed, ms, sensor
+from tests.support.refusals import refusal
 
 GO = "Trans_Z"
 Script: TypeAlias = dict[int, float]
@@ -256,9 +256,9 @@ def test_a_provider_that_nothing_describes_is_taken_where_it_is_the_only_one() -
     executed(lines, [control_out("A")], behaviours, 0.0)
     assert base.got == [(0, {"Rotn_X": 5})]
     lines += "Head is_controlled_by InheritanceNode1\n"
-    with pytest.raises(MarsError) as raised:
-        executed(lines, [control_out("A"), effector("Base", "Rotn_X")], behaviours, 0.0)
-    (found,) = raised.value.diagnostics
+    found = refusal(
+        executed, lines, [control_out("A"), effector("Base", "Rotn_X")], behaviours, 0.0
+    )
     assert found.message == "the functions that `Head` provides to `InheritanceNode1` are unknown"
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mars_asp.diagnostic import MarsError
+from tests.support.refusals import refusals
 from tests.support.trials import BASE, trial
 
 ROBOT = """\
@@ -32,9 +32,7 @@ GOOD = {
 def remarks(robot: str = ROBOT, **changed: str) -> list[tuple[int, str, str, str | None]]:
     """Return line, severity, message and help of all that is reported of a scenario."""
     text = BASE + "".join({**GOOD, **changed}.values())
-    with pytest.raises(MarsError) as raised:
-        trial(text, robot)
-    return [(d.span.line, d.severity, d.message, d.help) for d in raised.value.diagnostics]
+    return [(d.span.line, d.severity, d.message, d.help) for d in refusals(trial, text, robot)]
 
 
 @pytest.mark.parametrize(

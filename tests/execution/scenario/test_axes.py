@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from mars_asp.diagnostic import MarsError
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.scenario.schema import SCHEMA
 from mars_asp.execution.scenario.vary import changed, read_axis
 from mars_asp.execution.trial import make_world
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
+from tests.support.refusals import refusal, refusals
 from tests.support.trials import BASE, trial
 
 TEXT = """\
@@ -121,9 +121,7 @@ def test_each_key_can_be_varied(line: str) -> None:
 def test_no_key_is_left_out() -> None:
     varied = {part for line in KEYS.splitlines() for part in line.partition(" = ")[0].split(".")}
     assert {*keys(SCHEMA)} - varied - {*MOTION_FUNCTIONS, GRASP} == {"seed"}
-    with pytest.raises(MarsError) as refused:
-        read_axis("seed=1,2")
-    assert refused.value.diagnostics[0].help == "use --seeds, or --seed for one run"
+    assert refusals(read_axis, "seed=1,2")[0].help == "use --seeds, or --seed for one run"
 
 
 def keys(schema: dict[str, Any]) -> Iterator[str]:
@@ -155,8 +153,6 @@ def test_of_more_obstacles_the_first_are_the_same() -> None:
 @pytest.mark.parametrize("key", ["bindings.D.period", "faults.D.until", "devices.D.period"])
 def test_a_module_that_is_not_there_is_refused_where_it_is_varied(key: str) -> None:
     text = f'{BASE}[devices.C]\nkind = "joystick"\n'
-    with pytest.raises(MarsError) as refused:
-        trial(text, changes={key: 1})
-    (found,) = refused.value.diagnostics
+    found = refusal(trial, text, changes={key: 1})
     assert (found.span.path, found.severity) == ("--vary", "error")
     assert "`D`" in found.message

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from mars_asp.diagnostic import MarsError
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.reasoning.project import load_project
 from tests.support.documents import ROOT
+from tests.support.refusals import refusal, refusals
 from tests.support.trials import BASE, DRIVE, trial
 
 TWO = "@specification\n@modules P, Q, C, D\nP is_controlled_by C\nQ is_controlled_by D\n"
@@ -205,9 +205,7 @@ def test_unusable_functions_are_all_refused_at_their_bindings(
     robot = "@specification\n@modules P, " + ", ".join(names) + "\n"
     robot += "".join(f"P is_controlled_by {name}\n" for name in names)
     text = bound(**dict(zip(names, REFUSED, strict=True)))
-    with pytest.raises(MarsError) as raised:
-        trial(text, robot)
-    found = raised.value.diagnostics
+    found = refusals(trial, text, robot)
     assert [d.span.line for d in found] == [4 + 3 * k for k in range(len(names))]
     for name, item, diagnostic in zip(names, REFUSED.values(), found, strict=True):
         assert diagnostic.message.startswith(f"`{name}`: {item}")
@@ -217,9 +215,9 @@ def test_unusable_functions_are_all_refused_at_their_bindings(
 
 def test_an_unusable_annotated_function_is_refused_at_its_annotation(tmp_path: Path) -> None:
     source = "\n# @module_start\n# @module_name C\n# @ControlOut Trans_Z\ndef go(x: int): ...\n"
-    with pytest.raises(MarsError) as raised:
-        annotated(tmp_path, f"{source}# @module_end\n", "P, C", "P is_controlled_by C\n", "")
-    (found,) = raised.value.diagnostics
+    found = refusal(
+        annotated, tmp_path, f"{source}# @module_end\n", "P, C", "P is_controlled_by C\n", ""
+    )
     assert found.message.endswith("takes 1 input, and the module gets none")
     assert (Path(found.span.path).name, found.span.line) == ("b.py", 4)
 

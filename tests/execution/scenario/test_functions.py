@@ -7,6 +7,7 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
 from tests.support.documents import ROOT
+from tests.support.refusals import refusals
 from tests.support.trials import BASE, trial
 
 
@@ -48,9 +49,7 @@ def test_a_binding_to_a_missing_function_is_reported_at_its_line(
 ) -> None:
     (tmp_path / "b.py").write_text("")
     text = f"seed = 0\n\n{BASE}{binding}"
-    with pytest.raises(MarsError) as raised:
-        trial(text, folder=tmp_path)
-    found = raised.value.diagnostics[0]
+    found = refusals(trial, text, folder=tmp_path)[0]
     assert found.message.endswith("b.py` defines no function `go`")
     assert (found.span.line, found.span.column) == place
 

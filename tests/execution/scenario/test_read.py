@@ -7,13 +7,17 @@ import pytest
 
 from mars_asp.diagnostic import MarsError
 from mars_asp.execution.scenario.read import read_scenario
+from tests.support.refusals import refusal, refusals
 from tests.support.trials import BASE
 
 
 def test_all_errors_of_a_scenario_come_at_once_with_their_lines() -> None:
-    with pytest.raises(MarsError) as raised:
-        read_scenario('sed = 1\nduration = "x"\n[robot]\nmodul = "P"\n', Path("s.toml"))
-    found = [(d.span.line, d.message, d.help) for d in raised.value.diagnostics]
+    found = [
+        (d.span.line, d.message, d.help)
+        for d in refusals(
+            read_scenario, 'sed = 1\nduration = "x"\n[robot]\nmodul = "P"\n', Path("s.toml")
+        )
+    ]
     assert (1, "unknown key `sed`", "did you mean `seed`?") in found
     assert (2, "`duration` must be a number", None) in found
     assert (4, "unknown key `modul`", "did you mean `module`?") in found
@@ -61,9 +65,7 @@ def test_values_of_a_wrong_form_are_reported_at_their_locations() -> None:
         for number, line in enumerate(lines, 1)
         for index, match in enumerate(re.finditer(r"\^", line))
     ]
-    with pytest.raises(MarsError) as raised:
-        read_scenario(WRONG_FORMS.replace("^", ""), Path("s.toml"))
-    found = raised.value.diagnostics
+    found = refusals(read_scenario, WRONG_FORMS.replace("^", ""), Path("s.toml"))
     assert sorted({(d.span.line, d.span.column) for d in found}) == marked
     entries = {d.span.line: d.message for d in found}
     assert entries[4] == "`start` must be `[forward, side, heading]`"
@@ -75,16 +77,14 @@ def test_values_of_a_wrong_form_are_reported_at_their_locations() -> None:
 
 @pytest.mark.parametrize("key", ["a", '"a b"', "'a.b'"])
 def test_a_key_of_very_many_parts_is_refused_before_it_is_read(key: str) -> None:
-    with pytest.raises(MarsError) as raised:
-        read_scenario(f"duration = 1\n{'. '.join([key] * 100_000)} = 1\n", Path("s.toml"))
-    (found,) = raised.value.diagnostics
+    found = refusal(
+        read_scenario, f"duration = 1\n{'. '.join([key] * 100_000)} = 1\n", Path("s.toml")
+    )
     assert (found.span.line, found.message) == (2, "a key with more than 100 parts")
 
 
 def test_broken_toml_is_placed() -> None:
-    with pytest.raises(MarsError) as raised:
-        read_scenario("seed = 1\nduration = = 2\n", Path("s.toml"))
-    assert raised.value.diagnostics[0].span.line == 2
+    assert refusals(read_scenario, "seed = 1\nduration = = 2\n", Path("s.toml"))[0].span.line == 2
 
 
 @pytest.mark.parametrize(
@@ -97,9 +97,7 @@ def test_broken_toml_is_placed() -> None:
     ],
 )
 def test_bounds_of_a_joint_are_in_order(wrong: str, message: str) -> None:
-    with pytest.raises(MarsError) as raised:
-        read_scenario(f'{BASE}[devices.J]\nkind = "joint"\n{wrong}\n', Path("s.toml"))
-    (found,) = raised.value.diagnostics
+    found = refusal(read_scenario, f'{BASE}[devices.J]\nkind = "joint"\n{wrong}\n', Path("s.toml"))
     assert found.message == message
     lines = f"{BASE}[devices.J]\n\n{wrong}\n".split("\n")
     assert lines[found.span.line - 1].startswith(message.split("`")[1])
@@ -130,9 +128,7 @@ def test_numbers_beyond_reason_are_refused_before_the_run(wrong: str, message: s
     text = f'{wrong}\nduration = 3\n[robot]\nmodule = "P"\n'
     if wrong.startswith("robot"):
         text = f'{wrong}\nrobot.module = "P"\nduration = 3\n'
-    with pytest.raises(MarsError) as raised:
-        read_scenario(text, Path("s.toml"))
-    (found,) = raised.value.diagnostics
+    found = refusal(read_scenario, text, Path("s.toml"))
     assert found.message.startswith(message)
     assert found.span.line == 1
     # What may be open stays open.
@@ -144,6 +140,4 @@ def test_numbers_beyond_reason_are_refused_before_the_run(wrong: str, message: s
 
 def test_only_some_mistakes_of_a_scenario_are_reported() -> None:
     wrong = "".join(f"key{number} = 1\n" for number in range(5000))
-    with pytest.raises(MarsError) as raised:
-        read_scenario(wrong, Path("s.toml"))
-    assert len(raised.value.diagnostics) == 200
+    assert len(refusals(read_scenario, wrong, Path("s.toml"))) == 200

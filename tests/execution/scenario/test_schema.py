@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from jsonschema_rs import Draft4Validator
 
 from mars_asp.cli import run_here
-from mars_asp.diagnostic import MarsError
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.scenario.schema import SCHEMA, mistakes
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from tests.support.campaigns import examples
 from tests.support.documents import ROOT
+from tests.support.refusals import refusal
 from tests.support.trials import BASE
 
 DOCUMENT = ROOT / "docs" / "reference" / "scenario.schema.json"
@@ -99,9 +99,7 @@ def test_each_mistake_has_its_message(wrong: str, message: str, help_text: str |
     rest = [line for line in ("duration = 3", 'robot.module = "P"') if not line.startswith(key)]
     if wrong.startswith("robot.start"):
         rest.append('robot.module = "P"')
-    with pytest.raises(MarsError) as raised:
-        read_scenario("\n".join([wrong, *rest]), Path("s.toml"))
-    (found,) = raised.value.diagnostics
+    found = refusal(read_scenario, "\n".join([wrong, *rest]), Path("s.toml"))
     assert found.message.startswith(message)
     assert (found.help or "").startswith(help_text or "")
     assert found.span.line in (1, 2)
@@ -142,7 +140,5 @@ def test_each_scenario_has_a_reported_mistake_or_fits_the_schema(
 @pytest.mark.parametrize("depth", [80, 200, 300, 400])
 def test_too_deep_nesting_is_reported(depth: int) -> None:
     text = f"{BASE}[world]\nwalls = {'[' * depth}{']' * depth}\n"
-    with pytest.raises(MarsError) as raised:
-        read_scenario(text, Path("s.toml"))
-    (found,) = raised.value.diagnostics
+    found = refusal(read_scenario, text, Path("s.toml"))
     assert "walls" in found.message or "too deep" in found.message

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from mars_asp import MarsError
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.scenario.vary import read_axes, read_axis, written_change
+from tests.support.refusals import refusal, refusals
 from tests.support.trials import DRIVE, trial
 
 TEXT = """\
@@ -89,9 +90,7 @@ def test_a_key_has_another_value(words: str, value: Any) -> None:
 def test_keys_and_values_that_cannot_vary_are_refused(
     words: str, message: str, help_text: str | None
 ) -> None:
-    with pytest.raises(MarsError) as wrong:
-        varied(words)
-    (found,) = wrong.value.diagnostics
+    found = refusal(varied, words)
     assert (found.span.path, found.message) == ("--vary", message)
     assert help_text is None or found.help == help_text
 
@@ -148,16 +147,15 @@ def test_a_robot_of_several_is_named_or_counted(key: str, number: int) -> None:
 def test_how_to_name_one_of_several_robots_is_reported(
     keys: list[str], message: str, help_text: str
 ) -> None:
-    with pytest.raises(MarsError) as wrong:
-        read_scenario(FLEET, Path("s.toml"), dict.fromkeys(keys, 99))
-    (found,) = wrong.value.diagnostics
+    found = refusal(read_scenario, FLEET, Path("s.toml"), dict.fromkeys(keys, 99))
     assert (found.message, found.help) == (message, help_text)
 
 
 def test_a_mistake_of_the_scenario_itself_is_at_its_line() -> None:
-    with pytest.raises(MarsError) as wrong:
-        read_scenario(TEXT + "x = 1\n", Path("s.toml"), {"robot.raduis": 1})
-    assert [d.span[:2] for d in wrong.value.diagnostics] == [("s.toml", 13)]
+    assert [
+        d.span[:2]
+        for d in refusals(read_scenario, TEXT + "x = 1\n", Path("s.toml"), {"robot.raduis": 1})
+    ] == [("s.toml", 13)]
 
 
 def test_a_module_that_is_off_sends_nothing_from_the_first_instant_to_the_last() -> None:

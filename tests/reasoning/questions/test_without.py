@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
-from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text
 from mars_asp.reasoning.project import Project, load_project
 from mars_asp.reasoning.questions.without import ViolatedClause, without
@@ -15,6 +14,7 @@ from mars_asp.reasoning.session import Reasoner
 from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
 from tests.support.random_configurations import random_configuration, random_control
+from tests.support.refusals import refusal
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))
 EXAMPLES = sorted((ROOT / "examples").glob("*/*.mars"))
@@ -134,9 +134,7 @@ def test_the_command(
     ],
 )
 def test_a_name_other_than_a_node_is_reported(name: str, message: str, help_text: str) -> None:
-    with pytest.raises(MarsError) as caught:
-        without(name, Reasoner(load_project(str(ROOT / LEVEL1)), RULEBOOK))
-    (diagnostic,) = caught.value.diagnostics
+    diagnostic = refusal(without, name, Reasoner(load_project(str(ROOT / LEVEL1)), RULEBOOK))
     assert message in diagnostic.message
     assert help_text in str(diagnostic.help)
 
