@@ -276,5 +276,4 @@ class MarsError(Exception):
 
 def refusal(code: str, message: str, place: str, help_text: str | None = None) -> MarsError:
     """Return an error about a word of the command or a whole file, of which no line is shown."""
-    where = whole_file(place)
-    return MarsError([Diagnostic(code, "error", message, where, help=help_text, excerpt="")])
+    return MarsError([Diagnostic(code, "error", message, whole_file(place), help=help_text)])

@@ -79,7 +79,6 @@ class Baseline:
                 f"{', '.join(named)}{more}",
                 whole_file(self.path),
                 help=f"write it anew: --write-baseline {self.path}",
-                excerpt="",
             )
 
 

@@ -12,14 +12,13 @@ from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import JUDGING, add_file, judge_project, read_project, rulebook_for
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.wrapping import columns, wrapped
-from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.diagnostic import Diagnostic, refusal, whole_file
 from mars_asp.model.declarations import Data
 from mars_asp.model.names import end, read_end
 from mars_asp.output import visible
 from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
-    from mars_asp.diagnostic import Span
     from mars_asp.draw import Picture
     from mars_asp.draw.picture import LineKind
     from mars_asp.reasoning.project import Project
@@ -117,9 +116,8 @@ def run(arguments: argparse.Namespace) -> int:
     if picture.remark:
         help_text = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
         span = whole_file(configuration.path)
-        note = Diagnostic("draw", "note", picture.remark, span, help=help_text, excerpt="")
-        report([note], arguments)
-    content = _drawn(picture, kind, arguments.layout, whole_file(configuration.path))
+        report([Diagnostic("draw", "note", picture.remark, span, help=help_text)], arguments)
+    content = _drawn(picture, kind, arguments.layout, configuration.path)
     if arguments.output != "-":
         write_file(arguments.output, content)
     elif isinstance(content, str):
@@ -136,7 +134,7 @@ def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str |
         MarsError: `--about` names no module, or the diagram is too large.
     """
     picture = _part(project, kind in _PAINTED, arguments)
-    return _drawn(picture, kind, arguments.layout, whole_file(project.configuration.path))
+    return _drawn(picture, kind, arguments.layout, project.configuration.path)
 
 
 def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
@@ -204,8 +202,7 @@ def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple
         sent = (f"{box.name}.{written}" for box in tails)
         near = next(sent, None) or nearest(written, (*names, *ports))
     help_text = f"did you mean `{near}`?" if near else known
-    span = whole_file(project.configuration.path)
-    raise MarsError((Diagnostic("draw", "error", what, span, help=help_text, excerpt=""),))
+    raise refusal("draw", what, project.configuration.path, help_text)
 
 
 def _depth(text: str) -> int:
@@ -225,7 +222,7 @@ def relationship_kinds(text: str) -> "frozenset[LineKind]":
     return frozenset(_KINDS[word] for word in words)
 
 
-def _drawn(picture: "Picture", kind: str, layout: str, span: "Span") -> str | bytes:
+def _drawn(picture: "Picture", kind: str, layout: str, path: str) -> str | bytes:
     if kind == "dot":
         from mars_asp.draw.dot import dot_text
 
@@ -242,22 +239,14 @@ def _drawn(picture: "Picture", kind: str, layout: str, span: "Span") -> str | by
     try:
         svg = svg_text(picture, layout=draw_by_dot if layout == "dot" else draw_graph)
     except TooLargeError:
-        raise MarsError((_too_large(picture, span),)) from None
+        size = f"{len(picture.boxes)} boxes with {len(picture.lines)} lines"
+        advice = "write `.dot`, which other programs can show, or draw parts"
+        raise refusal("draw", f"{size} make too large a picture", path, advice) from None
     except NoGraphvizError as error:
         advice = "install Graphviz, or leave out `--layout dot`"
-        raise MarsError((Diagnostic("draw", "error", str(error), span, help=advice),)) from None
+        raise refusal("draw", str(error), path, advice) from None
     if kind == "svg":
         return svg
     from mars_asp.draw.png import png_bytes
 
-    return png_bytes(svg, span)
-
-
-def _too_large(picture: "Picture", span: "Span") -> Diagnostic:
-    return Diagnostic(
-        "draw",
-        "error",
-        f"{len(picture.boxes)} boxes with {len(picture.lines)} lines make too large a picture",
-        span,
-        help="write `.dot`, which other programs can show, or draw parts",
-    )
+    return png_bytes(svg, path)

@@ -19,7 +19,7 @@ from mars_asp.cli.inputs import (
 )
 from mars_asp.cli.settings import check_settings
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.diagnostic import MarsError, refusal
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language.format import format_text
 from mars_asp.language.parse import decode, read_bytes
@@ -114,8 +114,7 @@ def _files_of(path: str, arguments: argparse.Namespace) -> list[str]:
         str(each) for each in robots_in_folder(arguments, path).paths if each.suffix == ".mars"
     ]
     if not found:
-        place = whole_file(path)
-        raise MarsError([Diagnostic("usage", "error", "the folder has no `.mars` file", place)])
+        raise refusal("usage", "the folder has no `.mars` file", path)
     return found
 
 
@@ -138,11 +137,9 @@ def _format(name: str, shown: str, is_written: bool) -> tuple[bool, str, str]:
             f"`{shown}` is a file of {recognised(before)}, and `fmt` formats `.mars` files alone"
         )
         help_text = f"`mars-asp import {recognised(before)} FILE` prints it as a `.mars` file"
-        place = whole_file(shown)
-        raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
+        raise refusal("usage", message, shown, help_text)
     if is_other_file(shown, before):
-        message, place = f"`{shown}` is not a `.mars` file", whole_file(shown)
-        raise MarsError([Diagnostic("usage", "error", message, place)])
+        raise refusal("usage", f"`{shown}` is not a `.mars` file", shown)
     text = format_text(before, shown)
     changed = text.encode() != raw
     if changed and not piped and is_written:

@@ -94,9 +94,8 @@ def check_inputs(*paths: str) -> None:
         raise refusal("usage", "a path is empty", "PATH", help_text)
     if paths.count(STANDARD_INPUT) > 1:
         message = "standard input was read for another file already"
-        place = whole_file(STANDARD_INPUT)
         help_text = "give all files but one by their names"
-        raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
+        raise refusal("usage", message, STANDARD_INPUT, help_text)
 
 
 def read_specification(arguments: argparse.Namespace, path: str) -> Project:
@@ -159,7 +158,7 @@ def one_of_several(project: Project) -> Iterator[Diagnostic]:
         message = f"the nodes of {number} launch files were taken for one robot"
         help_text = "`--launch LAUNCHFILE` takes one of them; `check -v` lists them"
         span = whole_file(project.configuration.path)
-        yield Diagnostic("launch", "note", message, span, help=help_text, excerpt="", kind="launch")
+        yield Diagnostic("launch", "note", message, span, help=help_text, kind="launch")
 
 
 def _brought(arguments: argparse.Namespace, with_attributes: bool) -> tuple[object, ...]:
@@ -201,8 +200,7 @@ def _parse(
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
         help_text = "give it alone, or several to `mars-asp check`; foreign files are one robot"
-        place = whole_file(ours[0].path)
-        raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
+        raise refusal("usage", message, ours[0].path, help_text)
     return parse_text(first.text, path), first.text, None
 
 
@@ -233,8 +231,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
         help_text = "name the workspace, package or launch file that uses it"
         if Path(path).suffix.lower() in (".md", ".toml", ".json"):
             help_text = ROBOTS
-        place = whole_file(path)
-        raise MarsError([Diagnostic("usage", "error", message, place, help=help_text)])
+        raise refusal("usage", message, path, help_text)
     return ForeignFile(path, text, format)
 
 
@@ -266,7 +263,7 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
         help_text = f"name one of them: {named}{rest}; `mars-asp check {path}` judges all"
         if Path(path) in found.paths:
             help_text += f"; `--from ros2` takes `{path}` for a workspace alone"
-        raise MarsError([Diagnostic("usage", "error", message, whole_file(path), help=help_text)])
+        raise refusal("usage", message, path, help_text)
     return str(first)
 
 
@@ -483,7 +480,7 @@ def unapplied_packs(project: Project, rulebook: Rulebook) -> Iterator[Diagnostic
         message = "rule packs judge configurations, so they were not applied to the launch trees"
         help_text = "write one with `mars-asp import ros2 FILE -o robot.mars`, and check that"
         span = whole_file(project.configuration.path)
-        yield Diagnostic("launch", "note", message, span, help=help_text, excerpt="", kind="launch")
+        yield Diagnostic("launch", "note", message, span, help=help_text, kind="launch")
 
 
 def add_file(parser: argparse.ArgumentParser) -> None:

@@ -36,7 +36,8 @@ def line_at(span: Span) -> str:
 
 def whole_line(span: Span) -> str:
     """Return the line of a file at the start of a span; empty if it cannot be read."""
-    return linecache.getline(span.path, span.line) if _can_show(span.path) else ""
+    # Of a whole file there is no line, and it would be read.
+    return linecache.getline(span.path, span.line) if span.line and _can_show(span.path) else ""
 
 
 def lines_of(path: str) -> Sequence[str]:

@@ -109,4 +109,4 @@ def _plotted(trial: "Trial", judgement: "Judgement", path: str) -> str | bytes:
         return svg
     from mars_asp.draw.png import png_bytes
 
-    return png_bytes(svg, whole_file(str(trial.scenario.path)))
+    return png_bytes(svg, str(trial.scenario.path))

@@ -34,7 +34,7 @@ from mars_asp.cli.rules_document import (
 )
 from mars_asp.cli.rules_example import rule_example, tabled_example
 from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
-from mars_asp.diagnostic import INPUT_CODES, Diagnostic, InputCode, MarsError, whole_file
+from mars_asp.diagnostic import INPUT_CODES, Diagnostic, InputCode, refusal
 from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import fenced, replace_together, visible
 from mars_asp.reasoning.lint import LintResult, lint
@@ -243,8 +243,7 @@ def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
         if near is None:
             return None
         message = f"there is no file, kind or rule `{name}`"
-        help_text = f"did you mean `{near}`?"
-        raise MarsError([Diagnostic("usage", "error", message, whole_file(name), help=help_text)])
+        raise refusal("usage", message, name, f"did you mean `{near}`?")
     as_json = arguments.format == "json"
     return encoded(shown_json(rulebook, name)) if as_json else safe(shown(rulebook, name))
 
@@ -328,9 +327,7 @@ def _find_named(
     ends = (each for each in names if each.endswith(f"/{name}"))
     near = next(ends, None) or nearest(name, names)
     hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
-    where = whole_file("rules")
-    message = f"there is no rule, predicate or kind `{name}`"
-    raise MarsError((Diagnostic("rule", "error", message, where, help=hint),))
+    raise refusal("rule", f"there is no rule, predicate or kind `{name}`", "rules", hint)
 
 
 def _stage_list(rulebook: Rulebook, stage: str) -> str:

@@ -11,7 +11,7 @@ from mars_asp.cli.diff import difference_json
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.inputs import load, only_robot
 from mars_asp.cli.lines import lines_of
-from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.diagnostic import MarsError, refusal
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.packs import with_companions
@@ -71,9 +71,8 @@ def _examples() -> tuple[str, ...]:
     here = Path.cwd()
     found = [p for p in sorted(folder.glob("*/*.mars")) if p.name == "config.mars"]
     if not found:
-        place, advice = whole_file("examples"), "name the files of configurations"
         message = "this installation has no examples"
-        raise MarsError((Diagnostic("usage", "error", message, place, help=advice),))
+        raise refusal("usage", message, "examples", "name the files of configurations")
     return tuple(str(p.relative_to(here) if p.is_relative_to(here) else p) for p in found)
 
 

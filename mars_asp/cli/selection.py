@@ -310,7 +310,7 @@ class Selection:
             return
         if not is_whole:
             message = "no baseline was written, as not every file could be read"
-            yield Diagnostic("baseline", "error", message, whole_file(path), excerpt="")
+            yield Diagnostic("baseline", "error", message, whole_file(path))
             return
         from mars_asp.cli.baseline import baseline_text
 
@@ -320,7 +320,7 @@ class Selection:
             return
         write_file(path, text)
         words = f"the baseline lists {counted(len(self._written), 'finding')}"
-        yield Diagnostic("baseline", "note", words, whole_file(path), excerpt="")
+        yield Diagnostic("baseline", "note", words, whole_file(path))
 
     # ---- What is chosen --------------------------------------------------------------------------
 

@@ -66,9 +66,8 @@ class Settings(NamedTuple):
             check_walls(named, self.path)
         except WallError as error:
             message = f"`{named}`: {error.strerror}"
-            raise MarsError(
-                [_settings_error(self, message, *key, help_text=error.advice)]
-            ) from None
+            problem = _settings_error(self, message, *key, help_text=error.advice)
+            raise MarsError([problem]) from None
 
     def packs(self) -> list[Path]:
         """Return the paths of the rule packs, also of installed ones.

@@ -16,7 +16,7 @@ from mars_asp.cli.inputs import STANDARD_INPUT
 from mars_asp.cli.progress import detail
 from mars_asp.cli.settings import check_settings, settings_of
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.language.parse import MOST_BYTES, decode, unreadable
 from mars_asp.output import visible
 from mars_asp.reading import overlay, overlay_bytes
@@ -175,11 +175,9 @@ def _snapshot(found: Sequence[FoundCase], rules: list[Path], arguments: argparse
     """
     others = [each.path for each in found if each.path.suffix != SUFFIX]
     if others or not found:
-        place = whole_file(str(others[0]) if others else arguments.paths[0])
+        place = str(others[0]) if others else arguments.paths[0]
         advice = "name `.mars` files; facts are updated by --update"
-        raise MarsError(
-            (Diagnostic("case", "error", "a snapshot is of a robot", place, help=advice),)
-        )
+        raise refusal("case", "a snapshot is of a robot", place, advice)
     written = []
     for each in found:
         text = snapshot(each.path, _rulebook(each.pack, rules, arguments.trust))
