@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator, Sequence
 
 from mars_asp.cli.diagnostic_text import report_unrealisable
-from mars_asp.cli.encode import encoded
+from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import rulebook_for
 from mars_asp.cli.lines import location_json
 from mars_asp.cli.selection import Selection
@@ -38,19 +38,16 @@ _KEPT = "\0"
 def run_alternatives(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
     """Print alternatives; return 1 if no specification exists or an error is reported."""
     most: int = arguments.alternatives
-    is_json = arguments.format == "json"
     rulebook = rulebook_for(arguments, ("resolve", "account"))
     selection = Selection(arguments, rulebook)
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
-    found = alternatives(reasoner, subject, most, None if is_json else _MOST_NEEDS)
+    most_needs = None if arguments.format == "json" else _MOST_NEEDS
+    found = alternatives(reasoner, subject, most, most_needs)
     if found is None:
         report_unrealisable(project.configuration.path, reasoner.analysis, arguments)
         return 1
-    if is_json:
-        print(encoded(alternatives_json(found, subject)))
-    else:
-        for line in alternatives_lines(found, arguments, columns(sys.stdout)):
-            print(line)
+    lines = alternatives_lines(found, arguments, columns(sys.stdout))
+    print_result(arguments, lambda: alternatives_json(found, subject), lines)
     return int(selection.has_errors(project, found.analysis))
 
 

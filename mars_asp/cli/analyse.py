@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from mars_asp.cli.diagnostic_text import colours, finding_lines, paint, report
-from mars_asp.cli.encode import encoded
+from mars_asp.cli.encode import print_result
 from mars_asp.cli.finding_formats import FINDING_FORMATS, is_published, publish, published
 from mars_asp.cli.inputs import (
     JUDGING,
@@ -57,11 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
         entries = (*messages, *remarks[len(selected.remarks) :])
         return publish([*results_of(selected), *map(Result, entries)], arguments, status)
     report(remarks, arguments)
-    if arguments.format == "json":
-        print(encoded(analysis_json(project, analysis, selected)))
-    else:
-        for line in analysis_lines(project, analysis, selected, arguments):
-            print(line)
+    lines = analysis_lines(project, analysis, selected, arguments)
+    print_result(arguments, lambda: analysis_json(project, analysis, selected), lines)
     return status
 
 

@@ -364,6 +364,25 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
     )
 
 
+def add_flags(parser: argparse.ArgumentParser, texts: Mapping[str, str]) -> None:
+    """Add options without a value; `texts` has the help of each."""
+    for option, text in texts.items():
+        parser.add_argument(option, action="store_true", help=text)
+
+
+def add_output(
+    parser: argparse.ArgumentParser, text: str = "where to write it", metavar: str = "OUT"
+) -> None:
+    """Add the option that names the file of the result; the default is standard output."""
+    parser.add_argument("-o", "--output", metavar=metavar, default="-", help=text)
+
+
+def misuse(command: str, problem: str) -> int:
+    """Print why words of a command do not go together; return the exit status."""
+    print(f"mars-asp {command}: {problem}", file=sys.stderr)
+    return USAGE
+
+
 def rule_pack(given: str) -> str:
     """Return a path as it is, or the folder of the installed pack if there is no such path."""
     if os.path.exists(given):  # noqa: PTH110 -- never raises

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mars_asp import __version__
-from mars_asp.cli.arguments import positive
+from mars_asp.cli.arguments import add_output, positive
 from mars_asp.cli.deliver import add_line, grow_file, write_file
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import STANDARD_INPUT, add_file, check_inputs, read_project
@@ -43,14 +43,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a key of the scenario and its values, as in `robot.radius=150,200`; "
         "`modules.NAME=off` has a module send nothing; several make a grid",
     )
-    add(
-        "-o",
-        "--output",
-        metavar="OUT.jsonl",
-        default=STANDARD_INPUT,
-        help="write a JSON line for each run as it ends; runs that the file has are not repeated "
-        "(default: the lines go to standard output, and the table to standard error)",
+    text = (
+        "write a JSON line for each run as it ends; runs that the file has are not repeated "
+        "(default: the lines go to standard output, and the table to standard error)"
     )
+    add_output(parser, text, "OUT.jsonl")
     add("--fresh", action="store_true", help="begin OUT.jsonl anew")
     add(
         "--workers",

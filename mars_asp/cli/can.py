@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from mars_asp.asp.trace.document import TraceDocument
 from mars_asp.cli.account import account_json, explanation_lines
 from mars_asp.cli.diagnostic_text import colours, paint
-from mars_asp.cli.encode import encoded
+from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import add_file, read_project, rulebook_for
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.model.names import written
@@ -27,11 +27,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the answer; return 1 if it is no."""
     project = read_project(arguments)
     answer = capability(project, rulebook_for(arguments, ("can", "account")), arguments.query)
-    if arguments.format == "json":
-        print(encoded(capability_json(answer)))
-    else:
-        for line in capability_lines(answer, colours(arguments, sys.stdout)):
-            print(line)
+    lines = capability_lines(answer, colours(arguments, sys.stdout))
+    print_result(arguments, lambda: capability_json(answer), lines)
     return int(not answer.able)
 
 

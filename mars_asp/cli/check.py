@@ -2,15 +2,21 @@
 
 import argparse
 import os
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.arguments import add_flags, misuse
 from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, left_out_text, write_report
-from mars_asp.cli.deliver import file_key, is_writable, replace_files, write_closing, write_file
+from mars_asp.cli.deliver import (
+    file_key,
+    is_writable,
+    replace_files,
+    write_closing,
+    write_result,
+)
 from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.excluded import add_exclusion
 from mars_asp.cli.fmt import unified_diff
@@ -72,38 +78,32 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a folder, whose robots are judged each by itself; `.mars` files, each a robot of its "
         "own; other files, which are one robot; `-` is standard input (default: this folder)",
     )
-    parser.add_argument(
-        "--fix",
-        action="store_true",
-        help="apply the repair of each finding that has exactly one, and check again; "
-        "the text of standard input goes to the output",
+    text = (
+        "apply the repair of each finding that has exactly one, and check again; "
+        "the text of standard input goes to the output"
     )
+    add_flags(parser, {"--fix": text})
     parser.add_argument(
         "--fail-on",
         choices=tuple(_FAILING),
         default="error",
         help="the least severity of a reported finding that makes the exit status 1",
     )
-    parser.add_argument(
-        "--exit-zero",
-        action="store_true",
-        help="status 0 whatever is found, as --fail-on never; bad input still ends with 2",
-    )
-    parser.add_argument(
-        "--statistics",
-        action="store_true",
-        help="print how many findings of each kind there are, instead of the findings",
+    add_flags(
+        parser,
+        {
+            "--exit-zero": "status 0 whatever is found, as --fail-on never; bad input still ends "
+            "with 2",
+            "--statistics": "print how many findings of each kind there are, instead of the "
+            "findings",
+        },
     )
     parser.add_argument(
         "-o", "--output", metavar="OUT", help="write the findings to a file, in any format"
     )
     add_schema(parser, "the document of --format json", partial(schema_text, "check"))
-    parser.add_argument(
-        "--diff",
-        action="store_true",
-        help="write nothing; print the changes of --fix as a unified diff; status 1 if there "
-        "are any",
-    )
+    text = "write nothing; print the changes of --fix as a unified diff; status 1 if there are any"
+    add_flags(parser, {"--diff": text})
     add_stdin_filename(parser)
     add_launch(parser)
     add_exclusion(parser)
@@ -113,8 +113,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Report the findings; return 1 if one reaches `--fail-on`, 2 if a file cannot be read."""
     if problem := _conflict_of_options(arguments):
-        print(f"mars-asp check: {problem}", file=sys.stderr)
-        return 2
+        return misuse("check", problem)
     arguments.fix |= arguments.diff
     if arguments.exit_zero:
         arguments.fail_on = "never"
@@ -145,11 +144,7 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
         for path, new, old in one.written
     ]
     changes += [one.change for one in checked if one.change]
-    text = "".join(changes)
-    if arguments.output is None:
-        print(text, end="")
-    else:
-        write_file(arguments.output, text)
+    write_result(arguments.output or "-", "".join(changes))
     messages = (each.diagnostic for one in checked for each in one.results if not each.consequence)
     is_wrong = status >= 2
     report([each for each in messages if is_wrong or each.code == "unfixed"], arguments)

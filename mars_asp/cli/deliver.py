@@ -58,6 +58,21 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
     _write_files([OutputFile(path, raw, None if read is None else _digest(read))])
 
 
+def write_result(path: str, content: str | bytes) -> None:
+    """Write the result of a command to a file, or to standard output if the path is `-`.
+
+    Raises:
+        OSError: the file cannot be written.
+        MarsError: it was read as an input, or is another output.
+    """
+    if path != "-":
+        write_file(path, content)
+    elif isinstance(content, str):
+        print(content, end="")
+    else:
+        sys.stdout.buffer.write(content)
+
+
 def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
     """Replace files, all or none, in a worker after the command has ended.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from mars_asp.cli.analyse import consequence_json
 from mars_asp.cli.diagnostic_text import colours, paint
-from mars_asp.cli.encode import encoded
+from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import check_inputs, read_project, rulebook_for
 from mars_asp.cli.lines import line_at, lines_of, located_line_json
 from mars_asp.cli.wrapping import columns, wrapped
@@ -33,12 +33,9 @@ def run(arguments: argparse.Namespace) -> int:
     old, new = (read_project(arguments, path) for path in (arguments.old, arguments.new))
     rulebook, budget = rulebook_for(arguments), Budget(arguments.time_limit)
     found = diff(Reasoner(old, rulebook, budget), Reasoner(new, rulebook, budget), lines_of)
-    if arguments.format == "json":
-        print(encoded(difference_json(found)))
-    else:
-        coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
-        for line in difference_lines(found, coloured, arguments.quiet, width):
-            print(line)
+    coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
+    lines = difference_lines(found, coloured, arguments.quiet, width)
+    print_result(arguments, lambda: difference_json(found), lines)
     return int(found.has_new_errors)
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mars_asp.cli.deliver import write_file
+from mars_asp.cli.arguments import add_flags, add_output, misuse
+from mars_asp.cli.deliver import write_result
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import JUDGING, add_file, judge_project, read_project, rulebook_for
 from mars_asp.cli.selection import Selection, add_selection
@@ -36,14 +37,9 @@ _DEPTH = 1
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_file(parser)
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="OUT",
-        default="-",
-        help="where to write it, if not to the output; its suffix chooses the form: "
-        f".{', .'.join(FORMATS)}",
-    )
+    suffixes = f".{', .'.join(FORMATS)}"
+    text = f"where to write it, if not to the output; its suffix chooses the form: {suffixes}"
+    add_output(parser, text)
     parser.add_argument(
         "--as",
         dest="kind",
@@ -67,15 +63,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=relationship_kinds,
         help=f"draw relationships of these kinds alone: {', '.join(_KINDS)}",
     )
-    parser.add_argument(
-        "--whole",
-        action="store_true",
-        help="draw all of it; else of a large system what a screen has room for",
-    )
-    parser.add_argument(
-        "--classes",
-        action="store_true",
-        help="add the classes of the paper that each module has",
+    add_flags(
+        parser,
+        {
+            "--whole": "draw all of it; else of a large system what a screen has room for",
+            "--classes": "add the classes of the paper that each module has",
+        },
     )
     parser.add_argument(
         "--layout",
@@ -105,11 +98,9 @@ def run(arguments: argparse.Namespace) -> int:
             print(line, file=sys.stderr)
         return 2
     if arguments.depth is not None and arguments.about is None:
-        print("mars-asp draw: --depth needs --about NAME", file=sys.stderr)
-        return 2
+        return misuse("draw", "--depth needs --about NAME")
     if arguments.layout == "dot" and kind not in _PAINTED:
-        print(f"mars-asp draw: --layout has no effect on .{kind}: leave it out", file=sys.stderr)
-        return 2
+        return misuse("draw", f"--layout has no effect on .{kind}: leave it out")
     project = read_project(arguments)
     configuration = project.configuration
     picture = _part(project, kind in _PAINTED, arguments)
@@ -118,12 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
         span = whole_file(configuration.path)
         report([Diagnostic("draw", "note", picture.remark, span, help=help_text)], arguments)
     content = _drawn(picture, kind, arguments.layout, configuration.path)
-    if arguments.output != "-":
-        write_file(arguments.output, content)
-    elif isinstance(content, str):
-        print(content, end="")
-    else:
-        sys.stdout.buffer.write(content)
+    write_result(arguments.output, content)
     return 0
 
 

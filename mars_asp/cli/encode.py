@@ -1,6 +1,8 @@
-"""JSON text of values that may be nested more deeply than the standard library can encode."""
+"""Results as lines or as JSON, which may be nested too deeply for the standard library."""
 
+import argparse
 import json
+from collections.abc import Callable, Iterable
 
 
 class _Written(str):
@@ -15,6 +17,17 @@ def encoded(value: object) -> str:
         return json.dumps(value)
     except RecursionError:
         return "".join(_encoded_parts(value))
+
+
+def print_result(
+    arguments: argparse.Namespace, document: Callable[[], object], lines: Iterable[str]
+) -> None:
+    """Print the document of a result if the format is JSON, else its lines."""
+    if arguments.format == "json":
+        print(encoded(document()))
+    else:
+        for line in lines:
+            print(line)
 
 
 def _encoded_parts(value: object) -> list[str]:

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace import DEPTH
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
-from mars_asp.cli.deliver import write_file
+from mars_asp.cli.arguments import misuse
+from mars_asp.cli.deliver import write_result
 from mars_asp.cli.diagnostic_text import colours, paint, report
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.inputs import (
@@ -151,8 +152,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.files, arguments.subject = files, last
     contradiction = _contradiction(arguments) or _misplaced_words(arguments)
     if contradiction is not None:
-        print(f"mars-asp explain: {contradiction}", file=sys.stderr)
-        return 2
+        return misuse("explain", contradiction)
     project = read_project(arguments, quietly=True)
     subject = arguments.about if arguments.subject is None else arguments.subject
     # The subject may be a name as the configuration writes it, such as a quoted one.
@@ -176,10 +176,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output is None:
         for text in explanation_text(found, arguments):
             sys.stdout.write(text)
-    elif arguments.output == "-":
-        sys.stdout.write(explanation_html(found, project))
     else:
-        write_file(arguments.output, explanation_html(found, project))
+        write_result(arguments.output, explanation_html(found, project))
     return int(found.has_errors)
 
 

@@ -2,7 +2,8 @@
 
 import argparse
 
-from mars_asp.cli.deliver import write_file
+from mars_asp.cli.arguments import add_output
+from mars_asp.cli.deliver import write_result
 from mars_asp.cli.inputs import add_file, read_project
 
 
@@ -10,7 +11,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("to", metavar="FORMAT", choices=("urdf",), help="`urdf`")
     add_file(parser)
-    parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")
+    add_output(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -18,9 +19,5 @@ def run(arguments: argparse.Namespace) -> int:
     project = read_project(arguments)
     from mars_asp.exchange.urdf import export_urdf
 
-    written = export_urdf(project.configuration, project.modules)
-    if arguments.output == "-":
-        print(written, end="")
-    else:
-        write_file(arguments.output, written)
+    write_result(arguments.output, export_urdf(project.configuration, project.modules))
     return 0

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mars_asp.annotations.files import Extraction, extract, find_paths
 from mars_asp.cli.diagnostic_text import report
-from mars_asp.cli.encode import encoded
+from mars_asp.cli.encode import print_result
 from mars_asp.cli.settings import check_settings
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.parse import unreadable
@@ -41,12 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
     if not (found.modules or found.diagnostics or arguments.quiet):
         where = ", ".join(map(visible, arguments.paths))
         print(f"mars-asp extract: no annotated module in {where}", file=sys.stderr)
-    if arguments.format == "json":
-        print(encoded(extraction_json(found)))
-    else:
-        for module in found.modules:
-            for line in module_lines(module):
-                print(visible(line))
+    lines = (visible(line) for module in found.modules for line in module_lines(module))
+    print_result(arguments, lambda: extraction_json(found), lines)
     errors = [d.code for d in found.diagnostics if d.severity == "error"]
     # Such an error is about a whole file, so the modules in it are unknown.
     return 2 if any(code.startswith("MARS3") for code in errors) else int(bool(errors))

@@ -5,6 +5,7 @@ import difflib
 import sys
 from pathlib import Path
 
+from mars_asp.cli.arguments import add_flags, misuse
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.diagnostic_text import report_error
 from mars_asp.cli.encode import encoded
@@ -40,11 +41,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_stdin_filename(parser)
     add_exclusion(parser)
-    parser.add_argument(
-        "--check", action="store_true", help="write nothing; list the files that would change"
-    )
-    parser.add_argument(
-        "--diff", action="store_true", help="write nothing; print the changes as a unified diff"
+    add_flags(
+        parser,
+        {
+            "--check": "write nothing; list the files that would change",
+            "--diff": "write nothing; print the changes as a unified diff",
+        },
     )
     parser.epilog = (
         "A file with syntax errors is left alone, and the others are formatted all the same. "
@@ -55,14 +57,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Format files; return 1 if `--check` or `--diff` shows a change, 2 if a file has errors."""
     if STANDARD_INPUT in arguments.files and len(arguments.files) > 1:
-        print(
-            "mars-asp fmt: `-` must be the only file, because its text goes to standard output",
-            file=sys.stderr,
-        )
-        return 2
+        problem = "`-` must be the only file, because its text goes to standard output"
+        return misuse("fmt", problem)
     if arguments.stdin_filename and STANDARD_INPUT not in arguments.files:
-        print("mars-asp fmt: --stdin-filename names the text of `-`: add `-`", file=sys.stderr)
-        return 2
+        return misuse("fmt", "--stdin-filename names the text of `-`: add `-`")
     check_settings(arguments)
     status = 0
     listed: list[dict[str, object]] = []

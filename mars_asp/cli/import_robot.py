@@ -1,11 +1,11 @@
 """Read a robot from another format and print it as a configuration."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from mars_asp.cli.deliver import write_file
+from mars_asp.cli.arguments import add_flags, add_output, misuse
+from mars_asp.cli.deliver import write_result
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import STANDARD_INPUT, add_launch, check_inputs
 from mars_asp.cli.lines import remember
@@ -36,12 +36,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="what to read, `-` for standard input; several are one robot",
     )
     add_launch(parser, default="the only launch file")
-    parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")
-    parser.add_argument(
-        "--contract",
-        action="store_true",
-        help="print the configuration that muxes and relays realise, without them as nodes",
-    )
+    add_output(parser)
+    text = "print the configuration that muxes and relays realise, without them as nodes"
+    add_flags(parser, {"--contract": text})
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -50,19 +47,12 @@ def run(arguments: argparse.Namespace) -> int:
         print("\n".join(_FORMATS))
         return 0
     if not arguments.files:
-        print(
-            f"mars-asp import: name the files: mars-asp import {arguments.origin} FILE",
-            file=sys.stderr,
-        )
-        return 2
+        return misuse("import", f"name the files: mars-asp import {arguments.origin} FILE")
     check_inputs(*arguments.files)
     found, printed = (_urdf if arguments.origin == "urdf" else _foreign)(arguments)
     check_one_tree(found.trees, found.configuration)
     report(found.warnings, arguments)
-    if arguments.output == "-":
-        print(printed, end="")
-    else:
-        write_file(arguments.output, printed)
+    write_result(arguments.output, printed)
     return 0
 
 

@@ -5,10 +5,11 @@ It needs the extra `lsp`: `pip install 'mars-asp[lsp]'`.
 
 import argparse
 import gc
-import sys
 from contextlib import suppress
 from functools import partial
 from importlib.util import find_spec
+
+from mars_asp.cli.arguments import add_flags, misuse
 
 #: The server runs as long as the editor; each analysis is a process with its own limits.
 IS_CONTAINED = False
@@ -21,9 +22,7 @@ _AT_A_TIME = 2
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     # Clients in editors add this option, as some servers have several transports.
-    parser.add_argument(
-        "--stdio", action="store_true", help="over standard input and output, as always"
-    )
+    add_flags(parser, {"--stdio": "over standard input and output, as always"})
     parser.epilog = (
         "It needs the extra `lsp`: pip install 'mars-asp[lsp]'. Limits are those of each answer, "
         "which may take 60 s by default."
@@ -33,9 +32,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until the editor is gone; return 2 if the extra is missing."""
     if find_spec("pygls") is None:
-        text = "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
-        print(f"mars-asp lsp: {text}", file=sys.stderr)
-        return 2
+        return misuse(
+            "lsp", "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
+        )
     from mars_asp.asp.contained import Server, limit_memory
     from mars_asp.cli.limits import memory_limit
     from mars_asp.lsp.server import serve

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from mars_asp.cli.analyse import consequence_json
 from mars_asp.cli.diagnostic_text import colours, paint
-from mars_asp.cli.encode import encoded
+from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import JUDGING, judge_project, rulebook_for
 from mars_asp.cli.lines import line_json, line_text, location_json
 from mars_asp.cli.progress import progress_bar
@@ -53,12 +53,13 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     shown = selection.among(project, [repair.consequence for repair in found]).shown
     if subject is None:
         found = tuple(repair for repair in found if repair.consequence in shown)
-    if arguments.format == "json":
-        print(encoded({"subject": subject, "repairs": [repair_json(r) for r in found]}))
-    else:
-        coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
-        for line in _repair_text(found, coloured, width, foreign=is_foreign):
-            print(line)
+    print_result(
+        arguments,
+        lambda: {"subject": subject, "repairs": list(map(repair_json, found))},
+        _repair_text(
+            found, colours(arguments, sys.stdout), columns(sys.stdout), foreign=is_foreign
+        ),
+    )
     if any(repair.late for repair in found):
         print("mars-asp: the time limit ended the search", file=sys.stderr)
         return 3

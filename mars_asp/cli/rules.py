@@ -2,7 +2,6 @@
 
 import argparse
 import re
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +11,7 @@ from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.arguments import add_flags, misuse
 from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.inputs import rulebook_for
@@ -68,18 +68,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="DIR", help="of `doc`: write a page for each file of rules there"
     )
-    parser.add_argument(
-        "--fix",
-        action="store_true",
-        help="of `lint`: correct what has one safe fix, in the files of packs",
-    )
-    parser.add_argument(
-        "--predicates",
-        action="store_true",
-        help="of `list`: the predicates that rules of packs may read or derive, instead of rules",
-    )
-    parser.add_argument(
-        "--source", action="store_true", help="of `show`: the rule itself and all that is above it"
+    add_flags(
+        parser,
+        {
+            "--fix": "of `lint`: correct what has one safe fix, in the files of packs",
+            "--predicates": "of `list`: the predicates that rules of packs may read or derive, "
+            "instead of rules",
+            "--source": "of `show`: the rule itself and all that is above it",
+        },
     )
     parser.add_argument(
         "--stage",
@@ -97,8 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
         what = "."
     wrong = _misused(action, what, arguments)
     if wrong:
-        print(f"mars-asp rules: {wrong}", file=sys.stderr)
-        return 2
+        return misuse("rules", wrong)
     if action == "lint":
         given = [Path(path) for path in [*arguments.rules, *([what] if what else [])]]
         # The built-in rules must not be linted as a pack beside themselves.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from mars_asp.cli.diagnostic_text import report_error
 from mars_asp.cli.diff import difference_json
-from mars_asp.cli.encode import encoded
+from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import load, only_robot
 from mars_asp.cli.lines import lines_of
 from mars_asp.diagnostic import MarsError, refusal
@@ -57,12 +57,9 @@ def print_changes(pack: str, files: Sequence[str], arguments: argparse.Namespace
             status = 2
             continue
         compared.append(_Compared(path, found))
-    if arguments.format == "json":
-        listed = [{"path": each.path, **difference_json(each.found)} for each in compared]
-        print(encoded({"pack": pack, "configurations": listed}))
-    else:
-        for line in _difference_text(compared):
-            print(visible(line))
+    listed = ({"path": each.path, **difference_json(each.found)} for each in compared)
+    lines = map(visible, _difference_text(compared))
+    print_result(arguments, lambda: {"pack": pack, "configurations": list(listed)}, lines)
     return max(status, int(any(each.found.has_new_errors for each in compared)))
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mars_asp.cli.arguments import positive
+from mars_asp.cli.arguments import add_flags, positive
 from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.encode import encoded
@@ -59,16 +59,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="give a key of the scenario another value, as in `robot.radius=150`; "
         "`modules.NAME=off` has a module send nothing; repeatable",
     )
-    parser.add_argument(
-        "--explain", action="store_true", help="show why each requirement was violated"
-    )
-    parser.add_argument(
-        "--why", action="store_true", help="list who won at each arbiter, when and why"
-    )
-    parser.add_argument(
-        "--dry-run",
-        action="store_true",
-        help="list whose code would run and what is simulated; import and run nothing",
+    add_flags(
+        parser,
+        {
+            "--explain": "show why each requirement was violated",
+            "--why": "list who won at each arbiter, when and why",
+            "--dry-run": "list whose code would run and what is simulated; import and run nothing",
+        },
     )
     add_schema(parser, "scenarios", _scenario_schema)
     add_outputs(parser)

@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.cli.deliver import write_file
+from mars_asp.cli.arguments import add_output
+from mars_asp.cli.deliver import write_result
 from mars_asp.cli.diagnostic_text import report, report_unrealisable
 from mars_asp.cli.inputs import (
     JUDGING,
@@ -43,12 +44,8 @@ from mars_asp.reasoning.verification import Violation, verify
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_file(parser)
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="OUT",
-        default="-",
-        help="where to write it; `@sources` are relative to there, without it to this folder",
+    add_output(
+        parser, "where to write it; `@sources` are relative to there, without it to this folder"
     )
     add_selection(parser, writes=False)
 
@@ -88,10 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
         text = json.dumps(synthesis_json(project, found)) + "\n"
     else:
         text = specification_text(printed, project, arguments)
-    if arguments.output == "-":
-        print(text, end="")
-    else:
-        write_file(arguments.output, text)
+    write_result(arguments.output, text)
     if not found.resolution.proven:
         print(
             f"mars-asp: best found, {found.cost(NODES)} nodes; lower bound {found.bound(NODES)}",

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.arguments import add_flags
 from mars_asp.cli.cases_report import CaseFileResult, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.cli.diagnostic_text import report
@@ -40,35 +41,25 @@ def configure(parser: argparse.ArgumentParser) -> None:
         " of a pack, in its folder `cases` or `tests`, have its rules without --rules; `-` is"
         " standard input",
     )
-    parser.add_argument(
-        "--update",
-        action="store_true",
-        help="write what was found into the files as what is expected; facts stay, and so does"
-        " what must be there or must not",
-    )
-    parser.add_argument(
-        "--snapshot",
-        action="store_true",
-        help="of robots, `.mars`: write their warnings and errors, nodes, cost and order of"
-        " priorities into them as what is expected from now on",
+    add_flags(
+        parser,
+        {
+            "--update": "write what was found into the files as what is expected; facts stay, and"
+            " so does what must be there or must not",
+            "--snapshot": "of robots, `.mars`: write their warnings and errors, nodes, cost and"
+            " order of priorities into them as what is expected from now on",
+        },
     )
     parser.add_argument("--junit", metavar="FILE", help="also write the outcomes as JUnit XML")
-    parser.add_argument(
-        "--watch",
-        action="store_true",
-        help="run again whenever a file changes, until Ctrl-C; prints to standard error",
-    )
-    parser.add_argument(
-        "--coverage",
-        action="store_true",
-        help="list the rules of the packs (of mars-asp, where there are none) that fire in no case"
-        " (status 1), and those that never fail by one premise alone",
-    )
-    parser.add_argument(
-        "--mutate",
-        action="store_true",
-        help="change one thing of a rule at a time, and list the changes that no case notices"
-        " (status 1)",
+    add_flags(
+        parser,
+        {
+            "--watch": "run again whenever a file changes, until Ctrl-C; prints to standard error",
+            "--coverage": "list the rules of the packs (of mars-asp, where there are none) that"
+            " fire in no case (status 1), and those that never fail by one premise alone",
+            "--mutate": "change one thing of a rule at a time, and list the changes that no case"
+            " notices (status 1)",
+        },
     )
     parser.add_argument("--jobs", type=_jobs, metavar="N", help="of --mutate: so many at a time")
     parser.epilog = "exit status: 1 where a case fails or there is none"

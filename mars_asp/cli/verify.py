@@ -6,13 +6,14 @@ With `--without`, the minimal specification of CONFIG is judged without one of i
 import argparse
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.arguments import misuse
 from mars_asp.cli.diagnostic_text import report, report_unrealisable
-from mars_asp.cli.encode import encoded
+from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import (
     analyse_project,
     check_inputs,
@@ -23,6 +24,7 @@ from mars_asp.cli.inputs import (
 from mars_asp.cli.lines import located_lines, location_json
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.wrapping import columns, wrapped
+from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Module
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
@@ -95,11 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.specification is None:
         project = read_project(arguments, arguments.file)
         if project.format is None:
-            print(
-                "mars-asp verify: SPEC and CONFIG are needed, or --without NODE CONFIG",
-                file=sys.stderr,
-            )
-            return 2
+            return misuse("verify", "SPEC and CONFIG are needed, or --without NODE CONFIG")
         from mars_asp.exchange.lift import lifted
 
         # The wiring of foreign files is judged against the configuration that it realises.
@@ -114,15 +112,14 @@ def run(arguments: argparse.Namespace) -> int:
         own = (each for each in read.diagnostics if each.code != "annotations-missing")
         report((each for each in own if (each.code, each.message) not in known), arguments)
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
-        print("mars-asp verify: SPEC comes first, then its CONFIG", file=sys.stderr)
-        return 2
+        return misuse("verify", "SPEC comes first, then its CONFIG")
     verification, compared = judge_wiring(specification, modules, project, arguments)
     violations = verification.violations
-    if arguments.format == "json":
-        print(encoded(verification_json(verification, compared)))
-    else:
-        for line in verification_lines(verification, compared, columns(sys.stdout)):
-            print(line)
+    print_result(
+        arguments,
+        lambda: verification_json(verification, compared),
+        verification_lines(verification, compared, columns(sys.stdout)),
+    )
     if not compared.in_time:
         print("mars-asp: the time limit ended the proof of what is minimal", file=sys.stderr)
         return 3
@@ -159,14 +156,7 @@ def verification_json(
     return {
         "realises": not verification.violations,
         "minimal": compared.minimal,
-        "violations": [
-            {
-                "clause": v.clause,
-                **_finding_json(v),
-                "locations": [location_json(span) for span in v.locations],
-            }
-            for v in verification.violations
-        ],
+        "violations": [_violation_json(each, each.locations) for each in verification.violations],
         "warnings": [_finding_json(caution) for caution in verification.cautions],
         "cost": compared.cost,
         "least": compared.least,
@@ -197,10 +187,7 @@ def _finding_text(head: str, found: Violation | Caution, width: int) -> Iterator
 def _run_without(arguments: argparse.Namespace) -> int:
     """Print the violations without a node; return 1 if there are any."""
     if arguments.specification is not None:
-        print(
-            "mars-asp verify: --without NODE judges CONFIG alone: leave out SPEC", file=sys.stderr
-        )
-        return 2
+        return misuse("verify", "--without NODE judges CONFIG alone: leave out SPEC")
     from mars_asp.reasoning.questions.without import without
 
     project = read_project(arguments, arguments.file)
@@ -211,24 +198,13 @@ def _run_without(arguments: argparse.Namespace) -> int:
     if found is None:
         report_unrealisable(project.configuration.path, reasoner.analysis, arguments)
         return 1
-    if arguments.format == "json":
-        violations = [{"clause": b.violation.clause, **_finding_json(b.violation)} for b in found]
-        for item, broken in zip(violations, found, strict=True):
-            item["locations"] = [location_json(each.span) for each in broken.relationships]
-        print(
-            encoded(
-                {
-                    "realises": not found,
-                    "minimal": None,
-                    "violations": violations,
-                    "warnings": [],
-                    "without": name,
-                }
-            )
-        )
-    else:
-        for line in _without_text(name, found, columns(sys.stdout)):
-            print(line)
+    violations = [
+        _violation_json(each.violation, (line.span for line in each.relationships))
+        for each in found
+    ]
+    document = {"realises": not found, "minimal": None, "violations": violations, "warnings": []}
+    lines = _without_text(name, found, columns(sys.stdout))
+    print_result(arguments, lambda: {**document, "without": name}, lines)
     return int(bool(found))
 
 
@@ -302,6 +278,11 @@ def _minimality(compared: SpecificationComparison) -> str:
 
 def _in_words(cost: Mapping[str, int]) -> str:
     return ", ".join(f"{name} {value}" for name, value in cost.items())
+
+
+def _violation_json(violation: Violation, spans: Iterable[Span]) -> dict[str, object]:
+    locations = [location_json(span) for span in spans]
+    return {"clause": violation.clause, **_finding_json(violation), "locations": locations}
 
 
 def _finding_json(found: Violation | Caution) -> dict[str, object]:
