@@ -1,15 +1,15 @@
 """Print what completes words of this command in a shell: commands, options, values and files."""
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
+from importlib.resources import files
 from typing import NamedTuple
 
 from mars_asp.cli.arguments import ALIASES, VERBS, Parser, parser_of
 
 #: The options that take kinds of findings, with commas between them.
 _LISTS = frozenset({"--select", "--ignore"})
-#: The command whose words are completed.
-_COMMAND = "mars-asp"
 
 
 class _Option(NamedTuple):
@@ -50,8 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.shell is None:
         print("\n".join(_SCRIPTS))
         return 0
-    for line in _SCRIPTS[arguments.shell](tuple(_verbs())):
-        print(line)
+    print(_SCRIPTS[arguments.shell](tuple(_verbs())), end="")
     return 0
 
 
@@ -74,13 +73,14 @@ def _options_of(actions: Iterable[argparse.Action]) -> Iterator[_Option]:
         yield _Option(tuple(action.option_strings), about.replace("%%", "%"), takes, values)
 
 
-def _kinds() -> list[str]:
-    """Return the kinds of findings of the built-in rules, and the codes of warnings on reading."""
+@cache
+def _kinds() -> str:
+    """Return the kinds of built-in findings and the codes of warnings on reading, with blanks."""
     from mars_asp.diagnostic import INPUT_WARNINGS
     from mars_asp.reasoning.findings import consequence_kinds
     from mars_asp.reasoning.rules import STAGES, load_rulebook
 
-    return sorted(consequence_kinds(load_rulebook(stages=STAGES)).union(INPUT_WARNINGS))
+    return " ".join(sorted(consequence_kinds(load_rulebook(stages=STAGES)).union(INPUT_WARNINGS)))
 
 
 def _common_options() -> list[argparse.Action]:
@@ -95,115 +95,76 @@ def _common_options() -> list[argparse.Action]:
 # ---- Shells --------------------------------------------------------------------------------------
 
 
-def _bash(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
+def _bash(verbs: tuple[_CommandWords, ...]) -> str:
     commands = tuple(name for verb in verbs for name in verb.names[:1])
     common = tuple(_options_of(_common_options()))
     before = _CommandWords(("",), "", (_HELP, *common), (*commands, "help"))
-    verbs = (before, _CommandWords(("help",), "", (), commands), *verbs)
-    yield f"# Completion of {_COMMAND} for bash."
-    yield "_mars_asp() {"
-    yield "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}"
-    yield "    local verb= words= prefix= at"
-    yield f'    local kinds="{" ".join(_kinds())}"'
-    yield "    COMPREPLY=()"
-    # Options, some with a value, may precede the command.
-    yield "    for ((at = 1; at < COMP_CWORD; at++)); do"
-    yield "        case ${COMP_WORDS[at]} in"
-    valued = "|".join(name for option in common if option.takes for name in option.names)
-    yield f"            {valued})"
-    yield '                [[ ${COMP_WORDS[at+1]} == "=" ]] && ((at++))'
-    yield "                ((at++)) ;;"
-    yield "            -*) ;;"
-    yield "            *)"
-    yield "                verb=${COMP_WORDS[at]}"
-    yield "                break ;;"
-    yield "        esac"
-    yield "    done"
-    # Readline splits `--format=json` into three words.
-    yield '    if [[ $word == "=" ]]; then'
-    yield "        word="
-    yield '    elif [[ $before == "=" ]]; then'
-    yield "        before=${COMP_WORDS[COMP_CWORD-2]}"
-    yield "    fi"
-    yield '    case "$verb $before" in'
-    for verb in verbs:
+    values, words = [], []
+    for verb in (before, _CommandWords(("help",), "", (), commands), *verbs):
         for option in (each for each in verb.options if each.takes):
             patterns = "|".join(f'"{name} {form}"' for name in verb.names for form in option.names)
             chosen = f'words="{" ".join(option.values)}"' if option.values else "return"
             if not _LISTS.isdisjoint(option.names):
                 chosen = 'words=$kinds prefix=${word%"${word##*,}"}'
-            yield f"        {patterns}) {chosen} ;;"
-    yield "        *)"
-    yield "            case $verb in"
-    for verb in verbs:
+            values.append(f"        {patterns}) {chosen} ;;")
         names = " ".join(name for option in verb.options for name in option.names)
         pattern = "|".join(verb.names) or '""'
-        yield f"                {pattern})"
-        yield f'                    words="{" ".join(verb.words)}"'
-        yield f'                    [[ $word == -* ]] && words="{names}" ;;'
-    yield "            esac ;;"
-    yield "    esac"
-    yield '    mapfile -t COMPREPLY < <(compgen -P "$prefix" -W "$words" -- "${word#"$prefix"}")'
-    yield "}"
-    yield f"complete -o default -o bashdefault -F _mars_asp {_COMMAND}"
+        words += [
+            f"                {pattern})",
+            f'                    words="{" ".join(verb.words)}"',
+            f'                    [[ $word == -* ]] && words="{names}" ;;',
+        ]
+    # Options, some with a value, may precede the command.
+    valued = "|".join(name for option in common if option.takes for name in option.names)
+    return _fill_frame("bash", kinds=_kinds(), valued=valued, values=values, words=words)
 
 
-def _zsh(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
-    kinds = " ".join(_kinds())
-    yield f"#compdef {_COMMAND}"
-    yield f"# Completion of {_COMMAND} for zsh."
-    yield "_mars_asp() {"
-    yield "    local -a verbs"
-    yield "    verbs=("
+def _zsh(verbs: tuple[_CommandWords, ...]) -> str:
+    words = []
     for verb in verbs:
-        yield f"        {_shell_word(f'{verb.names[0]}:{verb.about}')}"
-    yield "    )"
-    yield "    if (( CURRENT == 2 )) || [[ $words[2] == help ]]; then"
-    yield "        _describe command verbs"
-    yield "        return"
-    yield "    fi"
-    yield "    local verb=$words[2]"
-    yield "    shift words"
-    yield "    (( CURRENT-- ))"
-    yield "    case $verb in"
-    for verb in verbs:
-        yield f"        {'|'.join(verb.names)})"
-        yield "            _arguments -s \\"
+        words += [f"        {'|'.join(verb.names)})", "            _arguments -s \\"]
         for option in verb.options:
             about = option.about.replace("[", "(").replace("]", ")").replace(":", "\\:")
             value = f":value:({' '.join(option.values)})" if option.values else ":value:_files"
             if not _LISTS.isdisjoint(option.names):
-                value = f":value:_values -s , kind {kinds}"
+                value = f":value:_values -s , kind {_kinds()}"
             value = value if option.takes else ""
             for name in option.names:
-                yield f"                {_shell_word(f'*{name}[{about}]{value}')} \\"
-        words = f"'*:word:(({' '.join(verb.words)}))'" if verb.words else ""
-        yield f"                {words or _shell_word('*:file:_files')} ;;"
-    yield "    esac"
-    yield "}"
-    yield f"compdef _mars_asp {_COMMAND}"
+                words.append(f"                {_shell_word(f'*{name}[{about}]{value}')} \\")
+        following = f"'*:word:(({' '.join(verb.words)}))'" if verb.words else ""
+        words.append(f"                {following or _shell_word('*:file:_files')} ;;")
+    listed = [f"        {_shell_word(f'{verb.names[0]}:{verb.about}')}" for verb in verbs]
+    return _fill_frame("zsh", verbs=listed, words=words)
 
 
-def _fish(verbs: tuple[_CommandWords, ...]) -> Iterator[str]:
-    kinds = " ".join(_kinds())
-    yield f"# Completion of {_COMMAND} for fish."
+def _fish(verbs: tuple[_CommandWords, ...]) -> str:
+    lines = ["# Completion of mars-asp for fish."]
     shown = "-n '__fish_use_subcommand; or __fish_seen_subcommand_from help'"
     for verb in verbs:
         about = _shell_word(verb.about)
-        yield f"complete -c {_COMMAND} -f {shown} -a {verb.names[0]} -d {about}"
+        lines.append(f"complete -c mars-asp -f {shown} -a {verb.names[0]} -d {about}")
     for verb in verbs:
-        seen = f"-n '__fish_seen_subcommand_from {' '.join(verb.names)}'"
-        if verb.words:
-            yield f"complete -c {_COMMAND} {seen} -a '{' '.join(verb.words)}'"
+        of_verb = f"complete -c mars-asp -n '__fish_seen_subcommand_from {' '.join(verb.names)}'"
+        lines += [f"{of_verb} -a '{' '.join(verb.words)}'"] if verb.words else []
         for option in verb.options:
             forms = " ".join(
                 f"-l {name[2:]}" if name.startswith("--") else f"-s {name[1:]}"
                 for name in option.names
             )
-            values = kinds if not _LISTS.isdisjoint(option.names) else " ".join(option.values)
+            is_list = not _LISTS.isdisjoint(option.names)
+            values = _kinds() if is_list else " ".join(option.values)
             value = f" -xa '{values}'" if values else " -r"
             text = f"{forms}{value if option.takes else ''} -d {_shell_word(option.about)}"
-            yield f"complete -c {_COMMAND} {seen} {text}"
+            lines.append(f"{of_verb} {text}")
+    return "\n".join([*lines, ""])
+
+
+def _fill_frame(shell: str, **parts: str | Sequence[str]) -> str:
+    """Return the script for a shell: its frame, with a text or lines in the place of each name."""
+    text = (files(__package__) / f"completion.{shell}").read_text(encoding="utf-8")
+    for name, part in parts.items():
+        text = text.replace(f"@{name}@", part if isinstance(part, str) else "\n".join(part))
+    return text
 
 
 def _shell_word(text: str) -> str:
