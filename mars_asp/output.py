@@ -2,20 +2,17 @@
 
 import contextlib
 import errno
+import fcntl
 import os
 import re
 import shutil
 import stat
-import sys
 import tempfile
 import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import IO, Any
-
-if sys.platform != "win32":
-    import fcntl
 
 #: How the names of files begin that are being written.
 _TEMPORARY = ".mars-asp."
@@ -229,6 +226,10 @@ class AtomicFile:
         with self._errors_name_path():
             self._file.write(content)
 
+    def tell(self) -> int:
+        """Return the number of bytes written so far."""
+        return self._file.tell()
+
     def stage(self) -> None:
         """Flush the file to the disk, with the mode of the file that it replaces."""
         with self._errors_name_path():
@@ -335,8 +336,6 @@ def _lock(handle: int) -> None:
     Raises:
         OSError: another process has locked it, or it cannot be locked here.
     """
-    if sys.platform == "win32":
-        raise OSError("open files cannot be removed on this system anyway")
     fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 

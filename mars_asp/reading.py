@@ -189,3 +189,13 @@ def overlay_bytes(path: Path) -> bytes | None:
     """Return the text of a file in an editor as UTF-8, or None if the disk has it."""
     texts = _texts.get()
     return texts.get(os.path.realpath(path)) if texts else None
+
+
+def decoded(raw: bytes) -> str:
+    """Return the text of a file as editors show it, whatever its encoding."""
+    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return raw.decode("utf-16", "replace")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")

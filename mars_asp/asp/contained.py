@@ -291,9 +291,6 @@ def ask(
     Raises:
         RuntimeError: an answer raised an exception.
     """
-    if not hasattr(os, "fork"):
-        yield from ((question, answer(question)) for question in questions)
-        return
 
     def work(question: Question, sent: int) -> None:
         limit_memory(megabytes)

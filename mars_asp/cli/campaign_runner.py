@@ -128,13 +128,12 @@ class Runs:
 
     def _carry_out(self, run: Run) -> bytes:
         """Carry out a run in this child; return its result or its errors as JSON."""
-        if hasattr(os, "fork"):
-            end_with_parent()
-            # Results omit the output of behaviours; `run` shows it.
-            nowhere = os.open(os.devnull, os.O_RDWR)
-            os.dup2(nowhere, 0)
-            os.dup2(nowhere, 1)
-            sys.stdout = os.fdopen(nowhere, "w")
+        end_with_parent()
+        # Results omit the output of behaviours; `run` shows it.
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        os.dup2(nowhere, 0)
+        os.dup2(nowhere, 1)
+        sys.stdout = os.fdopen(nowhere, "w")
         try:
             return self._result(self._scenario(run))
         except BaseException as error:

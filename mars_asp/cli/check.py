@@ -45,7 +45,7 @@ from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, whole
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
 from mars_asp.language.text_edits import ConflictError, edited_bytes
 from mars_asp.output import counted
-from mars_asp.reading import OUTSIDE, is_hidden
+from mars_asp.reading import OUTSIDE, decoded, is_hidden
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.analysis import Analysis
@@ -356,7 +356,7 @@ def _fix(
         try:
             old = raw if raw is not None and is_input else Path(path).read_bytes()
             new = edited_bytes(old, [line for line in fixed.lines if line.path == path])
-            if _decoded(new) != text.rstrip("\n"):
+            if plain_lines(decoded(new)).rstrip("\n") != text.rstrip("\n"):
                 raise ConflictError
         except (OSError, ConflictError):
             problems.append(_unfixed(path, "it is not what was analysed"))
@@ -382,17 +382,6 @@ def _fix(
     one.mended = fixed.repairs
     one.left_out = len(sole) - len(fixed.repairs)
     return fixed
-
-
-def _decoded(raw: bytes) -> str:
-    for codec in (
-        ("utf-16",) if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8", "latin-1")
-    ):
-        try:
-            return plain_lines(raw.decode(codec)).rstrip("\n")
-        except UnicodeDecodeError:
-            continue
-    raise ConflictError
 
 
 #: Why files in other formats stay as they are.

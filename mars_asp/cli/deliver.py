@@ -20,7 +20,7 @@ from mars_asp.diagnostic import refusal
 from mars_asp.output import AtomicFile, GrowingFile, replace_together, visible, write_whole
 from mars_asp.reading import files_read
 
-#: So many bytes of a file in parts are sent at a time.
+#: So many bytes of a stream are sent at a time.
 _PORTION = 1 << 16
 #: The pipe to the command, in a worker, and the process that may write to it.
 _pipe: int | None = None
@@ -170,31 +170,8 @@ def _claim(path: str) -> None:
     _claimed.add(key)
 
 
-class Parts:
-    """A file that is written in parts, each passed to `send`."""
-
-    def __init__(self, send: Callable[[bytes], object]) -> None:
-        self._send, self._gathered, self._sent = send, bytearray(), 0
-
-    def write(self, content: bytes) -> None:
-        """Append content."""
-        self._gathered += content
-        if len(self._gathered) >= _PORTION:
-            self.flush()
-
-    def tell(self) -> int:
-        """Return the number of bytes written so far."""
-        return self._sent + len(self._gathered)
-
-    def flush(self) -> None:
-        """Send the buffered content."""
-        self._sent += len(self._gathered)
-        self._send(bytes(self._gathered))
-        self._gathered.clear()
-
-
 @contextmanager
-def streamed(path: str) -> Iterator[Parts]:
+def streamed(path: str) -> Iterator[io.BufferedIOBase | AtomicFile]:
     """Yield a file that is written to the disk in parts, and appears when the block has ended.
 
     In a worker it appears after the command has ended. If the block raises, it never appears.
@@ -205,16 +182,13 @@ def streamed(path: str) -> Iterator[Parts]:
     """
     _claim(path)
     if _pipe is not None:
-        file = Parts(lambda part: _send("part", path, part))
-        yield file
-        file.flush()
+        with io.BufferedWriter(_MessageStream("part", path), _PORTION) as file:
+            yield file
         _send("whole", path)
         return
     begun = AtomicFile(path)
     try:
-        file = Parts(begun.write)
-        yield file
-        file.flush()
+        yield begun
         begun.replace()
     finally:
         begun.drop()
@@ -232,7 +206,7 @@ def to_pipe(pipe: int) -> None:
     global _pipe, _writer
     _pipe, _writer = pipe, os.getpid()
     shown = sys.stdout is not None and sys.stdout.isatty()
-    raw = io.BufferedWriter(_Output(shown), 1 << 16)
+    raw = io.BufferedWriter(_MessageStream("output", is_terminal=shown), _PORTION)
     sys.stdout = _Text(raw, encoding="utf-8", errors="backslashreplace")
     os.dup2(2, 1)
 
@@ -244,21 +218,25 @@ class _Text(io.TextIOWrapper):
         raise RuntimeError("standard output belongs to the command")
 
 
-class _Output(io.RawIOBase):
-    """A stream that sends its data; it is a terminal if the command's own output is one."""
+class _MessageStream(io.RawIOBase):
+    """A stream that sends its data, each piece as a message that begins with the same values."""
 
-    def __init__(self, terminal: bool) -> None:
-        self._terminal = terminal
+    def __init__(self, *head: str, is_terminal: bool = False) -> None:
+        self._head, self._is_terminal, self._size = head, is_terminal, 0
 
     def writable(self) -> bool:
         return True
 
     def isatty(self) -> bool:
-        return self._terminal
+        return self._is_terminal
+
+    def tell(self) -> int:
+        return self._size
 
     def write(self, data: object) -> int:
         raw = bytes(data)  # type: ignore[call-overload]
-        _send("output", raw)
+        _send(*self._head, raw)
+        self._size += len(raw)
         return len(raw)
 
 

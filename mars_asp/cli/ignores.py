@@ -13,7 +13,7 @@ from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.diagnostic import Span
 from mars_asp.language.parse import MOST_BYTES, plain_lines
 from mars_asp.model.names import QUOTED
-from mars_asp.reading import overlay_bytes, read_file
+from mars_asp.reading import decoded, overlay_bytes, read_file
 
 # Few files have such comments, so no other pattern is compiled without this one.
 #: The mark of a file with such comments, in single bytes and in both orders of UTF-16.
@@ -97,16 +97,6 @@ def ignores_of(path: str) -> Iterator[Ignore]:
             return
     if re.search(_MARK, raw) is not None:
         yield from ignores_in(path, plain_lines(decoded(raw)))
-
-
-def decoded(raw: bytes) -> str:
-    """Return the text of a file as editors show it, whatever its encoding."""
-    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return raw.decode("utf-16", "replace")
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return raw.decode("latin-1")
 
 
 def _language_of(path: str, text: str) -> str:

@@ -113,8 +113,6 @@ def load_freely(*modules: str) -> None:
     Raises:
         MemoryError: too little memory is left under the limit.
     """
-    if not hasattr(os, "fork"):
-        return
     before = _lift()
     for module in modules:
         importlib.import_module(module)
@@ -136,8 +134,7 @@ def _lift(most: int = -1) -> int:
 
 def say_memory_ended(arguments: argparse.Namespace) -> None:
     """Report that the memory limit ended the command, and how to raise the limit."""
-    if hasattr(os, "fork"):
-        _lift()  # reporting takes some memory
+    _lift()  # reporting takes some memory
     most = memory_limit(arguments)
     is_explicit = arguments.memory_limit is not None
     half = "" if is_explicit else ", half of what there is; --memory-limit MB allows more"

@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mars_asp.annotations.files import MOST_BYTES
-from mars_asp.cli.ignores import decoded
 from mars_asp.diagnostic import Diagnostic, Span, brief
 from mars_asp.lsp.places import START, Place, Text, TextEdit
 from mars_asp.lsp.robot import EditorFinding
-from mars_asp.reading import overlay_bytes, read_file
+from mars_asp.reading import decoded, overlay_bytes, read_file
 from mars_asp.reasoning.rules import rules_directory
 
 

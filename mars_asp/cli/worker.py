@@ -43,8 +43,6 @@ def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.
     # A run creates millions of values and hardly a cycle, so rare collections suffice.
     gc.set_threshold(1_000_000, 20, 20)
     gc.enable()
-    if not hasattr(os, "fork"):
-        return run_plain(run, arguments)
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
 

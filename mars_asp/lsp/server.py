@@ -8,10 +8,10 @@ import asyncio
 import logging
 import os
 import sys
-from collections.abc import Callable, Coroutine, Iterable
+from collections.abc import Callable, Coroutine, Iterable, Iterator
 from contextlib import suppress
-from functools import wraps
-from typing import Any, TypeVar
+from functools import partial
+from typing import Any
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
@@ -52,7 +52,6 @@ PAUSE = 0.25
 _TRACE_SECONDS = 5.0
 EXPLAIN = "mars-asp.explain"
 _NOTHING = Completions((), START)
-_Found = TypeVar("_Found")
 
 
 def serve(workers: Workers) -> None:
@@ -65,32 +64,14 @@ def serve(workers: Workers) -> None:
     # Errors in messages of the client are reported to the client, not the terminal.
     logging.getLogger("pygls").setLevel(logging.CRITICAL)
     server = _Server(workers)
-    for method, handler in server.handlers().items():
-        server.feature(method)(_unmarked(handler))
-    for method, handler, options in server.handlers_with_options():
-        server.feature(method, options)(_unmarked(handler))
-    server.command(EXPLAIN)(_unmarked(server.explain))
+    # pygls sets attributes of handlers, which methods do not have.
+    for method, handler, options in server.handlers():
+        server.feature(method, options)(partial(handler))
+    server.command(EXPLAIN)(partial(server.explain))
     try:
         server.start_io(BoundedInput(given), answers)  # type: ignore[arg-type]
     finally:
         workers.end()
-
-
-def _unmarked(method: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method as a function, because pygls sets attributes of its handlers."""
-    if asyncio.iscoroutinefunction(method):
-
-        @wraps(method)
-        async def awaited(*arguments: Any) -> Any:
-            return await method(*arguments)
-
-        return awaited
-
-    @wraps(method)
-    def called(*arguments: Any) -> Any:
-        return method(*arguments)
-
-    return called
 
 
 class _Server(LanguageServer):
@@ -116,34 +97,27 @@ class _Server(LanguageServer):
         #: Pending questions that several requests may wait for.
         self._pending: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
 
-    def handlers(self) -> dict[str, Callable[[Any], Any]]:
-        """Return the handler of each message of the protocol."""
-        return {
-            types.INITIALIZED: self.begin,
-            types.TEXT_DOCUMENT_DID_OPEN: self.opened,
-            types.TEXT_DOCUMENT_DID_CHANGE: self.changed,
-            types.TEXT_DOCUMENT_DID_CLOSE: self.closed,
-            types.TEXT_DOCUMENT_DID_SAVE: self.saved,
-            types.WORKSPACE_DID_CHANGE_WATCHED_FILES: self.changed_elsewhere,
-            types.TEXT_DOCUMENT_HOVER: self.hover,
-            types.TEXT_DOCUMENT_DEFINITION: self.definition,
-            types.TEXT_DOCUMENT_REFERENCES: self.references,
-            types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: self.symbols,
-            types.WORKSPACE_SYMBOL: self.workspace_symbols,
-            types.TEXT_DOCUMENT_PREPARE_RENAME: self.prepare_rename,
-            types.TEXT_DOCUMENT_CODE_LENS: self.lenses,
-            types.TEXT_DOCUMENT_FORMATTING: self.format,
-        }
-
-    def handlers_with_options(self) -> list[tuple[str, Callable[[Any], Any], Any]]:
-        """Return the handlers that are registered with options."""
+    def handlers(self) -> Iterator[tuple[str, Callable[[Any], Any], Any]]:
+        """Yield each message of the protocol with its handler and the options of that, or None."""
         triggers = types.CompletionOptions(trigger_characters=["@", ".", " ", ","])
         kinds = types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix])
-        return [
-            (types.TEXT_DOCUMENT_COMPLETION, self.completion, triggers),
-            (types.TEXT_DOCUMENT_RENAME, self.rename, types.RenameOptions(prepare_provider=True)),
-            (types.TEXT_DOCUMENT_CODE_ACTION, self.actions, kinds),
-        ]
+        yield types.INITIALIZED, self.begin, None
+        yield types.TEXT_DOCUMENT_DID_OPEN, self.opened, None
+        yield types.TEXT_DOCUMENT_DID_CHANGE, self.changed, None
+        yield types.TEXT_DOCUMENT_DID_CLOSE, self.closed, None
+        yield types.TEXT_DOCUMENT_DID_SAVE, self.saved, None
+        yield types.WORKSPACE_DID_CHANGE_WATCHED_FILES, self.changed_elsewhere, None
+        yield types.TEXT_DOCUMENT_HOVER, self.hover, None
+        yield types.TEXT_DOCUMENT_DEFINITION, self.definition, None
+        yield types.TEXT_DOCUMENT_REFERENCES, self.references, None
+        yield types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, self.symbols, None
+        yield types.WORKSPACE_SYMBOL, self.workspace_symbols, None
+        yield types.TEXT_DOCUMENT_PREPARE_RENAME, self.prepare_rename, None
+        yield types.TEXT_DOCUMENT_CODE_LENS, self.lenses, None
+        yield types.TEXT_DOCUMENT_FORMATTING, self.format, None
+        yield types.TEXT_DOCUMENT_COMPLETION, self.completion, triggers
+        yield types.TEXT_DOCUMENT_RENAME, self.rename, types.RenameOptions(prepare_provider=True)
+        yield types.TEXT_DOCUMENT_CODE_ACTION, self.actions, kinds
 
     def report_server_error(self, error: Exception, source: type[Exception]) -> None:
         """Report errors of the client to the client, and internal ones on standard error."""

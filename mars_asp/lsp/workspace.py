@@ -9,9 +9,7 @@ from mars_asp.lsp.questions import Survey
 from mars_asp.lsp.robot import DocumentContext, EditorFinding, EditorRobot
 from mars_asp.lsp.rule_text import RuleText, is_rules, rule_text
 from mars_asp.lsp.rules import Rules
-from mars_asp.reading import read_file
-
-_ENCODINGS = ("utf-8-sig", "latin-1")
+from mars_asp.reading import decoded, read_file
 
 
 class EditorWorkspace:
@@ -165,14 +163,4 @@ def _is_saved(path: str, text: str) -> bool:
         return False
     if len(raw) > most:
         return False
-    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return raw.decode("utf-16", "replace") == text
-    if raw.decode("utf-8", "replace") == text:
-        return True
-    for encoding in _ENCODINGS:
-        try:
-            if raw.decode(encoding) == text:
-                return True
-        except UnicodeDecodeError:
-            continue
-    return False
+    return text in (decoded(raw), raw.decode("utf-8", "replace"), raw.decode("latin-1"))
