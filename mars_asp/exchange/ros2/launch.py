@@ -1,9 +1,9 @@
 """The nodes that a launch file and its includes start, with names, namespaces and remappings."""
 
 import re
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from itertools import chain, pairwise
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -129,6 +129,8 @@ class _Entered(NamedTuple):
 class _Scope:
     """The settings that hold for the actions of a group."""
 
+    #: The launch file of the actions, after the files that include it.
+    launched: tuple[Path, ...]
     namespace: str = "/"
     remaps: list[tuple[Renaming, Span]] = field(default_factory=list)
     arguments: dict[str, str | None] = field(default_factory=dict)
@@ -153,6 +155,7 @@ class _Scope:
     def state(self) -> tuple[Hashable, ...]:
         """Return the parts on which the effect of actions depends, without the conditions above."""
         return (
+            self.launched,
             self.namespace,
             tuple(self.remaps),
             tuple(self.arguments.items()),
@@ -162,6 +165,11 @@ class _Scope:
             tuple(self.passed.items()),
             self.closed,
         )
+
+    @property
+    def file(self) -> Path:
+        """The launch file of the actions."""
+        return self.launched[-1]
 
     def variable(self, name: str) -> str | None:
         """Return the variable that gives an argument its value, or None if a file sets it."""
@@ -209,7 +217,7 @@ class Launch:
         Raises:
             MarsError: the file itself has an error.
         """
-        self._walk(self._read_actions(file), _Scope(), (file,))
+        self._walk(self._read_actions(file), _Scope((file,)))
 
     def _read_actions(self, file: Path) -> tuple[Action, ...]:
         self.reached.add(file)
@@ -222,23 +230,23 @@ class Launch:
             self._texts.actions[file] = (read_python if is_python else read_markup)(text, shown)
         return self._texts.actions[file]
 
-    def _walk(self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]) -> None:  # noqa: C901 -- one case for each action
+    def _walk(self, actions: Sequence[Action], scope: _Scope) -> None:  # noqa: C901 -- one case for each action
         for action in actions:
             if len(self.started) >= _MOST_NODES:
                 return
             match action:
                 case Start():
-                    self._add_started(action, scope, files)
+                    self._add_started(action, scope)
                 case LaunchGroup(inner, scoped, tests):
                     within = scope.inner() if scoped else scope
                     before = within.conditions
-                    conditions = self._conditions(tests, scope, files)
+                    conditions = self._conditions(tests, scope)
                     if conditions is not None:
                         within.conditions = (*before, *conditions)
-                        self._walk(inner, within, files)
+                        self._walk(inner, within)
                         within.conditions = before
                 case PushNamespace(namespace, span):
-                    pushed = self._known_text(namespace, scope, files)
+                    pushed = self._known_text(namespace, scope)
                     if pushed is None:
                         self.unread.append(
                             Unread(
@@ -250,34 +258,34 @@ class Launch:
                     else:
                         scope.namespace = joined(scope.namespace, pushed)
                 case SetRemap(remap):
-                    scope.remaps += self._remaps((remap,), scope, files)
+                    scope.remaps += self._remaps((remap,), scope)
                 case Declare():
-                    self._declare(action, scope, files)
+                    self._declare(action, scope)
                 case SetParameters(paths, parameters):
-                    scope.files += tuple(self._parameter_files(paths, scope, files, None))
-                    given = self._parameters(parameters, scope, files, is_for_all=True)
+                    scope.files += tuple(self._parameter_files(paths, scope, None))
+                    given = self._parameters(parameters, scope, is_for_all=True)
                     scope.parameters.update(given)
                 case IncludeAction():
-                    self._include(action, scope, files)
+                    self._include(action, scope)
                 case Reads(words, span):
-                    self._note_read(words, span, scope, files)
+                    self._note_read(words, span, scope)
                 case Readings(readings, taken):
-                    self._either(readings, taken, scope, files)
+                    self._either(readings, taken, scope)
                 case NotRead(sort, name, span):
                     self.unread.append(Unread(sort, name, span))
                 case Undeclared(name, span):
-                    self._note_undeclared(name, span, scope, files)
+                    self._note_undeclared(name, span, scope)
 
-    def _declare(self, action: Declare, scope: _Scope, files: tuple[Path, ...]) -> None:
+    def _declare(self, action: Declare, scope: _Scope) -> None:
         """Take up a launch argument, and note a default that names a file which is not there."""
-        if not self._is_usual(action.tests, scope, files):
+        if not self._is_usual(action.tests, scope):
             return
         name = action.name
-        value = None if action.value is None else self._known_text(action.value, scope, files)
+        value = None if action.value is None else self._known_text(action.value, scope)
         # An including file may have set it to a value that only a run knows.
         is_open = scope.arguments.get(name) is None and name not in scope.fixed
         if is_open:
-            self._note_missing(value, action.span, files)
+            self._note_missing(value, action.span, scope)
         variable = None if action.forced else scope.variable(name)
         if action.forced or is_open:
             scope.arguments[name] = value
@@ -287,30 +295,26 @@ class Launch:
             scope.fixed |= {name}
 
     def _either(
-        self,
-        readings: Sequence[Sequence[Action]],
-        taken: Sequence[Tests],
-        scope: _Scope,
-        files: tuple[Path, ...],
+        self, readings: Sequence[Sequence[Action]], taken: Sequence[Tests], scope: _Scope
     ) -> None:
         """Collect the nodes of all readings; nodes of only some get the branches as conditions."""
-        before, missing = self.started, self.missing
         lacking: list[dict[AbsentFile, None]] = []
         noted = len(self.unread)
         found: list[tuple[Started, set[int]]] = []
         at: dict[Span, list[tuple[Started, set[int]]]] = {}
         branches: dict[int, dict[tuple[Text, Text], StartCondition]] = {}
         for number, (actions, tests) in enumerate(zip(readings, taken, strict=True)):
-            conditions = self._branches(tests, scope, files)
+            conditions = self._branches(tests, scope)
             if conditions is None:
                 continue
             branches[number] = conditions
-            self.started, self.missing = [], {}
-            self._walk(actions, scope.inner(), files)
+            read = self._apart(partial(self._walk, actions, scope.inner()))
+            self.unread += read.unread
+            self.reached |= read.reached
             if all(not test.branch for test in tests):
-                missing |= self.missing
-            lacking.append(self.missing)
-            for each in self.started:
+                self.missing |= read.missing
+            lacking.append(read.missing)
+            for each in read.started:
                 same = at.setdefault(each.span, [])
                 by = next((by for one, by in same if one == each), None)
                 if by is None:
@@ -318,9 +322,10 @@ class Launch:
                     found.append(same[-1])
                 else:
                     by.add(number)
-        self.started, self.missing = before, missing
         # A branch of code that may never be taken names its files in vain, if no other does.
-        missing |= {each: None for each in chain(*lacking) if all(each in by for by in lacking)}
+        self.missing |= {
+            each: None for each in chain(*lacking) if all(each in by for by in lacking)
+        }
         self.unread[noted:] = dict.fromkeys(self.unread[noted:])
         decided: list[tuple[Started, list[StartCondition]]] = []
         for each, by in found:
@@ -346,7 +351,7 @@ class Launch:
             self.started.append(replace(each, conditions=(*each.conditions, *needed)))
 
     def _branches(
-        self, tests: Tests, scope: _Scope, files: tuple[Path, ...]
+        self, tests: Tests, scope: _Scope
     ) -> dict[tuple[Text, Text], StartCondition] | None:
         """Return the tests of a reading that are open, or None if one of them fails."""
         found: dict[tuple[Text, Text], StartCondition] = {}
@@ -357,35 +362,35 @@ class Launch:
                 # Two of one file may be alternatives.
                 found[key] = StartCondition(*shown, test.wanted, test.span, (test.span.path,))
                 continue
-            conditions = self._conditions((test,), scope, files)
+            conditions = self._conditions((test,), scope)
             if conditions is None:
                 return None
             found.update((key, one) for one in conditions)
         return found
 
-    def _include(self, action: IncludeAction, scope: _Scope, files: tuple[Path, ...]) -> None:
+    def _include(self, action: IncludeAction, scope: _Scope) -> None:
         written = self._partial_text(action.path, scope)
-        path = self._known_text(action.path, scope, files)
-        found = None if path is None else self.workspace.find(path, files[-1].parent)
+        path = self._known_text(action.path, scope)
+        found = None if path is None else self.workspace.find(path, scope.file.parent)
         known = self.workspace.catalogued(path) if found is None and path is not None else None
-        if known is not None and known not in files:
-            self._include_known(known, action, scope, files)
+        if known is not None and known not in scope.launched:
+            self._include_known(known, action, scope)
             return
-        is_missing = self._note_missing(path, action.span, files)
+        is_missing = self._note_missing(path, action.span, scope)
         if found is None:
             self.unread.append(Unread(ABSENT if is_missing else NOT_HERE, written, action.span))
-            for value in self._parameters(action.arguments, scope, files).values():
+            for value in self._parameters(action.arguments, scope).values():
                 named = value.text if value.is_known else ""
-                self._note_missing(named, action.span, files)
-                given = self.workspace.find(named, files[-1].parent)
+                self._note_missing(named, action.span, scope)
+                given = self.workspace.find(named, scope.file.parent)
                 if given is not None and given.suffix in _PARAMETER_FILES:
                     self.passed[given] = None
             return
-        if found == files[-1] and not (action.tests or scope.conditions):
+        if found == scope.file and not (action.tests or scope.conditions):
             name = f"{self.workspace.shown(found)}: the file always includes itself"
             self.unread.append(Unread(CIRCLES, name, action.span))
             return
-        if found in files or len(files) > _DEEPEST_INCLUDE:
+        if found in scope.launched or len(scope.launched) > _DEEPEST_INCLUDE:
             self.unread.append(Unread("includes in a circle", written, action.span))
             return
         try:
@@ -396,55 +401,55 @@ class Launch:
             name = f"{self.workspace.shown(found)}: {first.message}"
             self.unread.append(Unread(sort, name, first.span))
             return
-        self._enter(actions, action, scope, (*files, found))
+        self._enter(actions, action, scope, found)
 
-    def _include_known(
-        self, file: Path, action: IncludeAction, scope: _Scope, files: tuple[Path, ...]
-    ) -> None:
+    def _include_known(self, file: Path, action: IncludeAction, scope: _Scope) -> None:
         """Collect the nodes of a launch file of the catalogue, with the location of its include."""
-        span, started, unread, missing = action.span, self.started, self.unread, self.missing
-        self.started, self.unread, self.missing = [], [], {}
-        self._enter(self._read_actions(file), action, scope, (*files, file))
-        self.missing = {
-            **missing,
-            **dict.fromkeys(
-                replace(each, span=span) for each in self.missing if "argument" not in each.sort
-            ),
-        }
+        span, actions = action.span, self._read_actions(file)
+        found = self._apart(partial(self._enter, actions, action, scope, file))
+        self.reached |= found.reached
+        self.missing |= dict.fromkeys(
+            replace(each, span=span) for each in found.missing if "argument" not in each.sort
+        )
         rewrites = file.parent.parent.name in _REWRITING
-        self.started = [*started, *(_at_include(each, span, rewrites) for each in self.started)]
+        self.started += (_at_include(each, span, rewrites) for each in found.started)
         # Its own default files are not here, and name no topics.
-        kept = (each for each in self.unread if each.sort != _NO_PARAMETERS)
-        self.unread = [*unread, *(each._replace(span=span) for each in kept)]
+        kept = (each for each in found.unread if each.sort != _NO_PARAMETERS)
+        self.unread += (each._replace(span=span) for each in kept)
+
+    def _apart(self, collect: Callable[[], None]) -> _Entered:
+        """Return the results that a function collects, apart from those before."""
+        before = self.started, self.unread, self.reached, self.missing
+        self.started, self.unread, self.reached, self.missing = [], [], set(), {}
+        collect()
+        found = _Entered(self.started, self.unread, self.reached, self.missing)
+        self.started, self.unread, self.reached, self.missing = before
+        return found
 
     def _enter(
-        self,
-        actions: Sequence[Action],
-        action: IncludeAction,
-        scope: _Scope,
-        files: tuple[Path, ...],
+        self, actions: Sequence[Action], action: IncludeAction, scope: _Scope, file: Path
     ) -> None:
-        """Take up the actions of an included file, the last one of `files`."""
-        conditions = self._conditions(action.tests, scope, files[:-1])
+        """Take up the actions of an included file."""
+        conditions = self._conditions(action.tests, scope)
         if conditions is None:
             return
         within = scope.inner()
-        within.conditions = ()
+        within.launched, within.conditions = (*scope.launched, file), ()
         if not action.inherits:
             within.arguments.clear()
             within.fixed, within.passed, within.closed = frozenset(), {}, True
-        given = [each for each in action.arguments if self._is_usual(each.tests, scope, files[:-1])]
+        given = [each for each in action.arguments if self._is_usual(each.tests, scope)]
         for each in given:
-            self._pass(each, scope, within, files)
-        passed = self._parameters(given, scope, files[:-1])
+            self._pass(each, scope, within)
+        passed = self._parameters(given, scope)
         for value in passed.values():
-            self._note_missing(value.text, action.span, files[:-1])
+            self._note_missing(value.text, action.span, scope)
         within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
-        found = self._entered_with(actions, within, files, action.span)
+        found = self._entered_with(actions, within, action.span)
         if not action.inherits:
-            self._note_arguments(given, files[-1], files[-1:])
+            self._note_arguments(given, file, (file,))
         elif all(each.sort not in _MAY_READ_ARGUMENTS for each in found.unread):
-            self._note_arguments(given, files[-1], found.reached)
+            self._note_arguments(given, file, found.reached)
         conditions = (*scope.conditions, *conditions)
         self.started += (
             replace(each, conditions=(*conditions, *each.conditions))
@@ -454,23 +459,18 @@ class Launch:
         self.reached |= found.reached
         self.missing |= found.missing
 
-    def _entered_with(
-        self, actions: Sequence[Action], within: _Scope, files: tuple[Path, ...], span: Span
-    ) -> "_Entered":
+    def _entered_with(self, actions: Sequence[Action], within: _Scope, span: Span) -> _Entered:
         """Return the results of an included file.
 
         Many branches of code include one file with the same arguments: it is followed once.
         """
-        key = (files, *within.state())
+        key = within.state()
         if key not in self._entered:
             if len(self._entered) >= _MOST_INCLUDES:
                 sort = f"includes beyond the first {_MOST_INCLUDES} of a launch file"
-                return _Entered([], [Unread(sort, files[-1].name, span)], set(), {})
-            before = self.started, self.unread, self.reached, self.missing
-            self.started, self.unread, self.reached, self.missing = [], [], {files[-1]}, {}
-            self._walk(actions, within, files)
-            self._entered[key] = _Entered(self.started, self.unread, self.reached, self.missing)
-            self.started, self.unread, self.reached, self.missing = before
+                return _Entered([], [Unread(sort, within.file.name, span)], set(), {})
+            self._entered[key] = self._apart(partial(self._walk, actions, within))
+            self._entered[key].reached.add(within.file)
         return self._entered[key]
 
     def _note_arguments(
@@ -490,21 +490,19 @@ class Launch:
                     sort = "refused argument"
                 self.missing[AbsentFile(name, shown, each.keys[0][1], sort)] = None
 
-    def _note_undeclared(
-        self, name: str, span: Span, scope: _Scope, files: tuple[Path, ...]
-    ) -> None:
+    def _note_undeclared(self, name: str, span: Span, scope: _Scope) -> None:
         """Note an argument of ROS 1 that its file reads and does not declare.
 
         An include may hand on all arguments of the file around it.
         """
-        package = self.workspace.package_of(files[-1])
+        package = self.workspace.package_of(scope.file)
         is_of_ros2 = package is not None and package.is_of_ros2
-        is_handed_on = len(files) > 1 and not scope.closed
+        is_handed_on = len(scope.launched) > 1 and not scope.closed
         if not (is_of_ros2 or is_handed_on):
-            shown = self.workspace.shown(files[-1])
+            shown = self.workspace.shown(scope.file)
             self.missing[AbsentFile(name, shown, span, "undeclared argument")] = None
 
-    def _note_missing(self, path: str | None, span: Span, files: tuple[Path, ...]) -> bool:
+    def _note_missing(self, path: str | None, span: Span, scope: _Scope) -> bool:
         """Note that a package here lacks the file of a path, and return whether it does.
 
         A launch file that checks whether files exist does without them.
@@ -512,27 +510,27 @@ class Launch:
         # Most texts of launch files name no file, which has an ending.
         if path is None or "." not in path:
             return False
-        folder = files[-1].parent
+        folder = scope.file.parent
         is_here = self.workspace.find(path, folder) is not None
         lacks = self.workspace.not_installed if is_here else self.workspace.lacking
         lacking = lacks(path, folder)
-        if lacking is None or self._texts.checks_files(files[-1]):
+        if lacking is None or self._texts.checks_files(scope.file):
             return False
         package, name = lacking
         sort: Literal["file", "not installed"] = "not installed" if is_here else "file"
         self.missing[AbsentFile(name, package, span, sort)] = None
         return not is_here
 
-    def _note_read(self, words: Text, span: Span, scope: _Scope, files: tuple[Path, ...]) -> None:
+    def _note_read(self, words: Text, span: Span, scope: _Scope) -> None:
         """Note the files that launching reads and a package lacks; unknown words name none."""
-        spelt = "".join(self._known_text((part,), scope, files) or _UNKNOWN_WORD for part in words)
+        spelt = "".join(self._known_text((part,), scope) or _UNKNOWN_WORD for part in words)
         for word in _WORD.findall(spelt):
             path = word.strip("'\"")
             if _UNKNOWN_WORD not in path:
-                self._note_missing(path, span, files)
-                self._describe(self.workspace.find(path, files[-1].parent), files)
+                self._note_missing(path, span, scope)
+                self._describe(self.workspace.find(path, scope.file.parent), scope)
 
-    def _describe(self, file: Path | None, files: tuple[Path, ...]) -> None:
+    def _describe(self, file: Path | None, scope: _Scope) -> None:
         """Note the meshes that a description names and a package lacks, and follow its includes."""
         if file is None or file.suffix not in DESCRIPTIONS or file in self._described:
             return
@@ -542,13 +540,11 @@ class Launch:
         except MarsError:
             return
         for path, span, is_included in files_named(text, self.workspace.shown(file)):
-            self._note_missing(path, span, files)
+            self._note_missing(path, span, scope)
             if is_included and len(self._described) < _MOST_DESCRIPTIONS:
-                self._describe(self.workspace.find(path, file.parent), files)
+                self._describe(self.workspace.find(path, file.parent), scope)
 
-    def _pass(
-        self, argument: NodeParameter, scope: _Scope, within: _Scope, files: tuple[Path, ...]
-    ) -> None:
+    def _pass(self, argument: NodeParameter, scope: _Scope, within: _Scope) -> None:
         """Note the arguments of an included file: a value, or an argument of its caller."""
         name, variable = plain(argument.name), None
         if name is None:
@@ -557,7 +553,7 @@ class Launch:
             passed = argument.value[0]
             variable = scope.variable(passed.name)
             if variable is not None and passed.default is not None:
-                default = self._known_text(passed.default, scope, files)
+                default = self._known_text(passed.default, scope)
                 if default is not None:
                     self.defaults.setdefault(variable, default)
         within.fixed -= {name}
@@ -567,25 +563,23 @@ class Launch:
         else:
             within.passed = {**within.passed, name: variable}
 
-    def _conditions(
-        self, tests: Tests, scope: _Scope, files: tuple[Path, ...]
-    ) -> tuple[StartCondition, ...] | None:
+    def _conditions(self, tests: Tests, scope: _Scope) -> tuple[StartCondition, ...] | None:
         """Return the tests that are open, or None if one fails for any arguments."""
         found: list[StartCondition] = []
         for test in tests:
-            value = "true" if test.value is None else self._known_text(test.value, scope, files)
+            value = "true" if test.value is None else self._known_text(test.value, scope)
             variable = None
             if len(test.text) == 1 and isinstance(test.text[0], LaunchArgument):
                 argument = test.text[0]
                 variable = scope.variable(argument.name)
                 if variable is not None and argument.default is not None:
-                    default = self._known_text(argument.default, scope, files)
+                    default = self._known_text(argument.default, scope)
                     if default is not None and scope.arguments.get(argument.name) is None:
                         self.defaults.setdefault(variable, default)
             if variable is not None and value is not None:
                 found.append(StartCondition(variable, value, test.wanted, test.span))
                 continue
-            given = None if variable is not None else self._known_text(test.text, scope, files)
+            given = None if variable is not None else self._known_text(test.text, scope)
             if given is None or value is None:
                 arguments = (
                     scope.variable(part.name) or part.name
@@ -604,9 +598,9 @@ class Launch:
                 return None
         return tuple(found)
 
-    def _is_usual(self, tests: Tests, scope: _Scope, files: tuple[Path, ...]) -> bool:
+    def _is_usual(self, tests: Tests, scope: _Scope) -> bool:
         """Whether all tests hold with the defaults of the launch arguments, where these decide."""
-        conditions = self._conditions(tests, scope, files)
+        conditions = self._conditions(tests, scope)
         if conditions is None:
             return False
         for each in conditions:
@@ -616,16 +610,14 @@ class Launch:
                 return False
         return True
 
-    def _add_started(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
-        conditions = self._conditions(action.tests, scope, files)
+    def _add_started(self, action: Start, scope: _Scope) -> None:
+        conditions = self._conditions(action.tests, scope)
         if conditions is None:
             return
-        package = self._known_text(action.package, scope, files)
-        executable = self._known_text(action.executable, scope, files)
-        name = "" if action.name is None else self._known_text(action.name, scope, files)
-        namespace = (
-            "" if action.namespace is None else self._known_text(action.namespace, scope, files)
-        )
+        package = self._known_text(action.package, scope)
+        executable = self._known_text(action.executable, scope)
+        name = "" if action.name is None else self._known_text(action.name, scope)
+        namespace = "" if action.namespace is None else self._known_text(action.namespace, scope)
         if package is None or executable is None:
             called = name or executable or package or "?"
             sort = "nodes whose program is known at run time alone"
@@ -638,11 +630,11 @@ class Launch:
         for _, span in action.unread:
             called = name or executable or "?"
             self.unread.append(Unread("remappings made at run time", called, span))
-        words = self._argument_words(action, scope, files)
+        words = self._argument_words(action, scope)
         for before, word in pairwise(("", *words)):
             is_read = package not in _RECORDERS and before not in _OUTPUTS
             if is_read:
-                self._note_missing(word, action.span, files)
+                self._note_missing(word, action.span, scope)
         # The name in the arguments of a program wins over that of the launch file.
         entries = {
             s: target for s, _, target in (w.partition(":=") for w in words) if s[:2] == "__"
@@ -651,11 +643,11 @@ class Launch:
         at = joined(scope.namespace, namespace or "")
         remaps = [
             *scope.remaps,
-            *self._remaps(action.remaps, scope, files),
+            *self._remaps(action.remaps, scope),
             *self._argued(action, words),
         ]
         given = dict(scope.parameters)
-        given |= self._parameters(action.parameters, scope, files)
+        given |= self._parameters(action.parameters, scope)
         given |= dict(_set(words, action.span))
         named = [text_of(path) for before, path in pairwise(words) if before == "--params-file"]
         paths = (*action.files, *named)
@@ -668,20 +660,20 @@ class Launch:
                 joined("/", entries.get("__ns") or at),
                 tuple(rule for rule, _ in remaps),
                 dict(reversed(remaps)),
-                (*scope.files, *self._parameter_files(paths, scope, files, action.span)),
+                (*scope.files, *self._parameter_files(paths, scope, action.span)),
                 given,
                 action.span,
                 (*scope.conditions, *conditions),
                 tuple(words),
-                any(self._is_unknown(path, scope, files) for path in paths),
+                any(self._is_unknown(path, scope) for path in paths),
                 action.is_rewritten,
                 _ANONYMOUS.search(name or "") is not None,
             )
         )
 
-    def _argument_words(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> list[str]:
+    def _argument_words(self, action: Start, scope: _Scope) -> list[str]:
         """Return the words of the arguments of a program, the unknown ones empty."""
-        texts = [self._known_text(each, scope, files) or "" for each in action.arguments]
+        texts = [self._known_text(each, scope) or "" for each in action.arguments]
         return [word.strip("'\"") for text in texts for word in _WORD.findall(text) or [""]]
 
     def _argued(self, action: Start, words: Sequence[str]) -> Iterator[tuple[Renaming, Span]]:
@@ -693,12 +685,10 @@ class Launch:
             if sign and is_remapping and source and target and not source.startswith("__"):
                 yield (source, target), action.span
 
-    def _remaps(
-        self, remaps: Sequence[Remap], scope: _Scope, files: tuple[Path, ...]
-    ) -> Iterator[tuple[Renaming, Span]]:
+    def _remaps(self, remaps: Sequence[Remap], scope: _Scope) -> Iterator[tuple[Renaming, Span]]:
         for remap in remaps:
-            source = self._known_text(remap.source, scope, files)
-            target = self._known_text(remap.target, scope, files)
+            source = self._known_text(remap.source, scope)
+            target = self._known_text(remap.target, scope)
             if source and target:
                 yield (source, target), remap.span
             else:
@@ -706,18 +696,13 @@ class Launch:
                 self.unread.append(Unread("remappings made at run time", called, remap.span))
 
     def _parameters(
-        self,
-        given: Sequence[NodeParameter],
-        scope: _Scope,
-        files: tuple[Path, ...],
-        *,
-        is_for_all: bool = False,
+        self, given: Sequence[NodeParameter], scope: _Scope, *, is_for_all: bool = False
     ) -> dict[str, GivenParameter]:
         found: dict[str, GivenParameter] = {}
         for each in given:
-            steps = [self._known_text(step, scope, files) for step, _ in each.keys]
+            steps = [self._known_text(step, scope) for step, _ in each.keys]
             names = [step for step in steps if step is not None]
-            texts = [self._known_text(text, scope, files) for text in each.items or (each.value,)]
+            texts = [self._known_text(text, scope) for text in each.items or (each.value,)]
             known = [Scalar(text, False, each.span) for text in texts if text is not None]
             if len(names) < len(steps):
                 continue
@@ -734,39 +719,32 @@ class Launch:
         return found
 
     def _parameter_files(
-        self,
-        paths: Sequence[Text],
-        scope: _Scope,
-        files: tuple[Path, ...],
-        span: Span | None,
+        self, paths: Sequence[Text], scope: _Scope, span: Span | None
     ) -> Iterator[Path]:
         for each in paths:
-            path = self._known_text(each, scope, files)
-            found = None if path is None else self.workspace.find(path, files[-1].parent)
+            path = self._known_text(each, scope)
+            found = None if path is None else self.workspace.find(path, scope.file.parent)
             if found is not None:
                 if span is not None:
-                    self._note_missing(path, span, files)
+                    self._note_missing(path, span, scope)
                 yield found
             elif span is not None:
                 called = self._partial_text(each, scope)
-                is_missing = self._note_missing(path, span, files)
+                is_missing = self._note_missing(path, span, scope)
                 self.unread.append(Unread(ABSENT if is_missing else _NO_PARAMETERS, called, span))
 
-    def _is_unknown(self, path: Text, scope: _Scope, files: tuple[Path, ...]) -> bool:
+    def _is_unknown(self, path: Text, scope: _Scope) -> bool:
         """Whether a parameter file is unknown, or is missing in a package here.
 
         A file of another package is assumed to give the defaults of its programs.
         """
-        name, folder = self._known_text(path, scope, files), files[-1].parent
+        name, folder = self._known_text(path, scope), scope.file.parent
         if name is None or self.workspace.find(name, folder) is not None:
             return name is None
         return self.workspace.lacking(name, folder) is not None
 
-    def _known_text(self, text: Text, scope: _Scope, files: tuple[Path, ...]) -> str | None:
+    def _known_text(self, text: Text, scope: _Scope, depth: int = 0) -> str | None:
         """Return a text with its parts known, if they are."""
-        return self._spelt(text, scope, files, 0)
-
-    def _spelt(self, text: Text, scope: _Scope, files: tuple[Path, ...], depth: int) -> str | None:
         if depth > _DEEPEST_ARGUMENT:
             return None
         found: list[str] = []
@@ -777,12 +755,12 @@ class Launch:
                 case LaunchArgument(name, default):
                     spelt = scope.arguments.get(name)
                     if spelt is None and default is not None:
-                        spelt = self._spelt(default, scope, files, depth + 1)
+                        spelt = self._known_text(default, scope, depth + 1)
                 case PackageShare(package):
-                    named = self._spelt(package, scope, files, depth + 1)
+                    named = self._known_text(package, scope, depth + 1)
                     spelt = None if named is None else f"$(find-pkg-share {named})"
                 case LaunchDirectory():
-                    spelt = str(files[-1].parent)
+                    spelt = str(scope.file.parent)
                 case _:
                     spelt = None
             if spelt is None:
