@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from mars_asp.diagnostic import Span
+from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
 
 
@@ -69,7 +70,7 @@ Tests: TypeAlias = tuple[Test, ...]
 
 @dataclass(frozen=True, slots=True)
 class Remap:
-    """A renaming of `source` to `target`."""
+    """A renaming of `source` to `target`, of one node or of all later ones of the group."""
 
     source: Text
     target: Text
@@ -139,13 +140,6 @@ class PushNamespace:
 
 
 @dataclass(frozen=True, slots=True)
-class SetRemap:
-    """A renaming for all later actions of the group."""
-
-    remap: Remap
-
-
-@dataclass(frozen=True, slots=True)
 class Declare:
     """A launch argument: its default, or with `forced` its value, if the tests hold."""
 
@@ -188,22 +182,9 @@ class Reads:
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """The alternative lists of actions of a launch file, one for each choice of branches.
+    """The alternative lists of actions of a launch file, each with the tests of its branches."""
 
-    `taken` are the conditions of the branches of each list.
-    """
-
-    readings: "tuple[tuple[Action, ...], ...]"
-    taken: tuple[Tests, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class NotRead:
-    """Skipped contents of a launch file: their sort (in the plural), name and location."""
-
-    sort: str
-    name: str
-    span: Span
+    readings: "tuple[tuple[tuple[Action, ...], Tests], ...]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,13 +199,13 @@ Action: TypeAlias = (
     Start
     | LaunchGroup
     | PushNamespace
-    | SetRemap
+    | Remap
     | Declare
     | SetParameters
     | IncludeAction
     | Reads
     | Readings
-    | NotRead
+    | Unread
     | Undeclared
 )
 

@@ -8,7 +8,6 @@ from mars_asp.exchange.ros2.actions import (
     Action,
     IncludeAction,
     NodeParameter,
-    NotRead,
     PackageShare,
     Part,
     Reads,
@@ -19,6 +18,7 @@ from mars_asp.exchange.ros2.actions import (
     text_of,
     together,
 )
+from mars_asp.exchange.unread import Unread
 
 _BLANKS = re.compile(r"\s+")
 _SHOWN = 4
@@ -45,7 +45,7 @@ def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
         case _:
             called = " ".join(filter(None, known[:_SHOWN])) or "?"
             script = words[1:2] if known[:1] and known[0] in _INTERPRETERS else words[:1]
-            unread = NotRead("programs that are not nodes", called, span)
+            unread = Unread("programs that are not nodes", called, span)
             return together((unread, Reads(text_of(*script), span)), tests)
     return Start(span, package, executable, arguments=tuple(arguments), tests=tests)
 

@@ -17,14 +17,12 @@ from mars_asp.exchange.ros2.actions import (
     LaunchDirectory,
     LaunchGroup,
     NodeParameter,
-    NotRead,
     PackageShare,
     PushNamespace,
     Readings,
     Reads,
     Remap,
     SetParameters,
-    SetRemap,
     Start,
     Tests,
     Text,
@@ -257,8 +255,8 @@ class Launch:
                         )
                     else:
                         scope.namespace = joined(scope.namespace, pushed)
-                case SetRemap(remap):
-                    scope.remaps += self._remaps((remap,), scope)
+                case Remap():
+                    scope.remaps += self._remaps((action,), scope)
                 case Declare():
                     self._declare(action, scope)
                 case SetParameters(paths, parameters):
@@ -269,10 +267,10 @@ class Launch:
                     self._include(action, scope)
                 case Reads(words, span):
                     self._note_read(words, span, scope)
-                case Readings(readings, taken):
-                    self._either(readings, taken, scope)
-                case NotRead(sort, name, span):
-                    self.unread.append(Unread(sort, name, span))
+                case Readings(readings):
+                    self._either(readings, scope)
+                case Unread():
+                    self.unread.append(action)
                 case Undeclared(name, span):
                     self._note_undeclared(name, span, scope)
 
@@ -294,16 +292,14 @@ class Launch:
         if action.forced:
             scope.fixed |= {name}
 
-    def _either(
-        self, readings: Sequence[Sequence[Action]], taken: Sequence[Tests], scope: _Scope
-    ) -> None:
+    def _either(self, readings: Sequence[tuple[Sequence[Action], Tests]], scope: _Scope) -> None:
         """Collect the nodes of all readings; nodes of only some get the branches as conditions."""
         lacking: list[dict[AbsentFile, None]] = []
         noted = len(self.unread)
         found: list[tuple[Started, set[int]]] = []
         at: dict[Span, list[tuple[Started, set[int]]]] = {}
         branches: dict[int, dict[tuple[Text, Text], StartCondition]] = {}
-        for number, (actions, tests) in enumerate(zip(readings, taken, strict=True)):
+        for number, (actions, tests) in enumerate(readings):
             conditions = self._branches(tests, scope)
             if conditions is None:
                 continue
@@ -340,7 +336,7 @@ class Launch:
             ]
             decided.append((each, common))
         unmet = {one.variable for _, every in decided for one in every if not one.wanted}
-        implied = {test.text for tests in taken for test in tests if test.implied}
+        implied = {test.text for _, tests in readings for test in tests if test.implied}
         for each, every in decided:
             needed = (
                 one

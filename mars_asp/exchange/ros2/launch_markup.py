@@ -16,14 +16,12 @@ from mars_asp.exchange.ros2.actions import (
     LaunchDirectory,
     LaunchGroup,
     NodeParameter,
-    NotRead,
     PackageShare,
     Part,
     PushNamespace,
     Reads,
     Remap,
     SetParameters,
-    SetRemap,
     Start,
     Test,
     Tests,
@@ -34,6 +32,7 @@ from mars_asp.exchange.ros2.actions import (
 )
 from mars_asp.exchange.ros2.commands import of_command
 from mars_asp.exchange.ros2.conditions import tests_of_text
+from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_yaml
 
 _DEEPEST = 60
@@ -180,7 +179,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
             case "node_container" | "load_composable_node":
                 if entity.name == "node_container":
                     called = entity.attributes.get("name", "?")
-                    yield NotRead("containers of components", called, entity.span)
+                    yield Unread("containers of components", called, entity.span)
                 inner = tuple(_actions(tuple(entity.named("composable_node"))))
                 yield together(inner, tests)
             case "group":
@@ -194,7 +193,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
                 named = entity.text("namespace", "ns", "value") or UNKNOWN
                 yield PushNamespace(named, entity.span)
             case "remap" | "set_remap":
-                yield SetRemap(_remap(entity))
+                yield _remap(entity)
             case "arg" | "let" | "declare_arg":
                 yield from _declared_argument(entity)
             case "set_parameter" | "rosparam" | "set_parameters_from_file":
@@ -204,7 +203,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
                 yield of_command((command,), entity.span, tests)
             case "test":
                 called = entity.attributes.get("name", "?")
-                yield NotRead("programs that are not nodes", called, entity.span)
+                yield Unread("programs that are not nodes", called, entity.span)
             case "param":
                 yield from _read_by(entity)
             case name if name in _PASSED:
@@ -258,7 +257,7 @@ def _started_node(entity: _Entity, tests: Tests) -> Iterator[Action]:
         load = " ".join(words).split()
         called = entity.attributes.get("name", "?")
         if len(load) < 2 or load[0] not in ("load", "standalone"):
-            yield NotRead("containers of components", called, entity.span)
+            yield Unread("containers of components", called, entity.span)
             return
         # ROS 1 writes the class of a component after its package: `package/Class`.
         plugin, executable = True, text_of(load[1])

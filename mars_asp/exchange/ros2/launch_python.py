@@ -13,12 +13,10 @@ from mars_asp.exchange.ros2.actions import (
     IncludeAction,
     LaunchGroup,
     NodeParameter,
-    NotRead,
     PushNamespace,
     Readings,
     Remap,
     SetParameters,
-    SetRemap,
     Start,
     Test,
     Tests,
@@ -60,6 +58,7 @@ from mars_asp.exchange.ros2.python_values import (
     items_of,
     text_from,
 )
+from mars_asp.exchange.unread import Unread
 from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
 
 _NODES = {
@@ -118,10 +117,9 @@ class _LaunchReader(Evaluator):
         for node in self.nodes:
             if isinstance(node, ast.ImportFrom):
                 self.called.update((n.asname, n.name) for n in node.names if n.asname)
-        read = tuple(self.readings(tree))
-        readings = tuple(actions for actions, _ in read)
-        same = len(set(readings)) == 1
-        found = readings[0] if same else (Readings(readings, tuple(taken for _, taken in read)),)
+        readings = tuple(self.readings(tree))
+        same = len({actions for actions, _ in readings}) == 1
+        found = readings[0][0] if same else (Readings(readings),)
         entry = self.globals[_ENTRY]
         names = self.entered(entry) if isinstance(entry, Local) else {}
         declared = tuple(self.declared(names))
@@ -158,7 +156,7 @@ class _LaunchReader(Evaluator):
         yield from found or ((self.reading(tree, {}), ()),)
         if waiting:
             place = point(self.path, 1, 1)
-            yield (NotRead("branches of conditions", str(len(waiting)), place),), ()
+            yield (Unread("branches of conditions", str(len(waiting)), place),), ()
 
     def taken(self) -> Iterator[Test]:
         """Yield the branches that a reading took."""
@@ -230,7 +228,7 @@ class _LaunchReader(Evaluator):
                 yield PushNamespace(text_from(call.get("namespace", 0)), call.span)
             case "SetRemap":
                 source, target = text_from(call.get("src", 0)), text_from(call.get("dst", 1))
-                yield SetRemap(Remap(source, target, call.span))
+                yield Remap(source, target, call.span)
             case "SetParameter":
                 keys = ((call.get("name", 0), call.span),)
                 yield SetParameters((), (parameter_of(keys, call.get("value", 1), call.span),))
@@ -260,7 +258,7 @@ class _LaunchReader(Evaluator):
     def of_gazebo(self, call: PythonCall, tests: Tests) -> Action:
         """Return the simulator or bridge that an action of ros_gz starts."""
         if call.name == "GzServer":
-            return NotRead("programs of the simulator that a bridge joins", call.name, call.span)
+            return Unread("programs of the simulator that a bridge joins", call.name, call.span)
         file = text_from(call.get("config_file", 1))
         return Start(
             call.span,
@@ -275,7 +273,7 @@ class _LaunchReader(Evaluator):
         """Yield the actions that a function of the file returns, as launching would call it."""
         function = call.get("function", 0)
         if not isinstance(function, Local):
-            yield NotRead("functions that only a run calls", "OpaqueFunction", call.span)
+            yield Unread("functions that only a run calls", "OpaqueFunction", call.span)
             return
         named = call.get("kwargs")
         by_name = {
@@ -304,7 +302,7 @@ class _LaunchReader(Evaluator):
         if call.name in _CONTAINERS:
             if call.name == "ComposableNodeContainer":
                 called = plain(text_from(call.get("name"))) or "?"
-                yield NotRead("containers of components", called, call.span)
+                yield Unread("containers of components", called, call.span)
             components = call.get("composable_node_descriptions")
             yield from self.interpret(components, tests)
             return
@@ -360,7 +358,7 @@ class _LaunchReader(Evaluator):
         """Return the name of the called function, regardless of its import name."""
         return self.called.get(_called(node), _called(node))
 
-    def left_out(self, names: Names) -> Iterator[NotRead]:
+    def left_out(self, names: Names) -> Iterator[Unread]:
         """Yield the nodes that the file makes but never launches."""
         for node in self.nodes:
             if not isinstance(node, ast.Call) or self.name_of(node) not in _NODES:
@@ -370,9 +368,9 @@ class _LaunchReader(Evaluator):
                 call = self.alone(node, names)
                 at = "plugin" if _NODES[call.name] else "executable"
                 name = plain(text_from(call.get(at))) or call.name
-                yield NotRead("nodes that are made but not launched", name, span)
+                yield Unread("nodes that are made but not launched", name, span)
 
-    def undefined(self, tree: ast.Module) -> Iterator[NotRead]:
+    def undefined(self, tree: ast.Module) -> Iterator[Unread]:
         """Yield the names that launching uses and nothing in the file defines, as an error."""
         bound = {*dir(builtins), "__file__"}
         used = [node for node in _launched_names(tree) if isinstance(node.ctx, ast.Load)]
@@ -399,7 +397,7 @@ class _LaunchReader(Evaluator):
             listed = f"{', '.join(others)} and {last} are" if others else f"{last} is"
             message = f"{self.path}: {listed} not defined"
             place = min(first.values(), key=lambda each: (each.lineno, each.col_offset))
-            yield NotRead("launch files with errors", message, self.span(place))
+            yield Unread("launch files with errors", message, self.span(place))
 
 
 def _launched_names(tree: ast.Module) -> Iterator[ast.Name]:
