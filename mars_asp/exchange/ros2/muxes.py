@@ -7,13 +7,13 @@ https://github.com/kobuki-base/cmd_vel_mux, https://github.com/mit-racecar/racec
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from mars_asp.exchange.ros2.launch import Started
 from mars_asp.exchange.ros2.names import joined, renamed
 from mars_asp.exchange.ros2.programs import RosProgram
 from mars_asp.exchange.twist_mux.document import OUTPUT
-from mars_asp.exchange.twist_mux.document import MuxParameters as Parameters
-from mars_asp.model.graph import Mux, MuxInput
+from mars_asp.model.graph import Mux
 
 #: Nodes that hand on one of several commands, by their packages.
 _PACKAGES = frozenset(
@@ -28,15 +28,11 @@ def is_mux(program: RosProgram) -> bool:
     return program.package in _PACKAGES or program.executable.startswith("twist_mux")
 
 
-def mux_of(started: Started, name: str, full: str, given: Sequence[Parameters]) -> Mux | None:
+def mux_of(started: Started, name: str, full: str, given: Sequence[Mux]) -> Mux | None:
     """Return the mux that a node is, by the parameters that are for it, else by the first."""
     if not given:
         return None
-    chosen = next((each for each in given if each.node.rpartition("/")[2] == name), given[0])
-    return _mux_with_names(chosen, started, name, full)
-
-
-def _mux_with_names(mux: Parameters, started: Started, name: str, full: str) -> Mux:
+    mux = next((each for each in given if each.name.rpartition("/")[2] == name), given[0])
     # As a nodelet of ROS 1 it names its topics privately.
     is_private = mux.engine == "cmd_vel_mux" and started.plugin
     before = "~/" if is_private else ""
@@ -50,18 +46,12 @@ def _mux_with_names(mux: Parameters, started: Started, name: str, full: str) -> 
         written = topic if topic.startswith("/") else before + topic
         return renamed(written, started.namespace, name, started.remaps)
 
-    inputs = tuple(
-        MuxInput(each.name, known(each.topic), each.span, each.priority, each.hold_ms)
-        for each in mux.inputs
-    )
-    return Mux(full, mux.engine, mux.span, known(output), inputs)
+    inputs = tuple(replace(each, topic=known(each.topic)) for each in mux.inputs)
+    return replace(mux, name=full, output=known(output), inputs=inputs)
 
 
-def unbound(mux: Parameters) -> Mux:
+def unbound(mux: Mux) -> Mux:
     """Return the mux of a file that no node is, named in the root namespace."""
-    full = "/" + (mux.node or "twist_mux").lstrip("/")
-    inputs = tuple(
-        MuxInput(each.name, joined("/", each.topic), each.span, each.priority, each.hold_ms)
-        for each in mux.inputs
-    )
-    return Mux(full, mux.engine, mux.span, joined("/", mux.output), inputs)
+    full = "/" + (mux.name or "twist_mux").lstrip("/")
+    inputs = tuple(replace(each, topic=joined("/", each.topic)) for each in mux.inputs)
+    return replace(mux, name=full, output=joined("/", mux.output), inputs=inputs)

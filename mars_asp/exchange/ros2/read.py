@@ -44,7 +44,6 @@ from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.twist_mux.document import (
     SORTS,
     MuxDocument,
-    MuxParameters,
     read_document,
     read_parameters,
     read_parts,
@@ -941,9 +940,9 @@ class _WorkspaceRobot:
                 return started.spans.get(rule)
         return None
 
-    def _parameters_of_mux(self, started: Started, full: str) -> Iterator[MuxParameters]:
+    def _parameters_of_mux(self, started: Started, full: str) -> Iterator[Mux]:
         """Yield the parameters of a mux: of its launch file, else its files, else the user's."""
-        found: list[MuxParameters] = []
+        found: list[Mux] = []
         if any(key.partition(".")[0] in SORTS for key in started.parameters):
             values = self._node_parameters(started, full).values()
             given = document_of((each for each in values if each.is_known), started.span)
@@ -956,10 +955,10 @@ class _WorkspaceRobot:
             muxes = self._muxes(partial(read_parts, text, shown))
             # A node of ROS 2 takes the parameters for its name; a launch file may take others.
             takes_all = started.is_rewritten or PARAMETERS not in text
-            found += (each for each in muxes if takes_all or is_for(each.node, full))
+            found += (each for each in muxes if takes_all or is_for(each.name, full))
         yield from found or (mux for _, document in self.muxes for mux in document.muxes)
 
-    def _muxes(self, read: Callable[[], MuxDocument]) -> Sequence[MuxParameters]:
+    def _muxes(self, read: Callable[[], MuxDocument]) -> Sequence[Mux]:
         """Return the muxes of parameters; note errors, warnings and skipped contents."""
         try:
             document = read()

@@ -13,12 +13,11 @@ from mars_asp.exchange.rosgraph.node_info import read_node_info
 from mars_asp.exchange.rosgraph.rosdiscover import read_rosdiscover
 from mars_asp.exchange.rosgraph.topic_info import read_topic_info
 from mars_asp.exchange.topics import configuration_of
-from mars_asp.exchange.twist_mux.document import MuxParameters as Parameters
 from mars_asp.exchange.twist_mux.document import read_document
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
-from mars_asp.model.graph import Graph, GraphNode, Mux, MuxInput
+from mars_asp.model.graph import Graph, GraphNode, Mux
 
 _READERS: Mapping[str, Callable[[str, str], Dump]] = {
     "rosdiscover": read_rosdiscover,
@@ -42,7 +41,7 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     problems: list[Diagnostic] = []
     unread: list[Unread] = []
     warnings: list[Diagnostic] = []
-    muxes: list[Parameters] = []
+    muxes: list[Mux] = []
     for text, path in files:
         try:
             if dump_of(text) is None and recognised(text) == "twist_mux":
@@ -107,14 +106,14 @@ def _each_once(unread: Iterable[Unread]) -> Iterator[Unread]:
 # ---- Muxes with parameter files ------------------------------------------------------------------
 
 
-def _bound(muxes: Sequence[Parameters], graph: Graph) -> tuple[Mux, ...]:
+def _bound(muxes: Sequence[Mux], graph: Graph) -> tuple[Mux, ...]:
     """Return muxes by the names of the nodes and topics that ran."""
     return tuple(_mux(mux, _node_of(mux, graph)) for mux in muxes)
 
 
-def _node_of(mux: Parameters, graph: Graph) -> GraphNode | None:
+def _node_of(mux: Mux, graph: Graph) -> GraphNode | None:
     """Return the node of a mux, or None: it subscribes to an input, and has the name, if any."""
-    called = mux.node.rpartition("/")[2]
+    called = mux.name.rpartition("/")[2]
     for node in graph.nodes:
         hears = any(_heard(each.topic, node) for each in mux.inputs)
         if hears and (not called or node.name.rpartition("/")[2] == called):
@@ -129,19 +128,13 @@ def _heard(topic: str, node: GraphNode) -> str | None:
     return next((name for name in names if name == wanted or name.endswith(wanted)), None)
 
 
-def _mux(mux: Parameters, node: GraphNode | None) -> Mux:
+def _mux(mux: Mux, node: GraphNode | None) -> Mux:
     """Return a mux; its output is the only command topic of its node, else that of parameters."""
     sent = [] if node is None else [end.topic for end in node.published if is_command(end.type)]
     inputs = tuple(
-        MuxInput(
-            each.name,
-            (node and _heard(each.topic, node)) or "/" + each.topic.lstrip("/"),
-            each.span,
-            each.priority,
-            each.hold_ms,
-        )
+        replace(each, topic=(node and _heard(each.topic, node)) or "/" + each.topic.lstrip("/"))
         for each in mux.inputs
     )
-    name = f"/{mux.node or 'twist_mux'}" if node is None else node.name
+    name = f"/{mux.name or 'twist_mux'}" if node is None else node.name
     output = sent[0] if len(sent) == 1 else "/" + mux.output.lstrip("/")
-    return Mux(name, mux.engine, mux.span, output, inputs)
+    return replace(mux, name=name, output=output, inputs=inputs)

@@ -23,6 +23,7 @@ from mars_asp.exchange.yaml_document import (
     read_yaml,
 )
 from mars_asp.model.declarations import FOREVER, Engine, Hold
+from mars_asp.model.graph import Mux, MuxInput
 from mars_asp.model.names import read_name, written
 from mars_asp.model.ranges import MOST
 
@@ -41,33 +42,13 @@ _MOST_TWIST_MUX = 255
 
 
 @dataclass(frozen=True, slots=True)
-class MuxTopic:
-    """An input of a mux; `span` is the location of its name, `ranked` that of its priority."""
-
-    name: str
-    topic: str
-    hold_ms: Hold
-    priority: int
-    span: Span
-    ranked: Span
-
-
-@dataclass(frozen=True, slots=True)
-class MuxParameters:
-    """A mux: the engine, its node (empty where none is named), the controlled topic, the inputs."""
-
-    engine: Engine
-    node: str
-    span: Span
-    output: str
-    inputs: tuple[MuxTopic, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class MuxDocument:
-    """The muxes of a file, its contents that were not read, and warnings."""
+    """The muxes of a file, its contents that were not read, and warnings.
 
-    muxes: tuple[MuxParameters, ...]
+    Names and topics are as they are written; the name of a mux is empty if its node is not named.
+    """
+
+    muxes: tuple[Mux, ...]
     unread: tuple[Unread, ...]
     warnings: tuple[Diagnostic, ...]
 
@@ -131,7 +112,7 @@ class _MuxReader:
     """A reader that collects muxes, skipped contents, errors and warnings."""
 
     def __init__(self) -> None:
-        self.muxes: list[MuxParameters] = []
+        self.muxes: list[Mux] = []
         self.unread: list[Unread] = []
         self.problems: list[Diagnostic] = []
 
@@ -225,9 +206,9 @@ class _MuxReader:
             if entries.get(listening):
                 found = tuple(self.inputs(entries[listening]))
                 if engine == "twist_mux":
-                    self.warn_of_high(found)
+                    self.warn_of_high(found, entries[listening])
                 at = spans[listening]
-                self.muxes.append(MuxParameters(engine, "/".join(names), at, output, found))
+                self.muxes.append(Mux("/".join(names), engine, at, output, found))
 
     def listed(self, items: Items) -> Iterator[_MuxEntry]:
         """Yield the entries of a list of maps, a name that comes again with its number.
@@ -295,7 +276,7 @@ class _MuxReader:
         for name, span in spans.items():
             yield _MuxEntry(name, span, fields[name])
 
-    def inputs(self, entries: Sequence[_MuxEntry]) -> Iterator[MuxTopic]:
+    def inputs(self, entries: Sequence[_MuxEntry]) -> Iterator[MuxInput]:
         """Yield the complete inputs of a mux, and note the errors of the others."""
         for entry in entries:
             if read_name(written(entry.name)) is None:
@@ -315,19 +296,21 @@ class _MuxReader:
             hold = self.hold(entry)
             priority = self.priority(entry)
             if topic is not None and hold is not None and priority is not None:
-                ranked = entry.fields["priority"][1].span
-                yield MuxTopic(entry.name, topic, hold, priority, entry.span, ranked)
+                yield MuxInput(entry.name, topic, entry.span, priority, hold)
 
-    def warn_of_high(self, inputs: Sequence[MuxTopic]) -> None:
+    def warn_of_high(self, inputs: Sequence[MuxInput], entries: Sequence[_MuxEntry]) -> None:
         """Note the inputs whose priority is more than twist_mux keeps."""
         high = [each for each in inputs if each.priority > _MOST_TWIST_MUX]
         if high:
             first, *others = high
+            fields = {entry.name: entry.fields for entry in entries}
+            place, *further = (fields[each.name]["priority"][1].span for each in high)
             message = f"the priority of `{first.name}` is above {_MOST_TWIST_MUX}"
-            labels = tuple((each.ranked, f"so is that of `{each.name}`") for each in others)
+            texts = (f"so is that of `{each.name}`" for each in others)
+            labels = tuple(zip(further, texts, strict=True))
             help_text = f"twist_mux keeps priorities from 0 to {_MOST_TWIST_MUX}"
             self.problems.append(
-                Diagnostic("mux", "warning", message, first.ranked, labels, help_text, kind="mux")
+                Diagnostic("mux", "warning", message, place, labels, help_text, kind="mux")
             )
 
     def scalar(self, entry: _MuxEntry, what: str, expected: str) -> Scalar | None:

@@ -66,7 +66,7 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
     muxed: list[Muxed] = []
     for mux in document.muxes:
         # Several muxes of one file may name their inputs alike.
-        before = within + (f"{mux.node}/" if len(document.muxes) > 1 and mux.node else "")
+        before = within + (f"{mux.name}/" if len(document.muxes) > 1 and mux.name else "")
         controlled = before + mux.output
         for name, span in (
             (controlled, mux.span),
@@ -75,7 +75,7 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
             if name in names:
                 problems.append(_named_twice(Name(name, span), names[name]))
             names.setdefault(name, Name(name, span))
-        name = mux.node if read_name(mux.node) == mux.node else mux.engine
+        name = mux.name if read_name(mux.name) == mux.name else mux.engine
         muxed.append(Muxed(controlled, mux.engine, mux.span, name=within + name, topic=mux.output))
         controls += (
             Control(controlled, before + i.name, i.span, i.priority, i.hold_ms, topic=i.topic)
