@@ -178,6 +178,11 @@ def point(path: str, line: int, column: int) -> Span:
     return Span(path, line, column, line, column)
 
 
+def beginning(span: Span) -> Span:
+    """Return the empty span where a span begins."""
+    return point(span.path, span.line, span.column)
+
+
 def whole_file(path: str) -> Span:
     """Return the span of a whole file or folder, or of an option of the command."""
     return Span(path, 0, 0, 0, 0)

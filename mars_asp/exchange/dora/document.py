@@ -8,16 +8,17 @@ alone (`operator:`) is the node itself.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 from mars_asp.annotations.types import representation
-from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, beginning
 from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_dump
+from mars_asp.model.declarations import Data, MissingFile, Mode, Module
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate, every, read_frequency
 
+PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
 #: The part of a file that a single operator is in a source: `webcam/op/image`.
 _ALONE = "op"
 #: Inputs that dora itself feeds: timers, logs, and the inputs of a module in its own file.
@@ -63,58 +64,28 @@ _INSTALL = re.compile(r"\s*(?:(?:uv|python3?)\s+(?:-m\s+)?)?pip3?\s+install\b[^;
 _PARAMETERS = re.compile(r"\[[^\]]*\]")
 
 
-class DoraPort(NamedTuple):
-    """An input or output: its name, its type if that is stated, and its location."""
-
-    name: str
-    type: str | None
-    span: Span
-
-
-class Wire(NamedTuple):
-    """The source of an input: the output of a node, or a virtual input that dora feeds itself.
-
-    A timer has a `rate`, unless it cannot be written.
-    """
-
-    input: str
-    source: str
-    output: str
-    span: Span
-    rate: Rate | None = None
-    is_virtual: bool = False
-
-
-class NodeFile(NamedTuple):
-    """The file of a node in the folder of its dataflow, and the key that names it.
-
-    `builds` is whether a build command of the node may make the file.
-    """
-
-    key: str
-    path: str
-    span: Span
-    builds: bool
-
-
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """A node, or an operator of one; it is not `complete` if a `module` file has its contents."""
+    """A node, or an operator of one, with the relationships of its inputs and its program file.
 
-    name: str
-    span: Span
-    inputs: tuple[DoraPort, ...]
-    outputs: tuple[DoraPort, ...]
-    wires: tuple[Wire, ...]
-    complete: bool = True
-    program: NodeFile | None = None
+    It is not `complete` if a `module` file has its contents.
+    """
+
+    module: Module
+    inputs: tuple[Data, ...]
+    complete: bool
+    program: MissingFile | None
 
 
 @dataclass(frozen=True, slots=True)
 class Dataflow:
-    """The workers (nodes and operators) of a dataflow file, and its contents that were not read."""
+    """The workers (nodes and operators) of a dataflow file, and its contents that were not read.
+
+    `virtual` are the first relationships of the inputs that dora itself feeds, by their sources.
+    """
 
     workers: tuple[Worker, ...]
+    virtual: Mapping[str, Data]
     unread: tuple[Unread, ...]
 
 
@@ -128,7 +99,7 @@ def read_dataflow(text: str, path: str) -> Dataflow:
     reader.read(read_dump(text, path))
     if reader.problems:
         raise MarsError(reader.problems)
-    return Dataflow(tuple(reader.workers.values()), tuple(reader.unread))
+    return Dataflow(tuple(reader.workers.values()), reader.virtual, tuple(reader.unread))
 
 
 class _DataflowReader:
@@ -136,6 +107,7 @@ class _DataflowReader:
 
     def __init__(self) -> None:
         self.workers: dict[str, Worker] = {}
+        self.virtual: dict[str, Data] = {}
         self.unread: list[Unread] = []
         self.problems: list[Diagnostic] = []
         self.ports = 0
@@ -151,19 +123,16 @@ class _DataflowReader:
         pairs = _by_key(root)
         _, nodes = pairs.get("nodes", (None, None))
         if not isinstance(nodes, Items) or not nodes.nodes:
-            self.wrong(
-                _start_span(root.span), "the dataflow has no list of nodes", "write `nodes:`"
-            )
+            self.wrong(beginning(root.span), "the dataflow has no list of nodes", "write `nodes:`")
             return
         self.skip(pairs, _RUNNING_ALL | {"nodes"}, "settings of the dataflow")
         for node in nodes.nodes:
             if isinstance(node, Pairs):
                 self.node(node)
             else:
-                self.wrong(_start_span(node.span), "a node is not a map", "write `- id: NAME`")
-        for worker in self.workers.values():
-            wires = tuple(self.resolved(wire) for wire in worker.wires)
-            self.workers[worker.name] = replace(worker, wires=wires)
+                self.wrong(beginning(node.span), "a node is not a map", "write `- id: NAME`")
+        for name, worker in self.workers.items():
+            self.workers[name] = replace(worker, inputs=tuple(map(self.resolved, worker.inputs)))
         _, module = pairs.get("module", (None, None))
         if isinstance(module, Pairs):
             _, outputs = _by_key(module).get("outputs", (None, None))
@@ -172,12 +141,12 @@ class _DataflowReader:
     def hand_out(self, outputs: Node | None) -> None:
         """Leave out the outputs that a module gives to the dataflow that contains it."""
         listed = outputs.nodes if isinstance(outputs, Items) else ()
-        given = {each.text for each in listed if isinstance(each, Scalar)}
+        given: set[str | None] = {each.text for each in listed if isinstance(each, Scalar)}
         for worker in self.workers.values():
-            given -= {wire.output for wire in worker.wires}
-        for worker in self.workers.values():
-            kept = tuple(port for port in worker.outputs if port.name not in given)
-            self.workers[worker.name] = replace(worker, outputs=kept)
+            given -= {line.source_port for line in worker.inputs}
+        for name, worker in self.workers.items():
+            kept = tuple(port for port in worker.module.services if port.port not in given)
+            self.workers[name] = replace(worker, module=replace(worker.module, services=kept))
 
     def node(self, node: Pairs) -> None:
         """Read a node and its operators."""
@@ -203,7 +172,7 @@ class _DataflowReader:
                         self.worker(name, called.span, own, {**pairs, **own})
                 else:
                     self.wrong(
-                        _start_span(each.span), "an operator is not a map", "write `- id: NAME`"
+                        beginning(each.span), "an operator is not a map", "write `- id: NAME`"
                     )
         else:
             key, part = pairs[inside[0]]
@@ -225,7 +194,7 @@ class _DataflowReader:
         if isinstance(named, Scalar) and not _is_empty(named):
             self.check_name(named)
             return named
-        self.wrong(_start_span(node.span), f"{what} has no id", "add `id: NAME`")
+        self.wrong(beginning(node.span), f"{what} has no id", "add `id: NAME`")
         return None
 
     def check_name(self, name: Scalar) -> None:
@@ -268,29 +237,22 @@ class _DataflowReader:
         A repeated id is reported and not added. `settings` are its keys and those of its node.
         """
         if name in self.workers:
-            first = self.workers[name].span, "the first one"
+            first = self.workers[name].module.span, "the first one"
             help_text = "give each an id of its own"
             self.wrong(span, f"two nodes have the id `{name}`", help_text, first)
             return
-        types = {key: self.types(pairs, key) for key in ("input_types", "output_types")}
-        outputs = [
-            DoraPort(each.text, types["output_types"].get(each.text), each.span)
+        taken, given = (self.types(pairs, key) for key in ("input_types", "output_types"))
+        services = [
+            ports.output(each.text, given.get(each.text), each.span, None)
             for each in self.outputs(name, pairs)
         ]
-        inputs, wires = [], []
+        lines: list[Data] = []
         for key, source in self.inputs(name, pairs):
-            inputs.append(DoraPort(key.text, types["input_types"].get(key.text), key.span))
-            wire = self.wire(name, key, source)
-            if wire is not None:
-                wires.append(wire)
+            services.append(ports.taken(key.text, taken.get(key.text), key.span))
+            lines += self.wired(name, key, source)
+        module = Module(name, span, tuple(services), named=span)
         self.workers[name] = Worker(
-            name,
-            span,
-            tuple(inputs),
-            tuple(outputs),
-            tuple(wires),
-            "module" not in pairs,
-            _program(settings),
+            module, tuple(lines), "module" not in pairs, _program(name, settings)
         )
 
     def outputs(self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]) -> Iterator[Scalar]:
@@ -312,13 +274,13 @@ class _DataflowReader:
             return
         if not isinstance(listed, Items):
             message = f"the outputs of `{name}` are not a list"
-            self.wrong(_start_span(listed.span), message, "write `- OUTPUT`")
+            self.wrong(beginning(listed.span), message, "write `- OUTPUT`")
             return
         seen: dict[str, Span] = {}
         for each in listed.nodes:
             if not isinstance(each, Scalar) or not each.text:
                 message = f"an output of `{name}` is not a name"
-                self.wrong(_start_span(each.span), message, "write `- OUTPUT`")
+                self.wrong(beginning(each.span), message, "write `- OUTPUT`")
             elif each.text in seen:
                 message = f"`{name}` has two outputs `{each.text}`"
                 first = seen[each.text], "the first one"
@@ -337,7 +299,7 @@ class _DataflowReader:
             return
         if not isinstance(mapped, Pairs):
             message = f"the inputs of `{name}` are not a map"
-            self.wrong(_start_span(mapped.span), message, "write `INPUT: NODE/OUTPUT`")
+            self.wrong(beginning(mapped.span), message, "write `INPUT: NODE/OUTPUT`")
             return
         for key, value in mapped.pairs:
             source: Node | None = value
@@ -364,31 +326,32 @@ class _DataflowReader:
             if isinstance(type_, Scalar)
         }
 
-    def wire(self, name: str, key: Scalar, source: Scalar) -> Wire | None:
-        """Return the wire to an input; note a source that is none, and return None."""
+    def wired(self, name: str, key: Scalar, source: Scalar) -> Iterator[Data]:
+        """Yield the relationship of an input; note a source that is none."""
         timer = _TIMER.fullmatch(source.text)
         node, _, output = source.text.rpartition("/")
         unit, number = ("", "") if timer is None else (each or "" for each in timer.groups())
-        if _ticks(unit, number):
-            rate = _timer_rate(unit, number)
-            return Wire(key.text, source.text, "tick", source.span, rate, is_virtual=True)
-        if timer is not None or not node or not output:
+        is_timer = _ticks(unit, number)
+        if is_timer or (timer is None and _VIRTUAL.fullmatch(source.text)):
+            rate = _timer_rate(unit, number) if is_timer else None
+            mode, output = None if rate is None else PERIODIC, "tick" if is_timer else "out"
+            line = Data(name, source.text, source.span, mode, rate, key.text, output)
+            self.virtual.setdefault(source.text, line)
+            yield line
+        elif timer is not None or not node or not output:
             message = (
                 f"input `{key.text}` of `{name}` must take an output, not `{source.text[:60]}`"
             )
             help_text = "write `NODE/OUTPUT`, or a timer: `dora/timer/millis/20`"
             self.wrong(source.span, message, help_text)
-            return None
-        if _VIRTUAL.fullmatch(source.text):
-            return Wire(key.text, source.text, "out", source.span, is_virtual=True)
-        return Wire(key.text, node, output, source.span)
+        else:
+            yield Data(name, node, source.span, client_port=key.text, source_port=output)
 
-    def resolved(self, wire: Wire) -> Wire:
-        """Return a wire whose source is named as here: one operator of a node goes by its id."""
-        node, _, operator = wire.source.rpartition("/")
-        if operator == _ALONE and node in self.alone:
-            return wire._replace(source=node)
-        return wire
+    def resolved(self, line: Data) -> Data:
+        """Return a line whose source is named as here: one operator of a node goes by its id."""
+        node, _, operator = line.source.rpartition("/")
+        is_alone = operator == _ALONE and node in self.alone
+        return replace(line, source=node) if is_alone else line
 
 
 def _ticks(unit: str, number: str) -> bool:
@@ -415,7 +378,7 @@ def _timer_rate(unit: str, number: str) -> Rate | None:
     return Rate(10**9 // nanos) if is_rate else None
 
 
-def _program(settings: Mapping[str, tuple[Scalar, Node]]) -> NodeFile | None:
+def _program(name: str, settings: Mapping[str, tuple[Scalar, Node]]) -> MissingFile | None:
     """Return the program file of a node, or None if the repository does not hold it."""
     if settings.keys() & _ELSEWHERE:
         return None
@@ -434,7 +397,7 @@ def _program(settings: Mapping[str, tuple[Scalar, Node]]) -> NodeFile | None:
     _, build = settings.get("build", (None, None))
     lines = build.text.splitlines() if isinstance(build, Scalar) else []
     builds = not all(_INSTALL.fullmatch(line) for line in lines)
-    return NodeFile(key, value.text, value.span, builds)
+    return MissingFile(name, key, value.text, value.span, builds)
 
 
 def _by_key(node: Node) -> dict[str, tuple[Scalar, Node]]:
@@ -445,7 +408,3 @@ def _by_key(node: Node) -> dict[str, tuple[Scalar, Node]]:
 def _is_empty(node: Node) -> bool:
     """Whether the value of a key is empty or null."""
     return isinstance(node, Scalar) and not node.quoted and node.text in ("", "~", "null")
-
-
-def _start_span(span: Span) -> Span:
-    return span._replace(end_line=span.line, end_column=span.column)

@@ -3,11 +3,12 @@
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange import ports
-from mars_asp.exchange.dora.document import Dataflow, Wire, Worker, read_dataflow
+from mars_asp.exchange.dora.document import PERIODIC, Dataflow, read_dataflow
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_module
@@ -15,13 +16,10 @@ from mars_asp.model.declarations import (
     Configuration,
     Data,
     MissingFile,
-    Mode,
     Module,
     Name,
     Service,
 )
-
-_PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
 
 
 def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
@@ -41,17 +39,17 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
             dataflows.append(read_dataflow(text, path))
         except MarsError as error:
             problems += error.diagnostics
-    workers: dict[str, Worker] = {}
+    modules: dict[str, Module] = {}
     missing: list[MissingFile] = []
     for (_, path), dataflow in zip(files, dataflows, strict=False):
         missing += _missing(dataflow, Path(path))
-    for worker in (worker for dataflow in dataflows for worker in dataflow.workers):
-        if worker.name in workers:
-            problems.append(_named_twice(worker, workers[worker.name]))
-        workers.setdefault(worker.name, worker)
+        for module in (worker.module for worker in dataflow.workers):
+            if module.name in modules:
+                problems.append(_named_twice(module, modules[module.name]))
+            modules.setdefault(module.name, module)
     if problems:
         raise MarsError(problems)
-    configuration = _configuration(tuple(workers.values()), files[0][1])
+    configuration = _configuration(dataflows, files[0][1])
     configuration = replace(configuration, missing=tuple(missing))
     unread: list[Unread] = [each for dataflow in dataflows for each in dataflow.unread]
     return Parsed(
@@ -73,7 +71,7 @@ def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
                 if (path.parent / worker.program.path).exists():
                     there += 1
                     continue
-            found.append(MissingFile(worker.name, *worker.program))
+            found.append(worker.program)
     if there or (found and _are_in_a_folder(found, path.parent)):
         yield from found
 
@@ -87,52 +85,39 @@ def _are_in_a_folder(missing: Sequence[MissingFile], around: Path) -> bool:
     return False
 
 
-def _named_twice(worker: Worker, first: Worker) -> Diagnostic:
-    message = f"two nodes have the id `{worker.name}`"
+def _named_twice(module: Module, first: Module) -> Diagnostic:
+    message = f"two nodes have the id `{module.name}`"
     labels = ((first.span, "the first one"),)
-    return Diagnostic("dora", "error", message, worker.span, labels, "give each an id of its own")
+    return Diagnostic("dora", "error", message, module.span, labels, "give each an id of its own")
 
 
-def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
-    virtual: dict[str, Wire] = {}
-    for wire in (wire for worker in workers for wire in worker.wires):
-        if wire.is_virtual:
-            virtual.setdefault(wire.source, wire)
-    names = [Name(worker.name, worker.span) for worker in workers]
-    names += [Name(name, wire.span) for name, wire in virtual.items()]
+def _configuration(dataflows: Sequence[Dataflow], path: str) -> Configuration:
+    workers = [worker for dataflow in dataflows for worker in dataflow.workers]
+    virtual: dict[str, Data] = {}
+    for name, line in chain.from_iterable(each.virtual.items() for each in dataflows):
+        virtual.setdefault(name, line)
+    names = [Name(worker.module.name, worker.module.span) for worker in workers]
+    names += [Name(name, line.span) for name, line in virtual.items()]
     return Configuration(
         path,
         whole_file(path),
         architecture="hierarchical",
         declares_architecture=True,
         modules=tuple(names),
-        relationships=tuple(_wire_relationship(w.name, wire) for w in workers for wire in w.wires),
+        relationships=tuple(line for worker in workers for line in worker.inputs),
         declared=(
-            *(_worker_module(worker) for worker in workers if worker.complete),
-            *(_source(name, wire) for name, wire in virtual.items()),
+            *(worker.module for worker in workers if worker.complete),
+            *(_source(name, line) for name, line in virtual.items()),
         ),
     )
 
 
-def _wire_relationship(client: str, wire: Wire) -> Data:
-    """Return the relationship of a wire."""
-    mode = None if wire.rate is None else _PERIODIC
-    return Data(client, wire.source, wire.span, mode, wire.rate, wire.input, wire.output)
-
-
-def _worker_module(worker: Worker) -> Module:
-    services = (
-        *(ports.output(port.name, port.type, port.span, None) for port in worker.outputs),
-        *(ports.taken(port.name, port.type, port.span) for port in worker.inputs),
-    )
-    return Module(worker.name, worker.span, services, named=worker.span)
-
-
-def _source(name: str, wire: Wire) -> Module:
+def _source(name: str, line: Data) -> Module:
     """Return the module of a virtual input: a sensor for a timer with a rate."""
-    if wire.rate is None:
-        service = ports.output(wire.output, None, wire.span, None)
+    port = line.source_port or ""
+    if line.hz is None:
+        service = ports.output(port, None, line.span, None)
     else:
-        modes = (_PERIODIC,)
-        service = Service("Sense", wire.span, "tick", modes=modes, hz=wire.rate, port=wire.output)
-    return Module(name, wire.span, (service,), named=wire.span)
+        modes = (PERIODIC,)
+        service = Service("Sense", line.span, "tick", modes=modes, hz=line.hz, port=port)
+    return Module(name, line.span, (service,), named=line.span)

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, beginning
 from mars_asp.exchange.elements import XmlElement, read_elements
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
@@ -91,8 +91,9 @@ def read_markup(text: str, path: str) -> tuple[Action, ...]:
         for key, value in document.pairs:
             if key.text == "launch":
                 return tuple(_actions(tuple(_yaml_entities(value))))
-    place = document.span._replace(end_line=document.span.line, end_column=document.span.column)
-    raise _markup_error(place, "the file has no `launch:` with a list of actions")
+    raise _markup_error(
+        beginning(document.span), "the file has no `launch:` with a list of actions"
+    )
 
 
 def _undeclared(root: _Entity) -> Iterator[Undeclared]:

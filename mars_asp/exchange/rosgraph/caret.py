@@ -8,8 +8,9 @@ import re
 from collections.abc import Mapping
 from fractions import Fraction
 
+from mars_asp.diagnostic import beginning
 from mars_asp.exchange.rosgraph.dump import Dump
-from mars_asp.exchange.rosgraph.lists import beginning, maps, value, word
+from mars_asp.exchange.rosgraph.lists import maps, value, word
 from mars_asp.exchange.yaml_document import WHOLE, Items, Node, Pairs, Scalar, read_dump
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate, every

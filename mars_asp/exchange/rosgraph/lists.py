@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import beginning
 from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 
@@ -32,8 +32,3 @@ def maps(dump: Dump, node: Node | None, what: str) -> Iterator[Pairs]:
         else:
             message = f"an entry of `{what}` is not a map"
             dump.wrong(beginning(each.span), message, "write `- KEY: VALUE`")
-
-
-def beginning(span: Span) -> Span:
-    """Return where a stretch begins."""
-    return span._replace(end_line=span.line, end_column=span.column)

@@ -3,8 +3,9 @@
 https://github.com/rosqual/rosdiscover
 """
 
+from mars_asp.diagnostic import beginning
 from mars_asp.exchange.rosgraph.dump import Dump
-from mars_asp.exchange.rosgraph.lists import beginning, maps, value, word
+from mars_asp.exchange.rosgraph.lists import maps, value, word
 from mars_asp.exchange.yaml_document import Items, Pairs, Scalar, read_dump
 
 _CALLS = {

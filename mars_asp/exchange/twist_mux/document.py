@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Literal, NamedTuple, TypeAlias
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, beginning, whole_file
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import (
     DECIMAL,
@@ -235,9 +235,8 @@ class _MuxReader:
                 seen.add(own)
                 yield _MuxEntry(own, name.span, fields)
             else:
-                begin = item.span._replace(end_line=item.span.line, end_column=item.span.column)
                 self.wrong(
-                    begin if name is None else name.span,
+                    beginning(item.span) if name is None else name.span,
                     "an input of the list has no name",
                     "add `name: NAME`",
                 )
