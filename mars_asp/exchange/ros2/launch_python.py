@@ -34,7 +34,7 @@ from mars_asp.exchange.ros2.python_evaluate import (
     Refused,
     Returned,
 )
-from mars_asp.exchange.ros2.python_files import is_newer
+from mars_asp.exchange.ros2.python_files import called_name, is_newer
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
     forced,
@@ -356,7 +356,7 @@ class _LaunchReader(Evaluator):
 
     def name_of(self, node: ast.Call) -> str:
         """Return the name of the called function, regardless of its import name."""
-        return self.called.get(_called(node), _called(node))
+        return self.called.get(called_name(node), called_name(node))
 
     def left_out(self, names: Names) -> Iterator[Unread]:
         """Yield the nodes that the file makes but never launches."""
@@ -426,10 +426,3 @@ def _arguments_of(call: PythonCall) -> tuple[Text, ...]:
         for name in ("arguments", "ros_arguments")
     )
     return (*own, ("--ros-args",), *for_ros) if for_ros else own
-
-
-def _called(node: ast.Call) -> str:
-    func = node.func
-    if isinstance(func, ast.Attribute):
-        return func.attr
-    return func.id if isinstance(func, ast.Name) else ""

@@ -105,7 +105,7 @@ class Programs:
 
     def unreadable_modules(self) -> Iterator[tuple[str, Span]]:
         """Yield the modules of ROS 2 that were read and are not Python, with the errors."""
-        broken = self._python.not_python()
+        broken = self._python.broken
         files = {self.workspace.shown(file): file for file in self.workspace.files if broken}
         for path, line, error in broken:
             package = self.workspace.package_of(files[path]) if path in files else None

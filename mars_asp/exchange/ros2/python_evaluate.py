@@ -17,6 +17,7 @@ from mars_asp.exchange.ros2.actions import (
     Reads,
 )
 from mars_asp.exchange.ros2.python_expressions import ITEMS_A_STEP, ExpressionEvaluator, bind
+from mars_asp.exchange.ros2.python_files import column_at, defaults_of, members_of
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
     read_by,
@@ -79,24 +80,11 @@ class Evaluator(ExpressionEvaluator[Names]):
 
     def _node_span(self, node: ast.expr | ast.stmt) -> Span:
         """Return the location of a node of the tree, which counts columns in bytes."""
-        line = node.lineno
-        column = self.column(line, node.col_offset)
-        if isinstance(node, ast.Call):
-            # The name of a call is on its first line.
-            func = node.func
-            end = func.end_col_offset or func.col_offset
-            last = func.end_lineno or line
-            return Span(self.path, line, column, last, self.column(last, end))
-        last = node.end_lineno or line
-        end = node.end_col_offset or node.col_offset
-        return Span(self.path, line, column, last, self.column(last, end))
-
-    def column(self, line: int, offset: int) -> int:
-        """Return the column, from 1, of a byte offset in a line."""
-        text = self.lines[line - 1] if line <= len(self.lines) else ""
-        if text.isascii():
-            return offset + 1
-        return len(text.encode()[:offset].decode(errors="ignore")) + 1
+        # The name of a call is on its first line.
+        whole = node.func if isinstance(node, ast.Call) else node
+        last, end = whole.end_lineno or node.lineno, whole.end_col_offset or whole.col_offset
+        column = column_at(self.lines, node.lineno, node.col_offset)
+        return Span(self.path, node.lineno, column, last, column_at(self.lines, last, end))
 
     def branch(self, node: ast.AST, condition: ast.expr, names: Names) -> int:
         """Return the branch of a condition: 0 if it holds, 1 if not, the reading's own if open."""
@@ -386,16 +374,9 @@ class Evaluator(ExpressionEvaluator[Names]):
             node = waiting.pop(0)
             seen.add(node.name)
             self.steps += len(node.body) // ITEMS_A_STEP
-            for statement in node.body:
-                match statement:
-                    case ast.FunctionDef(name=defined) if defined == name:
-                        return statement
-                    case ast.Assign(targets=[ast.Name(id=defined)], value=value):
-                        if defined == name:
-                            return value
-                    case ast.AnnAssign(target=ast.Name(id=defined), value=ast.expr() as value):
-                        if defined == name:
-                            return value
+            for defined, member in members_of(node):
+                if defined == name:
+                    return member
             bases = (self.globals.get(each.id) for each in node.bases if isinstance(each, ast.Name))
             waiting += (b.of for b in bases if isinstance(b, LaunchClass) and b.of.name not in seen)
         return None
@@ -411,14 +392,9 @@ class Evaluator(ExpressionEvaluator[Names]):
         names: Names = {} if function.names is self.globals else dict(function.names)
         every = [*parameters.posonlyargs, *parameters.args]
         names |= dict.fromkeys(each.arg for each in (*every, *parameters.kwonlyargs))
-        for parameter, default in zip(reversed(every), reversed(parameters.defaults), strict=False):
-            names[parameter.arg] = self.value(default, self.globals)
-        names.update(
-            (parameter.arg, value) for parameter, value in zip(every, arguments, strict=False)
-        )
-        for parameter, given in zip(parameters.kwonlyargs, parameters.kw_defaults, strict=True):
-            if given is not None:
-                names[parameter.arg] = self.value(given, self.globals)
+        for parameter, default in defaults_of(parameters).items():
+            names[parameter] = self.value(default, self.globals)
+        names.update(zip((each.arg for each in every), arguments, strict=False))
         if parameters.vararg is not None:
             names[parameters.vararg.arg] = Listed(list(arguments[len(every) :]))
         own = {parameter.arg for parameter in (*every, *parameters.kwonlyargs)}

@@ -3,7 +3,7 @@
 import ast
 import re
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -44,8 +44,7 @@ class PythonFiles:
         self._find = find
         self._read: dict[str, SourceFile | None] = {}
         self._left = _MOST_FILES
-        self._found: dict[tuple[object, ast.AST], tuple[Any, ...]] = {}
-        self._words: dict[ast.AST, frozenset[str]] = {}
+        self._found: dict[tuple[object, ast.AST], Any] = {}
         #: The files that are not Python, each with a line and an error.
         self.broken: dict[tuple[str, int, str], None] = {}
 
@@ -62,23 +61,13 @@ class PythonFiles:
                     self.broken[found[1], error.lineno or 1, error.msg] = None
         return self._read[module]
 
-    def mentioned(self, part: ast.AST) -> tuple[str, ...]:
-        """Return the names, dotted ones whole, that a part of a file mentions, each once."""
-        return self.once(_mentioned, part)
-
-    def words(self, part: ast.AST) -> frozenset[str]:
-        """Return the names, dotted ones split, that a part of a file mentions."""
-        if part not in self._words:
-            names = self.mentioned(part)
-            self._words[part] = frozenset(word for name in names for word in name.split("."))
-        return self._words[part]
-
-    def once(self, find: Callable[[ast.AST], Iterable[T]], part: ast.AST) -> tuple[T, ...]:
-        """Return the results of a function for a part of a file, which many programs may share."""
+    def once(self, find: Callable[[ast.AST], T], part: ast.AST) -> T:
+        """Return the result of a function for a part of a file, which many programs may share."""
         key = find, part
         if key not in self._found:
-            self._found[key] = tuple(find(part))
-        return self._found[key]
+            self._found[key] = find(part)
+        found: T = self._found[key]
+        return found
 
 
 def is_newer(error: SyntaxError) -> bool:
@@ -93,16 +82,22 @@ def is_newer(error: SyntaxError) -> bool:
     return is_text or is_nested or _NEWER.match(line) is not None
 
 
-def _mentioned(part: ast.AST) -> Iterable[str]:
+def mentioned_names(part: ast.AST) -> tuple[str, ...]:
+    """Return the names, dotted ones whole, that a part of a file mentions, each once."""
     names = (
         dotted_name(node) for node in ast.walk(part) if isinstance(node, ast.Name | ast.Attribute)
     )
-    return dict.fromkeys(filter(None, names))
+    return tuple(dict.fromkeys(filter(None, names)))
 
 
-def calls_of(part: ast.AST) -> Iterator[ast.Call]:
-    """Yield the calls in a part of a file."""
-    return (node for node in ast.walk(part) if isinstance(node, ast.Call))
+def words_in(part: ast.AST) -> frozenset[str]:
+    """Return the names, dotted ones split, that a part of a file mentions."""
+    return frozenset(word for name in mentioned_names(part) for word in name.split("."))
+
+
+def calls_of(part: ast.AST) -> tuple[ast.Call, ...]:
+    """Return the calls in a part of a file."""
+    return tuple(node for node in ast.walk(part) if isinstance(node, ast.Call))
 
 
 def parse_source(text: str, path: str, module: str) -> SourceFile | None:
@@ -188,3 +183,38 @@ def argument_of(call: ast.Call, at: int, *names: str) -> ast.expr | None:
     named = {each.arg: each.value for each in call.keywords}
     found = next((named[name] for name in names if name in named), None)
     return call.args[at] if found is None and at < len(call.args) else found
+
+
+def passed_by(call: ast.Call, names: Iterable[str]) -> dict[str, ast.expr]:
+    """Return the arguments of a call by name; `names` are those of the positional parameters."""
+    named = {each.arg: each.value for each in call.keywords if each.arg}
+    return dict(zip(names, call.args, strict=False)) | named
+
+
+def defaults_of(parameters: ast.arguments) -> dict[str, ast.expr]:
+    """Return the defaults of the parameters of a function."""
+    every = [*parameters.posonlyargs, *parameters.args]
+    last = every[len(every) - len(parameters.defaults) :]
+    found = {each.arg: value for each, value in zip(last, parameters.defaults, strict=True)}
+    pairs = zip(parameters.kwonlyargs, parameters.kw_defaults, strict=True)
+    return found | {each.arg: value for each, value in pairs if value is not None}
+
+
+def column_at(lines: Sequence[str], line: int, offset: int) -> int:
+    """Return the column, from 1, of a byte offset in a line, as syntax trees count."""
+    text = lines[line - 1] if line <= len(lines) else ""
+    if text.isascii():
+        return offset + 1
+    return len(text.encode()[:offset].decode(errors="ignore")) + 1
+
+
+def members_of(node: ast.AST | None) -> Iterator[tuple[str, ast.expr | ast.FunctionDef]]:
+    """Yield the functions and values that the body of a class assigns to names."""
+    for statement in node.body if isinstance(node, ast.ClassDef) else ():
+        match statement:
+            case ast.FunctionDef(name=name):
+                yield name, statement
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                yield name, value
+            case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value):
+                yield name, value

@@ -7,7 +7,7 @@ condition.
 
 import ast
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from typing import Any, NamedTuple
 
@@ -158,11 +158,6 @@ class Scopes:
 
 def _end_of(assignment: Assignment) -> tuple[int, int]:
     return assignment.place.at
-
-
-def scopes_of(part: ast.AST) -> Iterable[Scopes]:
-    """Yield the scopes of a part of a program."""
-    yield Scopes(part)
 
 
 def _assigned_by(node: ast.AST) -> Iterator[tuple[str, ast.expr, ast.AST | None]]:

@@ -14,14 +14,16 @@ from mars_asp.exchange.ros2.python_files import (
     PythonFiles,
     SourceFile,
     called_name,
+    defaults_of,
     dotted_name,
+    passed_by,
 )
 from mars_asp.exchange.ros2.python_scopes import (
     OF_LOOP,
     UNKNOWN_VALUE,
     CodePlace,
+    Scopes,
     SourceLoop,
-    scopes_of,
 )
 from mars_asp.exchange.ros2.python_values import (
     Listed,
@@ -85,7 +87,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         self.far = far
         self.file = file
         self.node = node
-        [self.scopes] = files.once(scopes_of, node)
+        self.scopes = files.once(Scopes, node)
         self.scope = SourceScope()
         self._span = point(file.path, 1, 1)
         #: Which of several values is taken, by their places; None where there must be one.
@@ -95,7 +97,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         self.has_more = False
         self._given = dict(given or {})
         # A name of the class itself is an attribute of each object.
-        of_class = {f"self.{name}": value for name, value in constants_of(node)}
+        of_class = {f"self.{name}": value for name, value in constants_of(node).items()}
         self._constants = {**file.constants, **of_class}
         self.parameters: dict[str, ast.expr] = {}
         keepers = self.scopes.keepers
@@ -195,14 +197,10 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         at = self._one_of(calls) if calls else None
         if at is None:
             return UNKNOWN_VALUE, place
-        call, given = calls[at], dict[str, ast.expr]()
-        arguments = function.args
-        names = [each.arg for each in (*arguments.posonlyargs, *arguments.args)]
-        last = names[len(names) - len(arguments.defaults) :]
-        given |= zip(last, arguments.defaults, strict=True)
+        call = calls[at]
+        names = [each.arg for each in (*function.args.posonlyargs, *function.args.args)]
         is_method = isinstance(call.func, ast.Attribute) and names[:1] in (["self"], ["cls"])
-        given |= zip(names[is_method:], call.args, strict=False)
-        given |= {each.arg: each.value for each in call.keywords if each.arg}
+        given = defaults_of(function.args) | passed_by(call, names[is_method:])
         return given.get(name, UNKNOWN_VALUE), self.places[id(call)]
 
     @cached_property
@@ -308,7 +306,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
             (self.files.file(".".join(full[:-2])), full[-2:]),
         ):
             if file is not None and 1 <= len(inner) <= 2:
-                of_class = dict(constants_of(file.outer.get(inner[0])))
+                of_class = constants_of(file.outer.get(inner[0]))
                 held = of_class.get(inner[1]) if inner[1:] else file.constants.get(inner[0])
                 if held is not None:
                     return file, held

@@ -3,7 +3,10 @@
 import ast
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from mars_asp.exchange.ros2.python_files import argument_of
+from mars_asp.exchange.ros2.python_files import argument_of, members_of, passed_by
+
+#: The parameters of a class without a constructor.
+NO_PARAMETERS = ast.arguments([], [], None, [], [], None, [])
 
 
 def declared(call: ast.Call, name: str) -> Iterator[tuple[ast.expr, ast.expr]]:
@@ -23,26 +26,12 @@ def declared(call: ast.Call, name: str) -> Iterator[tuple[ast.expr, ast.expr]]:
                     yield ast.Constant(f"{prefix!s}.{key}" if prefix else key), default
 
 
-def defaults_of(node: ast.ClassDef) -> dict[str, ast.expr]:
-    """Return the defaults of the parameters with which objects of a class are made."""
-    arguments = _parameters(node)
-    if arguments is None:
-        return {}
-    plain = arguments.args[len(arguments.args) - len(arguments.defaults) :]
-    found = {each.arg: value for each, value in zip(plain, arguments.defaults, strict=False)}
-    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=False)
-    return found | {each.arg: value for each, value in pairs if value is not None}
-
-
 def given_by(
-    node: ast.ClassDef, call: ast.Call, text: Callable[[ast.expr], str | None]
+    parameters: ast.arguments, call: ast.Call, text: Callable[[ast.expr], str | None]
 ) -> dict[str, ast.expr]:
     """Return the arguments of a call of a class by name: literal texts, or None if unknown."""
-    arguments = _parameters(node)
-    names = [] if arguments is None else [each.arg for each in arguments.args[1:]]
-    given = [*zip(names, call.args, strict=False)]
-    given += [(each.arg, each.value) for each in call.keywords if each.arg]
-    return {name: ast.Constant(text(value)) for name, value in given}
+    given = passed_by(call, [each.arg for each in parameters.args[1:]])
+    return {name: ast.Constant(text(value)) for name, value in given.items()}
 
 
 def alternatives(part: ast.AST, calls: Sequence[ast.Call]) -> Iterator[list[ast.Call]]:
@@ -73,9 +62,10 @@ def made_alike(made: Sequence[dict[str, ast.expr]]) -> dict[str, ast.expr]:
     }
 
 
-def _parameters(node: ast.ClassDef) -> ast.arguments | None:
-    made = (each for each in node.body if isinstance(each, ast.FunctionDef))
-    return next((each.args for each in made if each.name == "__init__"), None)
+def parameters_of(node: ast.ClassDef) -> ast.arguments:
+    """Return the parameters with which objects of a class are made."""
+    made = next((each for name, each in members_of(node) if name == "__init__"), None)
+    return made.args if isinstance(made, ast.FunctionDef) else NO_PARAMETERS
 
 
 def distinct(made: Iterable[dict[str, ast.expr]]) -> list[dict[str, ast.expr]]:
@@ -84,11 +74,6 @@ def distinct(made: Iterable[dict[str, ast.expr]]) -> list[dict[str, ast.expr]]:
     return list(found.values())
 
 
-def constants_of(node: ast.AST | None) -> Iterator[tuple[str, ast.expr]]:
-    """Yield the assignments in the body of a class."""
-    for statement in node.body if isinstance(node, ast.ClassDef) else ():
-        match statement:
-            case ast.Assign(targets=[ast.Name(id=name)], value=value):
-                yield name, value
-            case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value):
-                yield name, value
+def constants_of(node: ast.AST | None) -> dict[str, ast.expr]:
+    """Return the values that the body of a class assigns."""
+    return {name: value for name, value in members_of(node) if isinstance(value, ast.expr)}

@@ -24,21 +24,24 @@ from mars_asp.exchange.ros2.interface import (
     rate_of,
 )
 from mars_asp.exchange.ros2.python_files import (
-    Find,
     PythonFiles,
     SourceFile,
     argument_of,
     called_name,
     calls_of,
+    column_at,
+    defaults_of,
     dotted_name,
+    mentioned_names,
+    words_in,
 )
 from mars_asp.exchange.ros2.python_texts import NO_CODE, PythonTexts, parameter_of
 from mars_asp.exchange.ros2.python_written import (
     alternatives,
-    defaults_of,
     distinct,
     given_by,
     made_alike,
+    parameters_of,
 )
 from mars_asp.exchange.unread import Unread
 
@@ -85,33 +88,23 @@ class _Found(NamedTuple):
     published: bool
 
 
-class PythonPrograms:
+class PythonPrograms(PythonFiles):
     """Reads programs, each file once."""
-
-    def __init__(self, find: Find) -> None:
-        """Take the function that finds the text and shown path of a module."""
-        self._files = PythonFiles(find)
 
     def interface(self, module: str, function: str | None) -> Interface | None:
         """Return the interface of a module started at a function, or None without such a module.
 
         Without a function, or if it is not found, the statements of the module are the program.
         """
-        file = self._files.file(module)
-        if file is None:
-            return None
-        return _Program(self._files, file, function).interface()
+        file = self.file(module)
+        return None if file is None else _Program(self, file, function).interface()
 
     def defines(self, module: str, name: str) -> bool:
         """Whether a module that is Python has a name at its outer level, or may have it."""
-        file = self._files.file(module)
+        file = self.file(module)
         if file is None or file.stars:
             return True
         return name in file.outer or name in file.imports or name in file.constants
-
-    def not_python(self) -> Sequence[tuple[str, int, str]]:
-        """Return the path, line and error of each file that was looked for and is not Python."""
-        return tuple(self._files.broken)
 
 
 class _Program:
@@ -171,9 +164,10 @@ class _Program:
         """Return the arguments of each object of a class, without duplicates."""
         if not isinstance(node, ast.ClassDef):
             return [{}]
-        made = [defaults_of(node)]
+        parameters = parameters_of(node)
+        made = [defaults_of(parameters)]
         for of, part in islice(self.reached.values(), _MOST_FOLLOWED):
-            if node.name not in self.files.words(part):
+            if node.name not in self.files.once(words_in, part):
                 continue
             unit = PythonTexts(self.files, of, NO_CODE)
             calls = [
@@ -183,7 +177,7 @@ class _Program:
                 and found[1] is node
             ]
             for either in alternatives(part, calls[:_MOST_MADE]):
-                each = [{**made[0], **given_by(node, call, unit.text)} for call in either]
+                each = [{**made[0], **given_by(parameters, call, unit.text)} for call in either]
                 made.append(made_alike(each))
         return distinct(made[1 : _MOST_MADE + 1] or made)
 
@@ -196,7 +190,7 @@ class _Program:
             if key in self.reached:
                 continue
             self.reached[key] = of, part
-            targets = (self.target(of, name) for name in self.files.mentioned(part))
+            targets = (self.target(of, name) for name in self.files.once(mentioned_names, part))
             # The stack returns the last item first; names are followed in their order in the text.
             waiting += reversed([target for target in targets if target is not None])
 
@@ -263,11 +257,10 @@ class _Unit(PythonTexts):
     def location(self, node: ast.expr) -> Span:
         """Return where a topic is named."""
         line = node.lineno
-        text = self.file.lines[line - 1] if line <= len(self.file.lines) else ""
-        column = len(text.encode()[: node.col_offset].decode(errors="ignore")) + 1
+        column = column_at(self.file.lines, line, node.col_offset)
         end = column + 1
         if node.end_lineno == line and node.end_col_offset is not None:
-            end = len(text.encode()[: node.end_col_offset].decode(errors="ignore")) + 1
+            end = column_at(self.file.lines, line, node.end_col_offset)
         return Span(self.file.path, line, column, line, end)
 
     def shown(self, node: ast.expr) -> str:
