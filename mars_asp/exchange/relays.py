@@ -24,16 +24,10 @@ class Passage(NamedTuple):
     hz: Fraction | None
 
 
-class Contracted(NamedTuple):
-    """A graph whose relays are idle ones as nodes, the passages of the others, and these."""
+def contracted(graph: Graph) -> tuple[Graph, tuple[Passage, ...], tuple[Relay, ...]]:
+    """Return a graph without its relays, the passages over relays, and the relays of these.
 
-    graph: Graph
-    passages: tuple[Passage, ...]
-    relays: tuple[Relay, ...]
-
-
-def contracted(graph: Graph) -> Contracted:
-    """Return a graph without its relays, of which those with a loose end become nodes.
+    Relays with a loose end become nodes.
 
     Raises:
         MarsError: the relays make more passages than a robot has topics.
@@ -55,7 +49,7 @@ def contracted(graph: Graph) -> Contracted:
     used = tuple(each for each in graph.relays if each.source in fed and each.target in taken)
     idle = (_relay_node(each) for each in graph.relays if each not in used)
     plain = replace(graph, nodes=(*graph.nodes, *idle), relays=())
-    return Contracted(plain, tuple(_passages(used, sent)), used)
+    return plain, tuple(_passages(used, sent)), used
 
 
 def reached(topics: Set[str], ways: Mapping[str, Iterable[str]]) -> set[str]:

@@ -6,7 +6,7 @@ own administration are left out and counted.
 """
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import chain
@@ -42,13 +42,6 @@ _MOST_CASCADED = 16
 _DEBUG = re.compile(r"(?:^|[/_])debug(?:[/_]|$)", re.IGNORECASE)
 
 
-class MappedGraph(NamedTuple):
-    """A configuration, and the contents of the graph that are not in it."""
-
-    configuration: Configuration
-    unread: tuple[Unread, ...]
-
-
 class _End(NamedTuple):
     """A node with its end of a topic, and the passage that extends it to another topic, if any."""
 
@@ -77,8 +70,10 @@ def end_of(topic: str) -> str:
     return topic.lstrip("/") or topic
 
 
-def configuration_of(graph: Graph) -> MappedGraph:
-    """Return the configuration of a graph: hierarchical, its known nodes described.
+def configuration_of(graph: Graph) -> tuple[Configuration, Sequence[Unread]]:
+    """Return the configuration of a graph, and the contents of the graph that are not in it.
+
+    It is hierarchical, and its known nodes are described.
 
     The subscribers of a command topic are controlled by its publishers; without subscribers, a
     module with the name of the topic is. A mux is contracted into priorities of the module that it
@@ -106,8 +101,7 @@ def configuration_of(graph: Graph) -> MappedGraph:
     modules: dict[str, Name] = {node.name: Name(node.name, node.span) for node in nodes}
     for name in chain(ends, (Name(c.controller, c.span) for c in controls)):
         modules.setdefault(name.text, name)
-    loose = _loose_commands(wiring)
-    described = (_module_of_node(node, wiring, loose) for node in nodes)
+    described = (_module_of_node(node, wiring) for node in nodes)
     configuration = Configuration(
         graph.path,
         whole_file(graph.path),
@@ -120,7 +114,7 @@ def configuration_of(graph: Graph) -> MappedGraph:
         relays=tuple(relay.span for relay in relays),
         opaque=tuple(Name(node.name, node.span) for node in nodes if node.unread or node.listens),
     )
-    return MappedGraph(configuration, tuple(unread))
+    return configuration, unread
 
 
 def _cascaded(
@@ -214,6 +208,11 @@ class _Wiring:
         if hearing or is_on_the_way or (self.observed and topic not in self.outputs):
             return hearing
         return (end_of(topic),)
+
+    def is_command(self, topic: str, *opposite: Container[str]) -> bool:
+        """Whether a topic carries commands; an observed one has to be in one of `opposite`."""
+        is_met = not self.observed or any(topic in each for each in opposite)
+        return is_met and topic in self.commands
 
     def fed_by(self, mux: Mux) -> tuple[Mux, MuxInput] | None:
         """Return the input of another mux that a mux alone feeds, if it feeds nothing else."""
@@ -358,38 +357,20 @@ def _wires(wiring: _Wiring, nodes: Sequence[GraphNode]) -> Iterator[Data]:
                     )
 
 
-class _Loose(NamedTuple):
-    """Command topics of one side only: inputs without publisher, outputs without subscriber."""
-
-    inputs: frozenset[str]
-    outputs: frozenset[str]
-
-
-def _loose_commands(wiring: _Wiring) -> _Loose:
-    """Return the command topics of an observed graph without publisher or without subscriber."""
-    if not wiring.observed:
-        return _Loose(frozenset(), frozenset())
-    sent = wiring.published.keys() | wiring.outputs.keys()
-    taken = wiring.subscribed.keys() | wiring.heard | wiring.passed
-    return _Loose(
-        frozenset((wiring.commands & wiring.subscribed.keys()) - sent),
-        frozenset((wiring.commands & wiring.published.keys()) - taken),
-    )
-
-
-def _module_of_node(node: GraphNode, wiring: _Wiring, loose: _Loose) -> Module | None:
+def _module_of_node(node: GraphNode, wiring: _Wiring) -> Module | None:
     """Return the module of a node, or None if it neither exchanges data nor sends commands.
 
-    A node that only obeys commands has no description, as no graph states how it moves.
+    A node that only obeys commands has no description, as no graph states how it moves. In an
+    observed graph, commands without a subscriber or without a publisher are data.
     """
     services: list[Service] = []
     commanding = [end for end in node.published if end.topic in wiring.commands]
     obeying = [end for end in node.subscribed if end.topic in wiring.commands]
     for end in node.published:
-        if end.topic not in wiring.commands or end.topic in loose.outputs:
+        if not wiring.is_command(end.topic, wiring.subscribed, wiring.heard, wiring.passed):
             services.append(ports.output(end.topic, represented(end.type), end.span, end.hz))
     for end in node.subscribed:
-        if end.topic not in wiring.commands or end.topic in loose.inputs:
+        if not wiring.is_command(end.topic, wiring.published, wiring.outputs):
             services.append(ports.taken(end.topic, represented(end.type), end.span))
     guard = None
     if commanding or (obeying and (services or node.guard)):

@@ -16,7 +16,7 @@ BASE = node("base", "", "cb")
 
 def lines(*muxes: Mux, relays: tuple[Relay, ...] = (), lift: bool = False) -> list[str]:
     graph = Graph("x", (BASE, node("n", "cn")), muxes, relays=relays)
-    found = configuration_of(graph).configuration
+    found = configuration_of(graph)[0]
     result = (lifted(found) if lift else found).relationships
     return [print_relationship(line).removesuffix(" hold 500") for line in result]
 

@@ -31,7 +31,7 @@ def lines(*parts: GraphNode | Mux | Relay, observed: bool = False, lift: bool = 
         observed,
         relays=tuple(part for part in parts if isinstance(part, Relay)),
     )
-    found = configuration_of(graph).configuration
+    found = configuration_of(graph)[0]
     shape = lifted(found) if lift else found
     return [print_relationship(line) for line in shape.relationships]
 

@@ -122,7 +122,7 @@ def graphs(draw: st.DrawFn) -> Graph:
 @settings(max_examples=30 if IS_CAMPAIGN else 10, deadline=None, derandomize=True)
 @given(graphs(), st.sampled_from(["ros2", "rosgraph", "twist_mux"]))
 def test_whatever_a_graph_holds_is_saved(graph: Graph, origin: str) -> None:
-    found = replace(configuration_of(graph).configuration, origin=origin)
+    found = replace(configuration_of(graph)[0], origin=origin)
     assume(found.modules)
     assert findings(saved(found)) == findings(found, origin)
 

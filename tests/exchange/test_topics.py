@@ -33,7 +33,7 @@ def mux(name: str, output: str, *inputs: tuple[str, int]) -> Mux:
 
 
 def lines(*nodes: GraphNode, muxes: tuple[Mux, ...] = ()) -> list[str]:
-    found = configuration_of(Graph("x", nodes, muxes)).configuration
+    found = configuration_of(Graph("x", nodes, muxes))[0]
     return [print_relationship(line) for line in found.relationships]
 
 
@@ -105,13 +105,13 @@ def test_relays_have_the_types_of_their_messages() -> None:
 def test_optional_topics_are_read_if_they_are_published() -> None:
     wanting = node("b", "", "s")
     optional = replace(wanting, subscribed=(replace(wanting.subscribed[0], optional=True),))
-    assert configuration_of(Graph("x", (optional,))).configuration.declared == ()
+    assert configuration_of(Graph("x", (optional,)))[0].declared == ()
     assert lines(node("a", "s"), optional) == ["/b./s uses_data_from /a./s"]
 
 
 def test_each_of_several_publishers_has_its_own_line() -> None:
     graph = Graph("x", (node("a", "s", line=2), node("b", "s", line=3), node("d", "", "s", line=4)))
-    found = configuration_of(graph).configuration
+    found = configuration_of(graph)[0]
     assert [line.span.line for line in found.relationships] == [2, 3]
 
 

@@ -156,14 +156,14 @@ def import_ros2(
         problems += document.warnings
     graph = joined(graphs)
     loose = _unbound(muxes, graph)
-    mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
+    configuration, left_out = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
     wrong = {each.span for each in problems if each.severity == "error"}
     further = (each for each in unread if each.sort not in BROKEN or each.span not in wrong)
-    remarks = (*dict.fromkeys(problems), *notes(_once((*further, *mapped.unread))))
+    remarks = (*dict.fromkeys(problems), *notes(_once((*further, *left_out))))
     return Parsed(
-        mapped.configuration,
+        configuration,
         remarks,
-        tuple(map(print_module, mapped.configuration.declared)),
+        tuple(map(print_module, configuration.declared)),
         trees=tuple(trees),
     )
 

@@ -62,11 +62,11 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     if problems:
         raise MarsError(problems)
     graph = joined(graphs)
-    mapped = configuration_of(joined((graph, replace(graph, nodes=(), muxes=_bound(muxes, graph)))))
-    configuration = mapped.configuration
+    bound = replace(graph, nodes=(), muxes=_bound(muxes, graph))
+    configuration, further = configuration_of(joined((graph, bound)))
     if not configuration.modules:
         raise MarsError((_empty(files[0][1]),))
-    entries = (*warnings, *notes(_each_once((*unread, *mapped.unread))))
+    entries = (*warnings, *notes(_each_once((*unread, *further))))
     return Parsed(configuration, entries, tuple(map(print_module, configuration.declared)))
 
 
