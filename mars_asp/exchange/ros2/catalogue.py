@@ -5,7 +5,6 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from importlib import resources
-from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 from mars_asp.exchange.ros2.interface import Interface, InterfaceTopic
@@ -20,29 +19,24 @@ _TEXTS = ("plugin", "node", "namespace", "camera", "read")
 _FLAGS = ("guard", "clients", "listens", "spread", "sure")
 
 
-class CatalogueEntry(NamedTuple):
-    """A program of the catalogue, by its package, its executable and its component's class."""
-
-    package: str
-    executable: str
-    plugin: str | None
-    interface: Interface
-
-
 class Catalogue:
-    """Programs whose interfaces are known."""
+    """Programs whose interfaces are known; of two with one name the later one holds."""
 
-    def __init__(self, entries: tuple[CatalogueEntry, ...]) -> None:
-        """Take programs; of two with one name the later one holds."""
-        self._programs = {(each.package, each.executable): each.interface for each in entries}
-        self._plugins = {each.plugin: each.interface for each in entries if each.plugin}
+    def __init__(self) -> None:
+        """Begin without programs."""
+        self._programs: dict[tuple[str, str], Interface] = {}
+        self._plugins: dict[str, Interface] = {}
         #: The package of a program whose node has a usual name, by that name and a private topic.
-        self._private = {
-            (each.interface.node, topic.name.removeprefix("~/")): each.package
-            for each in entries
-            for topic in each.interface.published
-            if topic.name.startswith("~/")
-        }
+        self._private: dict[tuple[str | None, str], str] = {}
+
+    def add(self, package: str, executable: str, plugin: object, interface: Interface) -> None:
+        """Add a program by its package, its executable and the class of its component, if any."""
+        self._programs[package, executable] = interface
+        if isinstance(plugin, str) and plugin:
+            self._plugins[plugin] = interface
+        for topic in interface.published:
+            if topic.name.startswith("~/"):
+                self._private[interface.node, topic.name.removeprefix("~/")] = package
 
     def package_of_topic(self, topic: str) -> str | None:
         """Return the package whose node publishes a private topic, such as `/uav/mavros/state`."""
@@ -67,13 +61,14 @@ def load_catalogue(own: tuple[tuple[str, str], ...] = ()) -> Catalogue:
         MarsError: a catalogue of the user has an error.
     """
     ours = resources.files(__package__).joinpath("catalogue.toml").read_text(encoding="utf-8")
-    entries = list(_entries(ours, "catalogue.toml"))
-    for text, path in own:
-        entries += _entries(text, path)
-    return Catalogue(tuple(entries))
+    catalogue = Catalogue()
+    for text, path in ((ours, "catalogue.toml"), *own):
+        _read_catalogue(text, path, catalogue)
+    return catalogue
 
 
-def _entries(text: str, path: str) -> Iterator[CatalogueEntry]:
+def _read_catalogue(text: str, path: str, catalogue: Catalogue) -> None:
+    """Add the programs of a text."""
     try:
         document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -87,13 +82,11 @@ def _entries(text: str, path: str) -> Iterator[CatalogueEntry]:
         for executable, program in programs.items():
             if not isinstance(program, dict):
                 raise _catalogue_error(path, f"`{package}.{executable}` is not a table")
-            yield _entry(package, executable, program, path)
+            interface = _interface_of(f"{package}.{executable}", program, path)
+            catalogue.add(package, executable, program.get("plugin"), interface)
 
 
-def _entry(
-    package: str, executable: str, program: Mapping[str, object], path: str
-) -> CatalogueEntry:
-    called = f"{package}.{executable}"
+def _interface_of(called: str, program: Mapping[str, object], path: str) -> Interface:
     for key, value in program.items():
         if key in _TOPICS:
             fits = isinstance(value, dict) and all(isinstance(v, str) for v in value.values())
@@ -106,33 +99,27 @@ def _entry(
             fits, expected = False, "a key of the catalogue"
         if not fits:
             raise _catalogue_error(path, f"`{key}` of `{called}` is not {expected}")
-    plugin, node = program.get("plugin"), program.get("node")
-    namespace, camera = program.get("namespace"), program.get("camera")
+    node, namespace, camera = map(program.get, ("node", "namespace", "camera"))
     subscribed = (
         replace(each, image=str(camera)) if each.name == "camera_info" and camera else each
         for each in _topics(program.get("subscribes"))
     )
-    return CatalogueEntry(
-        package,
-        executable,
-        plugin if isinstance(plugin, str) else None,
-        Interface(
-            (
-                *_topics(program.get("publishes")),
-                *(replace(each, measured=True) for each in _topics(program.get("measures"))),
-            ),
-            (
-                *subscribed,
-                *(replace(each, optional=True) for each in _topics(program.get("optional"))),
-            ),
-            node if isinstance(node, str) else None,
-            guard=program.get("guard") is True,
-            clients=program.get("clients") is True,
-            listens=program.get("listens") is True,
-            spread=program.get("spread") is True,
-            is_name_sure=program.get("sure") is True,
-            namespace=namespace if isinstance(namespace, str) else "",
+    return Interface(
+        (
+            *_topics(program.get("publishes")),
+            *(replace(each, measured=True) for each in _topics(program.get("measures"))),
         ),
+        (
+            *subscribed,
+            *(replace(each, optional=True) for each in _topics(program.get("optional"))),
+        ),
+        node if isinstance(node, str) else None,
+        guard=program.get("guard") is True,
+        clients=program.get("clients") is True,
+        listens=program.get("listens") is True,
+        spread=program.get("spread") is True,
+        is_name_sure=program.get("sure") is True,
+        namespace=namespace if isinstance(namespace, str) else "",
     )
 
 
