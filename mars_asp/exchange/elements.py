@@ -1,6 +1,6 @@
 """The elements of an XML document with their locations."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NoReturn
 from xml.parsers import expat
@@ -24,9 +24,9 @@ class XmlElement:
     children: list["XmlElement"] = field(default_factory=list)
     pieces: list[tuple[int, int, str]] = field(default_factory=list)
 
-    def child(self, name: str) -> "XmlElement | None":
-        """Return the first child of a name."""
-        return next((child for child in self.children if child.name == name), None)
+    def named(self, name: str) -> Iterator["XmlElement"]:
+        """Yield the children of a name."""
+        return (child for child in self.children if child.name == name)
 
 
 def read_elements(

@@ -2,8 +2,8 @@
 
 import ast
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, beginning
 from mars_asp.exchange.elements import XmlElement, read_elements
@@ -52,28 +52,6 @@ _COMMAND = re.compile(r"\$\(command (.*)\)", re.DOTALL)
 _PASSED = frozenset("env set_env unset_env log sys_setting machine master timer_period".split())
 
 
-@dataclass(frozen=True, slots=True)
-class _Entity:
-    """An element: attributes as they are written, child elements, and the fragments of its text."""
-
-    name: str
-    attributes: Mapping[str, str]
-    span: Span
-    children: "tuple[_Entity, ...]"
-    pieces: Sequence[tuple[int, int, str]] = ()
-
-    def named(self, name: str) -> "Iterator[_Entity]":
-        """Yield the children of a name."""
-        return (child for child in self.children if child.name == name)
-
-    def text(self, *names: str) -> Text | None:
-        """Return the first attribute that there is of some names."""
-        for name in names:
-            if name in self.attributes:
-                return substituted(self.attributes[name])
-        return None
-
-
 def read_markup(text: str, path: str) -> tuple[Action, ...]:
     """Return the actions of a launch file in XML or YAML.
 
@@ -90,13 +68,13 @@ def read_markup(text: str, path: str) -> tuple[Action, ...]:
     if isinstance(document, Pairs):
         for key, value in document.pairs:
             if key.text == "launch":
-                return tuple(_actions(tuple(_yaml_entities(value))))
+                return tuple(_actions(list(_yaml_entities(value))))
     raise _markup_error(
         beginning(document.span), "the file has no `launch:` with a list of actions"
     )
 
 
-def _undeclared(root: _Entity) -> Iterator[Undeclared]:
+def _undeclared(root: XmlElement) -> Iterator[Undeclared]:
     """Yield the arguments that the file reads for sure, and that none of its elements declares.
 
     In ROS 1 arguments belong to one file. Each attribute of an element is evaluated, unless the
@@ -125,15 +103,14 @@ def _markup_error(place: Span, message: str) -> MarsError:
     return MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
 
 
-def _of_element(element: XmlElement) -> _Entity:
+def _of_element(element: XmlElement) -> XmlElement:
     path, line, column, _, _ = element.span
     span = Span(path, line, column, line, column + 1 + len(element.name))
-    name = element.name.replace("-", "_")
-    children = tuple(map(_of_element, element.children))
-    return _Entity(name, element.attributes, span, children, element.pieces)
+    children = list(map(_of_element, element.children))
+    return replace(element, name=element.name.replace("-", "_"), span=span, children=children)
 
 
-def _yaml_entities(value: Node) -> Iterator[_Entity]:
+def _yaml_entities(value: Node) -> Iterator[XmlElement]:
     """Yield the elements of a list of actions in YAML, which are maps from a name to contents."""
     for item in value.nodes if isinstance(value, Items) else (value,):
         if isinstance(item, Pairs):
@@ -141,11 +118,11 @@ def _yaml_entities(value: Node) -> Iterator[_Entity]:
                 yield _of_pair(key, inner)
 
 
-def _of_pair(key: Scalar, value: Node) -> _Entity:
+def _of_pair(key: Scalar, value: Node) -> XmlElement:
     """Return the element that a key and its value are."""
     name = key.text.replace("-", "_")
     attributes: dict[str, str] = {}
-    children: list[_Entity] = []
+    children: list[XmlElement] = []
     match value:
         case Pairs(pairs):
             for inner, held in pairs:
@@ -161,7 +138,7 @@ def _of_pair(key: Scalar, value: Node) -> _Entity:
             children += _yaml_entities(value)
         case Scalar(text):
             attributes["value"] = text
-    return _Entity(name, attributes, key.span, tuple(children))
+    return XmlElement(name, attributes, key.span, children)
 
 
 def _at(key: Scalar, item: Node) -> Scalar:
@@ -170,7 +147,12 @@ def _at(key: Scalar, item: Node) -> Scalar:
     return Scalar(key.text, key.quoted, first.span)
 
 
-def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
+def _text(entity: XmlElement, *names: str) -> Text | None:
+    """Return the first attribute that there is of some names."""
+    return next((substituted(entity.attributes[n]) for n in names if n in entity.attributes), None)
+
+
+def _actions(entities: Sequence[XmlElement]) -> Iterator[Action]:
     """Yield the actions of elements, in their order."""
     for entity in entities:
         tests = _tests(entity)
@@ -181,17 +163,17 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
                 if entity.name == "node_container":
                     called = entity.attributes.get("name", "?")
                     yield Unread("containers of components", called, entity.span)
-                inner = tuple(_actions(tuple(entity.named("composable_node"))))
+                inner = tuple(_actions(list(entity.named("composable_node"))))
                 yield together(inner, tests)
             case "group":
-                namespace = entity.text("ns")
+                namespace = _text(entity, "ns")
                 pushed = () if not namespace else (PushNamespace(namespace, entity.span),)
                 scoped = entity.attributes.get("scoped", "true").lower() != "false"
                 yield LaunchGroup((*pushed, *_actions(entity.children)), scoped, tests)
             case "include":
                 yield from _included(entity, tests)
             case "push_ros_namespace" | "push_namespace":
-                named = entity.text("namespace", "ns", "value") or UNKNOWN
+                named = _text(entity, "namespace", "ns", "value") or UNKNOWN
                 yield PushNamespace(named, entity.span)
             case "remap" | "set_remap":
                 yield _remap(entity)
@@ -200,7 +182,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
             case "set_parameter" | "rosparam" | "set_parameters_from_file":
                 yield SetParameters(*_given((entity,)))
             case "executable":
-                command = entity.text("cmd") or UNKNOWN
+                command = _text(entity, "cmd") or UNKNOWN
                 yield of_command((command,), entity.span, tests)
             case "test":
                 called = entity.attributes.get("name", "?")
@@ -213,7 +195,7 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
                 yield together(tuple(_actions(entity.children)), tests)
 
 
-def _tests(entity: _Entity) -> Tests:
+def _tests(entity: XmlElement) -> Tests:
     """Return the tests for an element."""
     found: list[Test] = []
     for name in ("if", "unless"):
@@ -246,12 +228,12 @@ def _evaluated(written: str) -> Iterator[Part | Text]:
     yield inside[at:]
 
 
-def _started_node(entity: _Entity, tests: Tests) -> Iterator[Action]:
+def _started_node(entity: XmlElement, tests: Tests) -> Iterator[Action]:
     """Yield the node that an element starts."""
-    package = entity.text("pkg", "package") or UNKNOWN
+    package = _text(entity, "pkg", "package") or UNKNOWN
     plugin = entity.name == "composable_node"
-    executable = entity.text("plugin") if plugin else entity.text("exec", "type", "executable")
-    arguments, ros_arguments = entity.text("args"), entity.text("ros_args")
+    executable = _text(entity, "plugin") if plugin else _text(entity, "exec", "type", "executable")
+    arguments, ros_arguments = _text(entity, "args"), _text(entity, "ros_args")
     for_ros: tuple[Text, ...] = (("--ros-args",), ros_arguments) if ros_arguments else ()
     words = [part for part in arguments or () if isinstance(part, str)]
     if package == ("nodelet",) and not plugin:
@@ -271,8 +253,8 @@ def _started_node(entity: _Entity, tests: Tests) -> Iterator[Action]:
         package,
         executable or UNKNOWN,
         plugin,
-        entity.text("name"),
-        entity.text("namespace", "ns"),
+        _text(entity, "name"),
+        _text(entity, "namespace", "ns"),
         tuple(_remap(child) for child in entity.named("remap")),
         files,
         parameters,
@@ -281,13 +263,13 @@ def _started_node(entity: _Entity, tests: Tests) -> Iterator[Action]:
     )
 
 
-def _included(entity: _Entity, tests: Tests) -> Iterator[Action]:
-    path = entity.text("file") or UNKNOWN
-    namespace = entity.text("ns")
+def _included(entity: XmlElement, tests: Tests) -> Iterator[Action]:
+    path = _text(entity, "file") or UNKNOWN
+    namespace = _text(entity, "ns")
     given = tuple(
         NodeParameter(
-            ((each.text("name") or UNKNOWN, each.span),),
-            each.text("value", "default") or (),
+            ((_text(each, "name") or UNKNOWN, each.span),),
+            _text(each, "value", "default") or (),
             each.span,
             tests=_tests(each),
         )
@@ -303,25 +285,25 @@ def _included(entity: _Entity, tests: Tests) -> Iterator[Action]:
     yield LaunchGroup((PushNamespace(namespace, entity.span), include)) if namespace else include
 
 
-def _declared_argument(entity: _Entity) -> Iterator[Declare]:
+def _declared_argument(entity: XmlElement) -> Iterator[Declare]:
     name = entity.attributes.get("name")
     if name is not None:
         forced = "value" in entity.attributes
-        yield Declare(name, entity.text("value", "default"), entity.span, forced, _tests(entity))
+        yield Declare(name, _text(entity, "value", "default"), entity.span, forced, _tests(entity))
 
 
-def _remap(entity: _Entity) -> Remap:
-    source, target = entity.text("from", "src"), entity.text("to", "dst")
+def _remap(entity: XmlElement) -> Remap:
+    source, target = _text(entity, "from", "src"), _text(entity, "to", "dst")
     return Remap(source or UNKNOWN, target or UNKNOWN, entity.span)
 
 
-def _given(entities: Sequence[_Entity]) -> tuple[tuple[Text, ...], tuple[NodeParameter, ...]]:
+def _given(entities: Sequence[XmlElement]) -> tuple[tuple[Text, ...], tuple[NodeParameter, ...]]:
     """Return the files and the values of parameters."""
     files: list[Text] = []
     parameters: list[NodeParameter] = []
     for entity in entities:
         if entity.name in ("param", "rosparam", "set_parameter", "set_parameters_from_file"):
-            file = entity.text("from", "file", "filename")
+            file = _text(entity, "from", "file", "filename")
             if file is not None:
                 files.append(file)
             else:
@@ -330,25 +312,25 @@ def _given(entities: Sequence[_Entity]) -> tuple[tuple[Text, ...], tuple[NodePar
     return tuple(files), tuple(parameters)
 
 
-def _read_by(entity: _Entity) -> Iterator[Reads]:
+def _read_by(entity: XmlElement) -> Iterator[Reads]:
     """Yield the files that a parameter reads, or names to a command such as xacro."""
     command = _COMMAND.fullmatch(entity.attributes.get("value", ""))
     within = None if command is None else substituted(command[1].strip("'\""))
-    for words in (entity.text("command"), entity.text("textfile"), within):
+    for words in (_text(entity, "command"), _text(entity, "textfile"), within):
         if words is not None:
             yield Reads(words, entity.span)
 
 
 def _parameter_values(
-    entity: _Entity, before: tuple[tuple[Text, Span], ...]
+    entity: XmlElement, before: tuple[tuple[Text, Span], ...]
 ) -> Iterator[NodeParameter]:
     """Yield a parameter with its values, and the parameters that are nested in it."""
-    name = entity.text("name")
+    name = _text(entity, "name")
     if name is None:
         return
     keys = (*before, (name, entity.span))
-    value = entity.text("value")
-    listed = tuple(each.text("value") or () for each in entity.named("value"))
+    value = _text(entity, "value")
+    listed = tuple(_text(each, "value") or () for each in entity.named("value"))
     if listed:
         yield NodeParameter(keys, (), entity.span, listed)
     if value is not None:
@@ -365,7 +347,7 @@ def _parameter_values(
         yield from _parameter_values(inner, keys)
 
 
-def _yaml_parameters(entity: _Entity) -> Iterator[NodeParameter]:
+def _yaml_parameters(entity: XmlElement) -> Iterator[NodeParameter]:
     """Yield the parameters that are written out as YAML within an element of ROS 1.
 
     Raises:
@@ -376,7 +358,7 @@ def _yaml_parameters(entity: _Entity) -> Iterator[NodeParameter]:
     (line, before, _), *_ = entity.pieces
     text = "".join(piece for _, _, piece in entity.pieces)
     document = read_yaml(text, entity.span.path, (line, before + 1))
-    name = entity.text("param")
+    name = _text(entity, "param")
     within = () if name is None else ((name, entity.span),)
     yield from _of_yaml(document, within)
 

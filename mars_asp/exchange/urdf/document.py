@@ -24,14 +24,6 @@ _Three: TypeAlias = tuple[Decimal, Decimal, Decimal]
 
 
 @dataclass(frozen=True, slots=True)
-class UrdfLink:
-    """The name and location of a link."""
-
-    name: str
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
 class UrdfJoint:
     """A joint: metres and radians, as they are written.
 
@@ -55,12 +47,12 @@ class UrdfJoint:
 
 @dataclass(frozen=True, slots=True)
 class UrdfDocument:
-    """Links and joints in the order of the document; the joints make trees of the links.
+    """Names of links and joints in the order of the document; the joints make trees of the links.
 
     `unread` are the other elements of the robot, such as `ros2_control`.
     """
 
-    links: tuple[UrdfLink, ...]
+    links: tuple[str, ...]
     joints: tuple[UrdfJoint, ...]
     unread: tuple[Unread, ...] = ()
 
@@ -91,8 +83,7 @@ class _UrdfReader:
         elif macro := next((c for c in root.children if c.name.startswith("xacro:")), None):
             message = f"the macro `<{macro.name}>` is not expanded"
             self.note(macro, message, "expand it first: `xacro FILE > robot.urdf`")
-        links = [child for child in root.children if child.name == "link"]
-        joints = [child for child in root.children if child.name == "joint"]
+        links, joints = list(root.named("link")), list(root.named("joint"))
         if not links and not self.problems:
             self.note(root, "the robot has no links", 'write one at least: `<link name="..."/>`')
         self.links = self.names(links)
@@ -104,7 +95,7 @@ class _UrdfReader:
             raise MarsError(self.problems)
         others = (each for each in root.children if each.name not in _READ)
         return UrdfDocument(
-            tuple(UrdfLink(e.attributes["name"], e.span) for e in links),
+            tuple(each.attributes["name"] for each in links),
             read,
             tuple(Unread("elements besides links and joints", e.name, e.span) for e in others),
         )
@@ -131,12 +122,12 @@ class _UrdfReader:
         if kind not in KINDS:
             found = f"joint `{name}` is `{kind}`" if kind else f"joint `{name}` has no type"
             self.note(element, found, self.hint(kind, KINDS))
-        origin, axis, mimic = (element.child(word) for word in ("origin", "axis", "mimic"))
+        origin, axis, mimic = (_child(element, word) for word in ("origin", "axis", "mimic"))
         along = self.three(axis, "xyz", (_ONE, _NONE, _NONE))
         if axis is not None and not any(map(float, along)):
             self.note(axis, "an axis of length zero", "state its direction, such as `0 0 1`")
         lower, upper, rate = None, None, None
-        if kind != "fixed" and (limit := element.child("limit")) is not None:
+        if kind != "fixed" and (limit := _child(element, "limit")) is not None:
             rate = self.rate(limit)
             lower, upper = (None, None) if kind == "continuous" else self.bounds(limit)
         return UrdfJoint(
@@ -155,7 +146,7 @@ class _UrdfReader:
         )
 
     def end(self, joint: XmlElement, name: str, role: str) -> str:
-        element = joint.child(role)
+        element = _child(joint, role)
         link = "" if element is None else element.attributes.get("link", "")
         if element is None:
             self.note(joint, f"joint `{name}` has no {role}", f'write `<{role} link="..."/>` in it')
@@ -224,6 +215,10 @@ class _UrdfReader:
             self.note(
                 joints[knot.walk[0][2]], found, "the links of a robot form a tree: delete one"
             )
+
+
+def _child(element: XmlElement, name: str) -> XmlElement | None:
+    return next(element.named(name), None)
 
 
 def _decimal(word: str) -> Decimal | None:

@@ -60,7 +60,7 @@ def import_urdf(text: str, path: str) -> Parsed:
         MarsError: the document is not XML, has a document type, or has errors in links and joints.
     """
     document = read_document(text, path)
-    links = _language_names(link.name for link in document.links)
+    links = _language_names(document.links)
     movers = _language_names((joint.name for joint in document.joints), links.values())
     placed = [p for joint in document.joints for p in _placements(joint, links, movers)]
     mounts, described = [], []
