@@ -3,6 +3,8 @@
 In contrast, a `Span` counts code points from 1, without the byte order mark.
 """
 
+import re
+from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import takewhile
@@ -154,6 +156,18 @@ class Text:
             return Range(self.position(line, begin + 1), self.position(line, end + 1))
         # Fast path: most texts are ASCII and have thousands of names.
         return Range(Position(line - 1, begin), Position(line - 1, end))
+
+    def between(self, begin: int, end: int) -> Range:
+        """Return the range of two offsets in the plain text."""
+        return Range(self._position_at(begin), self._position_at(end))
+
+    def _position_at(self, offset: int) -> Position:
+        line = bisect_right(self._starts, offset)
+        return self.position(line, offset - self._starts[line - 1] + 1)
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [0, *(match.end() for match in re.finditer("\n", self.plain))]
 
     @cached_property
     def _is_ascii(self) -> bool:

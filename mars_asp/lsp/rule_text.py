@@ -83,45 +83,24 @@ def rule_text(path: str, written: str) -> RuleText:
     text = Text(path, written)
     if len(written) > MOST_CHARACTERS:
         return RuleText(text, (), ())
-    starts = _Starts(text)
     tokens = [
         _Token(match.lastgroup or "", match[0], *match.span())
         for match in _TOKEN.finditer(text.plain)
     ]
     blank = tuple(
-        starts.range(each.begin, each.end) for each in tokens if each.sort in ("comment", "string")
+        text.between(each.begin, each.end) for each in tokens if each.sort in ("comment", "string")
     )
-    mentions = tuple(_mentions(tokens, text.plain, starts))
+    mentions = tuple(_mentions(tokens, text))
     return RuleText(text, mentions, blank)
 
 
-class _Starts:
-    """Converts offsets of a text into ranges; fast if the offsets ascend."""
-
-    def __init__(self, text: Text) -> None:
-        self._text = text
-        self._line, self._start = 1, 0
-
-    def _position(self, offset: int) -> Position:
-        if offset < self._start:
-            self._line, self._start = 1, 0
-        while offset > self._start + len(self._text.lines[self._line - 1]):
-            self._start += len(self._text.lines[self._line - 1]) + 1
-            self._line += 1
-        return self._text.position(self._line, offset - self._start + 1)
-
-    def range(self, begin: int, end: int) -> Range:
-        """Return the range from offset `begin` to `end`."""
-        return Range(self._position(begin), self._position(end))
-
-
-def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[PredicateMention]:
+def _mentions(tokens: list[_Token], text: Text) -> Iterator[PredicateMention]:
     """Yield the predicates of rules, which are names outside of arguments, and of docstrings."""
     depth, in_body, is_condition, before = 0, False, False, ""
     closed = _arguments(tokens)
     for number, token in enumerate(tokens):
         if token.sort == "comment":
-            yield from _documented(token, starts)
+            yield from _documented(token, text)
             continue
         if token.sort == "sign":
             depth = max(depth + _DEPTHS.get(token.text, 0), 0)
@@ -135,10 +114,10 @@ def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[Pred
         elif token.sort == "directive":
             in_body = True
         elif token.sort == "name" and not depth and before not in _COMPARING:
-            arity = _arity(tokens, number, text, closed)
+            arity = _arity(tokens, number, text.plain, closed)
             is_negated = before == "-"
             if token.text != "not" and arity is not None:
-                place = starts.range(token.begin, token.end)
+                place = text.between(token.begin, token.end)
                 yield PredicateMention(
                     token.text, arity, not is_negated, place, not (in_body or is_condition)
                 )
@@ -181,7 +160,7 @@ def _arguments(tokens: list[_Token]) -> dict[int, int]:
     return found
 
 
-def _documented(token: _Token, starts: _Starts) -> Iterator[PredicateMention]:
+def _documented(token: _Token, text: Text) -> Iterator[PredicateMention]:
     match = _DOCSTRING.match(token.text)
     if match is None:
         return
@@ -194,5 +173,5 @@ def _documented(token: _Token, starts: _Starts) -> Iterator[PredicateMention]:
         is_empty = is_empty and (sign.isspace() or sign == "(")
     begin = token.begin + match.start(1)
     name = match[1].removeprefix("-")
-    place = starts.range(begin, begin + len(match[1]))
+    place = text.between(begin, begin + len(match[1]))
     yield PredicateMention(name, 0 if is_empty else commas + 1, name == match[1], place, True)
