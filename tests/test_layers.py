@@ -117,14 +117,14 @@ FILES = {
     ),
     "cli": (
         "deliver encode wrapping arguments suggested_commands lines account watch realtime "
-        "progress output_files diagnostic_text limits settings extract excluded trace_document "
-        "schemas worker inputs trials ignores baseline selection results folding github gitlab "
-        "junit sarif_fixes sarif finding_formats alternatives analyse can completion draw export "
-        "facts fmt import_robot winners run_report run_json run_text run campaign_runner "
-        "campaign_dask campaign_job campaign_table campaign synthesise cases_report cases_measure "
-        "cases_watch test pytest_plugin verify diff rules_kinds rules_example rules_document "
-        "rules_new rules_diff rules repair check_output check lsp_files lsp_rules lsp_answers lsp "
-        "explain_page explain ament ros2_command"
+        "progress output_files diagnostic_text limits settings input_codes extract excluded "
+        "trace_document schemas worker inputs trials ignores baseline selection results folding "
+        "github gitlab junit sarif_fixes sarif finding_formats alternatives analyse can "
+        "completion draw export facts fmt import_robot winners run_report run_json run_text run "
+        "campaign_runner campaign_dask campaign_table campaign synthesise "
+        "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
+        "rules_example rules_document rules_new rules_diff rules repair check_output check "
+        "lsp_files lsp_rules lsp_answers lsp explain_page explain ament ros2_command"
     ),
 }
 #: The packages whose imports `docs/explanation/architecture.md` draws, in its order.

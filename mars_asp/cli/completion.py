@@ -76,11 +76,13 @@ def _options_of(actions: Iterable[argparse.Action]) -> Iterator[_Option]:
 @cache
 def _kinds() -> str:
     """Return the kinds of built-in findings and the codes of warnings on reading, with blanks."""
-    from mars_asp.diagnostic import INPUT_WARNINGS
+    from mars_asp.cli.input_codes import ignorable_codes
     from mars_asp.reasoning.findings import consequence_kinds
     from mars_asp.reasoning.rules import STAGES, load_rulebook
 
-    return " ".join(sorted(consequence_kinds(load_rulebook(stages=STAGES)).union(INPUT_WARNINGS)))
+    return " ".join(
+        sorted(consequence_kinds(load_rulebook(stages=STAGES)).union(ignorable_codes()))
+    )
 
 
 def _common_options() -> list[argparse.Action]:

@@ -14,6 +14,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.arguments import add_flags, misuse
 from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.input_codes import InputCode, input_codes
 from mars_asp.cli.inputs import rulebook_for
 from mars_asp.cli.rules_document import (
     PURPOSES,
@@ -34,7 +35,7 @@ from mars_asp.cli.rules_document import (
 )
 from mars_asp.cli.rules_example import rule_example, tabled_example
 from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
-from mars_asp.diagnostic import INPUT_CODES, Diagnostic, InputCode, refusal
+from mars_asp.diagnostic import Diagnostic, refusal
 from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import fenced, replace_together, visible
 from mars_asp.reasoning.lint import LintResult, lint
@@ -232,7 +233,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
 def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
     """Return the output of `rules show` for a kind or a rule, or None if it is neither."""
     rulebook = rulebook_for(arguments, STAGES)
-    known = (*rulebook.by_id, *kinds(rulebook), *INPUT_CODES)
+    known = (*rulebook.by_id, *kinds(rulebook), *input_codes())
     if name not in known:
         near = None if "." in name else nearest(name, known)
         if near is None:
@@ -315,9 +316,9 @@ def _find_named(
     known = kinds(rulebook)
     if name in known:
         return known[name]
-    if name in INPUT_CODES:
-        return INPUT_CODES[name]
-    names = (*rulebook.by_id, *files, *(each.name for each in declared), *known, *INPUT_CODES)
+    if name in input_codes():
+        return input_codes()[name]
+    names = (*rulebook.by_id, *files, *(each.name for each in declared), *known, *input_codes())
     # An id may be written without the stage, or be misspelt.
     ends = (each for each in names if each.endswith(f"/{name}"))
     near = next(ends, None) or nearest(name, names)

@@ -14,15 +14,14 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
+from mars_asp.cli.input_codes import ignorable_codes, is_input_error
 from mars_asp.cli.inputs import STANDARD_INPUT, check_inputs
 from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import (
-    INPUT_WARNINGS,
     Diagnostic,
     MarsError,
     Severity,
     Span,
-    is_input_error,
     whole_file,
 )
 from mars_asp.output import counted
@@ -362,7 +361,7 @@ class Selection:
 
     @cached_property
     def _known_names(self) -> frozenset[str]:
-        return _names_in(self._rulebook) | INPUT_WARNINGS.keys()
+        return _names_in(self._rulebook) | ignorable_codes()
 
     @cached_property
     def _launch_names(self) -> frozenset[str]:

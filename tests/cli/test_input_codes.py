@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
-from mars_asp.diagnostic import INPUT_CODES
+from mars_asp.cli.input_codes import input_codes
 from tests.support.documents import ROOT
 from tests.support.processes import mars
 
@@ -20,7 +20,7 @@ def test_each_code_has_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
     assert "It cannot be ignored." in capsys.readouterr().out
     assert run_here(["rules", "show", "MARS205", "--format", "json"]) == 0
     assert json.loads(capsys.readouterr().out)["can_be_ignored"] is True
-    assert all(code.meaning.endswith(".") for code in INPUT_CODES.values())
+    assert all(code.meaning.endswith(".") for code in input_codes().values())
     assert run_here(["rules", "show", "catalogu"]) == 2
     assert "did you mean `catalogue`?" in capsys.readouterr().err
 

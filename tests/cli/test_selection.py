@@ -8,8 +8,8 @@ from unittest.mock import Mock
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.cli.input_codes import ignorable_codes, is_input_error
 from mars_asp.cli.settings import settings_for
-from mars_asp.diagnostic import INPUT_WARNINGS, is_input_error
 from mars_asp.language import toml_text
 from tests.support.configurations import FINDINGS as ROBOT
 from tests.support.documents import ROOT
@@ -164,7 +164,9 @@ def test_every_code_of_an_error_is_known_as_one() -> None:
         if isinstance(argument, ast.Constant) and isinstance(argument.value, str)
     }
     assert len(codes) > 40
-    assert not [code for code in codes if code not in INPUT_WARNINGS and not is_input_error(code)]
+    assert not [
+        code for code in codes if code not in ignorable_codes() and not is_input_error(code)
+    ]
 
 
 #: The packages that read the input of `check`.
