@@ -93,8 +93,8 @@ def _positive_integer(text: str) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Carry out the missing runs; return 1 if a run did not pass or no specification exists."""
-    load_freely("mars_asp.execution.trial", "mars_asp.cli.campaign_job")
-    from mars_asp.cli.campaign_job import hashes, job_of, needs_of
+    load_freely("mars_asp.execution.trial", "mars_asp.cli.campaign_runner")
+    from mars_asp.cli.campaign_runner import hashes, job_of, needs_of
     from mars_asp.execution.campaign.journal import ended_run, header_of, in_order
 
     _check_engine(arguments)

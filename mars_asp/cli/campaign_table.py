@@ -63,20 +63,18 @@ def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
     always = [
         name for name, share in whole.requirements.items() if share.held == share.of == passed.of
     ]
-    for name in whole.requirements:
-        if name not in always:
-            rows += [
-                (label, name, cell.requirements[name].text)
-                for label, cell in labelled
-                if name in cell.requirements
-            ]
-    for name, share in controls.items():
-        if 0 < share.held < share.of:
-            rows += [
-                (label, f"{name} in control", cell.in_control[name].text)
-                for label, cell in labelled
-                if name in cell.in_control
-            ]
+    rows += [
+        (label, name, cell.requirements[name].text)
+        for name in whole.requirements
+        for label, cell in labelled
+        if name not in always and name in cell.requirements
+    ]
+    rows += [
+        (label, f"{name} in control", cell.in_control[name].text)
+        for name, share in controls.items()
+        for label, cell in labelled
+        if 0 < share.held < share.of and name in cell.in_control
+    ]
     for name in whole.spreads:
         title, unit = _spread_title(name)
         rows += [
@@ -89,21 +87,14 @@ def _shares_table(results: Sequence[_Result], width: int) -> Iterator[str]:
     yield from map(visible, wrapped(f"{head}, intervals of 95 % (Wilson)", width, "", "  "))
     # A single cell has the same results as the whole.
     yield from _aligned(rows if len(groups) > 1 else [row for row in rows if not row[0]])
-    if always:
-        head = f"passed in every run ({passed.of} of {passed.of}): "
-        yield from map(visible, wrapped(", ".join(always), width, head, "  "))
-    by_count: dict[int, list[str]] = {}
+    by_head: dict[str, list[str]] = {f"passed in every run ({passed.of} of {passed.of}): ": always}
     for name, count in whole.warnings.items():
-        by_count.setdefault(count, []).append(name)
-    for count, names in by_count.items():
-        head = f"warnings in {count} of {passed.of}: "
-        yield from map(visible, wrapped(", ".join(names), width, head, "  "))
-    for item, among in (
-        ("in control in each run: ", [n for n, s in controls.items() if 0 < s.held == s.of]),
-        ("in control in no run: ", [n for n, s in controls.items() if s.held == 0]),
-    ):
-        if among:
-            yield from map(visible, wrapped(", ".join(among), width, item, "  "))
+        by_head.setdefault(f"warnings in {count} of {passed.of}: ", []).append(name)
+    by_head["in control in each run: "] = [n for n, s in controls.items() if 0 < s.held == s.of]
+    by_head["in control in no run: "] = [n for n, s in controls.items() if s.held == 0]
+    for head, names in by_head.items():
+        if names:
+            yield from map(visible, wrapped(", ".join(names), width, head, "  "))
 
 
 def _spread_title(name: str) -> tuple[str, str]:
