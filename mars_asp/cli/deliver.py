@@ -277,11 +277,10 @@ class WorkerOutput:
         self.output: list[bytes] = []
         #: Text for standard error after the output.
         self.closing = ""
-        #: Groups of files of which all or none are written.
-        self.files: list[list[OutputFile]] = []
-        #: Files that arrive in parts, by path, and the paths of the complete ones.
+        #: The files to write in the end: a path to report, and the function that writes them.
+        self._writes: list[tuple[str, Callable[[], None]]] = []
+        #: Files that arrive in parts, by path, and the first error of each.
         self._begun: dict[str, AtomicFile] = {}
-        self._whole: set[str] = set()
         self._unwritten: dict[str, OSError] = {}
         self.code: tuple[str, ...] = ()
         self.status: int | None = None
@@ -299,12 +298,12 @@ class WorkerOutput:
                 self.output.append(raw)
             case "closing", str(text):
                 self.closing += text
-            case "files", list(group):
-                self.files.append(group)
+            case "files", list(group) if group:
+                self._writes.append((group[0].path, lambda: _write_files(group)))
             case "part", str(path), bytes(content):
                 self._extend(path, content)
             case "whole", str(path):
-                self._whole.add(path)
+                self._writes.append((path, lambda: self._replace(path)))
             case "grow", str(path), int(kept), int(size):
                 self._grown = path
                 self._grow(lambda: grow_file(path, kept, size))
@@ -338,6 +337,12 @@ class WorkerOutput:
         except OSError as error:
             self._unwritten[path] = error
 
+    def _replace(self, path: str) -> None:
+        """Put a file that arrived in parts in its place."""
+        if path in self._unwritten:
+            raise self._unwritten[path]
+        self._begun[path].replace()
+
     def drop(self) -> None:
         """Remove the files in parts that were not delivered."""
         for begun in self._begun.values():
@@ -350,19 +355,11 @@ class WorkerOutput:
             BrokenPipeError: the reader of standard output is gone.
         """
         is_unwritten = False
-        for path in sorted(self._whole):
+        for path, write in self._writes:
             try:
-                if path in self._unwritten:
-                    raise self._unwritten[path]
-                self._begun[path].replace()
+                write()
             except OSError as error:
-                _say_unwritten(f"`{visible(path)}`", error)
-                is_unwritten = True
-        for group in self.files:
-            try:
-                _write_files(group)
-            except OSError as error:
-                named = error.filename if isinstance(error.filename, str) else group[0].path
+                named = error.filename if isinstance(error.filename, str) else path
                 _say_unwritten(f"`{visible(named)}`", error)
                 is_unwritten = True
         end_growing()
