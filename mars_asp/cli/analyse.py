@@ -18,7 +18,7 @@ from mars_asp.cli.inputs import (
     rulebook_for,
     unapplied_packs,
 )
-from mars_asp.cli.lines import location_json
+from mars_asp.cli.lines import location_json, rule_location_json
 from mars_asp.cli.results import Result, results_of
 from mars_asp.cli.selection import Selected, Selection, add_selection, hidden_text
 from mars_asp.cli.suggested_commands import command
@@ -108,7 +108,6 @@ def frames_json(project: Project) -> dict[str, object]:
 
 def consequence_json(consequence: Consequence) -> dict[str, object]:
     """Return one consequence with the keys of the contract."""
-    rule = consequence.rule
     return {
         "kind": consequence.kind,
         "subject": consequence.subject,
@@ -118,7 +117,7 @@ def consequence_json(consequence: Consequence) -> dict[str, object]:
         "help": consequence.help,
         "effect": consequence.effect,
         "locations": [location_json(span) for span in consequence.spans],
-        "rule": {"id": rule.id, "path": rule.span.path, "line": rule.span.line},
+        "rule": rule_location_json(consequence.rule),
         "launch_files": list(consequence.trees),
         "conditions": [
             {

@@ -5,55 +5,50 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
 from pathlib import Path
-from typing import NamedTuple
+from typing import TypeAlias
 
 from mars_asp.asp.cases.coverage import Case, covered
 from mars_asp.asp.cases.mutants import Mutant, MutatedFile, rule_file, rule_mutants
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import plain
+from mars_asp.cli.lines import rule_location_json
 from mars_asp.output import visible
 from mars_asp.reasoning.cases import FoundCase
 from mars_asp.reasoning.cases.run import DETERMINISTIC, tried
 from mars_asp.reasoning.findings import EXPANSIONS
 
-
-class Measured(NamedTuple):
-    """Coverage and mutants as JSON and as lines; `status` is 1 if a rule or mutant is missed."""
-
-    result: Mapping[str, object]
-    lines: Sequence[str]
-    status: int
+#: The results of a pack as lines and as JSON.
+_Measured: TypeAlias = tuple[list[str], dict[str, object]]
 
 
 def measured(
     found: Sequence[FoundCase], books: Mapping[Path | None, Rulebook], arguments: argparse.Namespace
-) -> Measured:
-    """Return the requested coverage and mutants of the rules of each pack."""
+) -> tuple[Mapping[str, object], Sequence[str], int]:
+    """Return the requested coverage and mutants of the rules of each pack, as JSON and as lines.
+
+    The last value is 1 if a rule or a mutant is missed.
+    """
+    requested = {"coverage": arguments.coverage, "mutants": arguments.mutate}
+    result: dict[str, list[dict[str, object]]] = {name: [] for name in requested if requested[name]}
     lines: list[str] = []
-    result: dict[str, object] = {}
-    coverage: list[dict[str, object]] = []
-    mutation: list[dict[str, object]] = []
-    status = 0
     for pack, rulebook in books.items():
         cases = [tried(each.path, rulebook) for each in found if each.pack == pack]
         of = "the given rules" if pack is None else visible(str(pack))
+        entries: dict[str, _Measured] = {}
         if arguments.coverage:
             rules = rulebook.of_packs if rulebook.packs else rulebook.rules
             own = tuple(rule for rule in rules if _is_of(rule.span.path, pack))
-            outcome, entry, is_bad = _coverage(of, own, rulebook, cases)
-            lines += outcome
-            coverage.append({"pack": None if pack is None else str(pack), **entry})
-            status = max(status, is_bad)
+            entries["coverage"] = _coverage(of, own, rulebook, cases)
         if arguments.mutate:
             files = tuple(_mutated_files(pack, rulebook))
-            outcome, entry, is_bad = _mutants(of, files, rulebook, cases, arguments.jobs)
-            lines += outcome
-            mutation.append({"pack": None if pack is None else str(pack), **entry})
-            status = max(status, is_bad)
-    result |= {"coverage": coverage} if arguments.coverage else {}
-    result |= {"mutants": mutation} if arguments.mutate else {}
-    return Measured(result, lines, status)
+            entries["mutants"] = _mutants(of, files, rulebook, cases, arguments.jobs)
+        for name, (of_pack, entry) in entries.items():
+            lines += of_pack
+            result[name].append({"pack": None if pack is None else str(pack), **entry})
+    every = (entry for of_name in result.values() for entry in of_name)
+    is_missed = any(entry.get("silent") or entry.get("survivors") for entry in every)
+    return result, lines, int(is_missed)
 
 
 def _is_of(path: str, pack: Path | None) -> bool:
@@ -70,7 +65,7 @@ def _mutated_files(pack: Path | None, rulebook: Rulebook) -> Iterator[MutatedFil
 
 def _coverage(
     of: str, rules: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Case]
-) -> tuple[list[str], dict[str, object], int]:
+) -> _Measured:
     found = covered(rules, rulebook, cases)
     fire = len(found.rules) - len(found.silent)
     near = len(found.rules) - len(found.silent) - len(found.never_near)
@@ -83,18 +78,14 @@ def _coverage(
         "rules": len(found.rules),
         "fired": fire,
         "near": max(near, 0),
-        "silent": [_rule_json(rule) for rule in found.silent],
-        "never_near": [_rule_json(rule) for rule in found.never_near],
+        "silent": [rule_location_json(rule) for rule in found.silent],
+        "never_near": [rule_location_json(rule) for rule in found.never_near],
     }
-    return lines, entry, int(bool(found.silent))
+    return lines, entry
 
 
 def _rule_location(rule: Rule) -> str:
     return visible(f"{rule.span.path}:{rule.span.line}: {rule.id}")
-
-
-def _rule_json(rule: Rule) -> dict[str, object]:
-    return {"id": rule.id, "path": rule.span.path, "line": rule.span.line}
 
 
 def _mutants(
@@ -103,7 +94,7 @@ def _mutants(
     rulebook: Rulebook,
     cases: Sequence[Case],
     jobs: int | None,
-) -> tuple[list[str], dict[str, object], int]:
+) -> _Measured:
     mutants = [mutant for file in files for mutant in rule_mutants(file)]
     survivors = _survivors(files, mutants, rulebook, cases, jobs)
     alive = sorted(survivors, key=attrgetter("path", "line", "change"))
@@ -119,7 +110,7 @@ def _mutants(
         "killed": killed,
         "survivors": [_mutant_json(mutant) for mutant in alive],
     }
-    return lines, entry, int(bool(alive))
+    return lines, entry
 
 
 def _survivors(

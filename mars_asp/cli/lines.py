@@ -3,6 +3,7 @@
 import linecache
 import os
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from mars_asp.diagnostic import Span
@@ -10,6 +11,7 @@ from mars_asp.output import counted, visible
 from mars_asp.reading import check_walls, is_hidden
 
 if TYPE_CHECKING:
+    from mars_asp.asp.rules.rule import Rule
     from mars_asp.language.text_edits import LineEdit
 
 #: Two lines of a terminal; the location has the line and column for the whole text.
@@ -105,6 +107,11 @@ def located_line_json(span: Span) -> dict[str, object]:
     return {**location_json(span), "text": line_at(span)}
 
 
+def rule_location_json(rule: "Rule") -> dict[str, object]:
+    """Return the id and the location of a rule with the keys of the contract."""
+    return {"id": rule.id, "path": rule.span.path, "line": rule.span.line}
+
+
 def line_text(line: "LineEdit") -> Iterator[str]:
     """Yield the lines that show an edit: the removed lines, then the added lines."""
     place = visible(f"{line.path}:{line.line}")
@@ -122,11 +129,4 @@ def line_text(line: "LineEdit") -> Iterator[str]:
 
 def line_json(line: "LineEdit") -> dict[str, object]:
     """Return an edit with the keys of the contract."""
-    return {
-        "path": line.path,
-        "line": line.line,
-        "column": line.column,
-        "old": line.old,
-        "new": line.new,
-        "where": line.where,
-    }
+    return asdict(line)

@@ -9,8 +9,6 @@ import linecache
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -183,46 +181,28 @@ def _module_description(module: Module, files: EditorFiles) -> Described:
     )
 
 
-@dataclass(frozen=True)
-class _EditorQuery:
-    """The robot of a question, with its arguments and reasoner."""
+def _reasoner(question: Question, options: argparse.Namespace, *stages: str) -> Reasoner:
+    """Return the reasoner of the robot of a question.
 
-    question: Question
-    options: argparse.Namespace
-
-    @cached_property
-    def arguments(self) -> argparse.Namespace:
-        """Return the arguments of `explain` for the file of the question."""
-        return _call("explain", self.question.path, self.options)
-
-    @cached_property
-    def project(self) -> Project:
-        """Return the robot.
-
-        Raises:
-            MarsError: the files have errors.
-        """
-        return load(self.arguments, self.question.path)
-
-    def reasoner(self, *stages: str) -> Reasoner:
-        """Return the reasoner of the robot."""
-        rulebook = rulebook_for(self.arguments, stages)
-        return Reasoner(self.project, rulebook, Budget(self.options.time_limit))
+    Raises:
+        MarsError: the files of the robot or rules have errors.
+    """
+    arguments = _call("explain", question.path, options)
+    rulebook = rulebook_for(arguments, stages)
+    return Reasoner(load(arguments, question.path), rulebook, Budget(options.time_limit))
 
 
 def _survey(question: Question, options: argparse.Namespace) -> Survey | Failed:
     """Return the consequences and nodes of each module."""
-    query = _EditorQuery(question, options)
     try:
-        reasoner = query.reasoner("resolve")
+        reasoner = _reasoner(question, options, "resolve")
         found = reasoner.analysis.consequences
         synthesis = reasoner.synthesis
     except MarsError as error:
         return Failed(str(error))
-    ports = {text: module for text, (module, _) in port_names(query.project).items()}
-    names = {
-        each.text for each in query.project.configuration.modules
-    } | query.project.modules.keys()
+    project = reasoner.project
+    ports = {text: module for text, (module, _) in port_names(project).items()}
+    names = {each.text for each in project.configuration.modules} | project.modules.keys()
     about: dict[str, dict[str, None]] = {}
     for each in found:
         ends = (ports.get(end, end) for end in (each.subject, *each.participants))
@@ -245,10 +225,8 @@ def _as_tuples(found: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]
 
 def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
     """Return the trace of the subject of a question as text, to the default depth."""
-    query = _EditorQuery(question, options)
     try:
-        reasoner = query.reasoner("resolve", "account")
-        found = explain(reasoner, question.about)
+        found = explain(_reasoner(question, options, "resolve", "account"), question.about)
     except MarsError as error:
         return Failed(str(error))
     entries = [(topic.title, topic.trace) for topic in found.topics]
@@ -261,10 +239,10 @@ def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
 
 def _repairs(question: Question, options: argparse.Namespace) -> tuple[QuickFix, ...]:
     """Return the edits that remove findings, each verified by an analysis."""
-    query = _EditorQuery(question, options)
     try:
-        rulebook = rulebook_for(query.arguments, REPAIRING)
-        found = repairs(query.project, rulebook, seconds=_REPAIR_SECONDS, with_warnings=True)
+        reasoner = _reasoner(question, options, *REPAIRING)
+        project, rulebook = reasoner.project, reasoner.rulebook
+        found = repairs(project, rulebook, seconds=_REPAIR_SECONDS, with_warnings=True)
     except MarsError:
         # The check reports the errors of the files.
         return ()

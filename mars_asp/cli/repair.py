@@ -8,7 +8,7 @@ from mars_asp.cli.analyse import consequence_json
 from mars_asp.cli.diagnostic_text import colours, paint
 from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import JUDGING, judge_project, rulebook_for
-from mars_asp.cli.lines import line_json, line_text, location_json
+from mars_asp.cli.lines import line_json, line_text, location_json, rule_location_json
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.selection import Selection
 from mars_asp.cli.wrapping import columns, spent, wrapped
@@ -164,13 +164,12 @@ def mend_json(mend: Mend) -> dict[str, object]:
 
 
 def _edit_json(edit: RepairEdit) -> dict[str, object]:
-    span = edit.rule.span
     return {
         "edit": str(edit.term),
         "parts": [str(part) for part in edit.parts],
         "message": edit.message,
         "weight": edit.weight,
-        "rule": {"id": edit.rule.id, "path": span.path, "line": span.line},
+        "rule": rule_location_json(edit.rule),
     }
 
 

@@ -1,6 +1,6 @@
 """Explanations for programs: one JSON document, or a line of JSON for each step."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from mars_asp.asp.trace.document import FORMAT, VERSION, TraceDocument, trace_json, trace_lines
 from mars_asp.cli.account import account_json
@@ -10,18 +10,14 @@ from mars_asp.reasoning.questions.explain import Topic
 from mars_asp.reasoning.questions.why_not import WhyNot
 from mars_asp.reasoning.rules import by_name
 
-#: So many lines are written at a time.
-_AT_ONCE = 1000
-
 
 def topics_text(subject: str | None, topics: Sequence[Topic], format: str) -> Iterator[str]:
     """Yield topics as `json`, or as lines of `jsonl` in batches while they are computed."""
     if format == "json":
         yield f"{encoded(topics_document(subject, topics))}\n"
         return
-    lines = trace_lines(subject, ((_topic_json(each), each.trace) for each in topics))
-    for part in _batches(lines):
-        yield "".join(part)
+    for line in trace_lines(subject, ((_topic_json(each), each.trace) for each in topics)):
+        yield f"{line}\n"
 
 
 def topics_document(subject: str | None, topics: Sequence[Topic]) -> dict[str, object]:
@@ -63,13 +59,3 @@ def _topic_json(topic: Topic) -> dict[str, object]:
         return {**entries, "resolves": list(topic.resolves)}
     resolves = list(topic.resolves)
     return {**entries, "resolves": resolves, **account_json(account), "decided_by": topic.rule}
-
-
-def _batches(lines: Iterable[str]) -> Iterator[list[str]]:
-    part: list[str] = []
-    for line in lines:
-        part.append(f"{line}\n")
-        if len(part) == _AT_ONCE:
-            yield part
-            part = []
-    yield part

@@ -21,7 +21,7 @@ from mars_asp.cli.inputs import (
     read_specification,
     rulebook_for,
 )
-from mars_asp.cli.lines import located_lines, location_json
+from mars_asp.cli.lines import located_lines, location_json, rule_location_json
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import Span
@@ -286,9 +286,8 @@ def _violation_json(violation: Violation, spans: Iterable[Span]) -> dict[str, ob
 
 
 def _finding_json(found: Violation | Caution) -> dict[str, object]:
-    rule = found.rule
     return {
         "message": found.message,
         "help": found.help,
-        "rule": {"id": rule.id, "path": rule.span.path, "line": rule.span.line},
+        "rule": rule_location_json(found.rule),
     }
