@@ -98,7 +98,7 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAn
     """
     demands = tuple(_demands(query, project))
     asked = [
-        Fact(Atom("asked_of", (number, demand.function, demand.module)), demand.span)
+        Fact(Atom("requested", (number, demand.function, demand.module)), demand.span)
         for number, demand in enumerate(demands, 1)
     ]
     wanted = [(demand.function, demand.module) for demand in demands]

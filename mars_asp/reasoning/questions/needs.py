@@ -22,7 +22,7 @@ from mars_asp.reasoning.synthesis import IntroducedNode
 #: A node, a component of its reason, a clause or cost, an order and a thing.
 NEED = Signature("need", 5)
 #: The nodes in question.
-_QUERIED = Signature("asked_node", 1)
+_QUERIED = Signature("queried_node", 1)
 #: The name under which the messages of the rules are read.
 _STAGE = "needs"
 #: Limits of the number of names, and of the ranges of lines, in a sentence.
@@ -61,7 +61,7 @@ def reasons(
     names = names_of(project, nodes)
     read = sorted(reads(rules) - {_QUERIED})
     grounding = Grounding((), true_atoms(evidence, read))
-    facts = fact_fragment("".join(f"asked_node({term}).\n" for term in asked), {_QUERIED.name})
+    facts = fact_fragment("".join(f"queried_node({term}).\n" for term in asked), {_QUERIED.name})
     grounding.derive([facts, *map(fragment_of, rules), *saying(_STAGE, speaking)])
     found: dict[str, dict[str, list[RenderedMessage]]] = {}
     for each in rendered_messages(grounding.control, _STAGE, speaking):
