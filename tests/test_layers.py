@@ -36,7 +36,7 @@ FILES = {
         "rulebook consistency"
     ),
     "asp/lint": (
-        "clauses found values orders graph catalogue sorts variables bodies keys aggregates "
+        "found clauses values orders graph catalogue sorts variables bodies keys aggregates "
         "recursion joins predicates copies messages roles arithmetic names allow"
     ),
     "asp/trace": (

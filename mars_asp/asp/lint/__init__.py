@@ -37,10 +37,6 @@ from mars_asp.asp.rules.statements import read_by_costs, shown
 from mars_asp.asp.signature import Signature
 
 
-def _any_rule(_: Rule) -> bool:
-    return True
-
-
 @dataclass(frozen=True)
 class Host:
     """The facts about the host program that lint cannot read in rules.
@@ -58,7 +54,7 @@ class Host:
     things: frozenset[str] = frozenset()
     unbounded: Mapping[Signature, Iterable[int]] = field(default_factory=dict)
     kinds: Mapping[str, tuple[Signature, int]] = field(default_factory=dict)
-    exists: Callable[[Rule], bool] = _any_rule
+    exists: Callable[[Rule], bool] = lambda rule: True
     demanding: frozenset[str] = frozenset()
     choosing: frozenset[str] = frozenset()
     placing: Mapping[Signature, frozenset[Signature]] = field(default_factory=dict)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from mars_asp.asp.lint.clauses import Aggregate, Clause, Element, name_of
-from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.rules.trees import Kind, below, names_in
 
 AGGREGATE = "rule-aggregate"
@@ -29,7 +29,7 @@ def wrong_aggregates(clause: Clause) -> Iterator[LintFinding]:
             ):
                 message = f"`{name}` is the value of the aggregate and a variable in it"
                 advice = "use two variables: what is in the braces is another thing"
-                yield found(AGGREGATE, message, clause.place(guard), clause.rule, advice)
+                yield clause.finding(AGGREGATE, message, guard, advice)
 
 
 def _fixed_choice(clause: Clause) -> Iterator[LintFinding]:
@@ -47,7 +47,7 @@ def _fixed_choice(clause: Clause) -> Iterator[LintFinding]:
             f"{variables} {are} bound outside of the braces, so that `{head.text}` is one atom"
         )
         advice = "use another variable in the braces, or move the condition to the body"
-        yield found(AGGREGATE, message, clause.place(head.node), clause.rule, advice)
+        yield clause.finding(AGGREGATE, message, head.node, advice)
 
 
 def _is_bound_elsewhere(clause: Clause, name: str | None, others: tuple[Aggregate, ...]) -> bool:
@@ -67,7 +67,6 @@ def _element(
 ) -> Iterator[LintFinding]:
     first, *rest = element.terms
     counted = [first, *rest] if aggregate.function not in _SUMS else rest
-    place = clause.place(first)
     entries = frozenset().union(*(names_in(term) for term in element.terms))
     local = entries - bound
     inside = frozenset().union(*(names_in(atom.node) for atom in element.scope.atoms))
@@ -77,13 +76,13 @@ def _element(
             advice = f"add what tells them apart: `{first!s}, {lost.strip('`')} : ...`"
             if lost == "others":
                 advice = f"add what tells them apart: `{first!s}, X : ...`, not `_`"
-            yield found(AGGREGATE, message, place, clause.rule, advice)
+            yield clause.finding(AGGREGATE, message, first, advice)
         return
     if aggregate.function in ("count", *_SUMS) and not local and inside - bound:
         what = ", ".join(map(str, element.terms))
         message = f"at most one `{what}` is counted, as nothing in it varies"
         advice = f"count what differs: `{min(inside - bound)}`"
-        yield found(AGGREGATE, message, place, clause.rule, advice)
+        yield clause.finding(AGGREGATE, message, first, advice)
         return
     for term in counted:
         name = name_of(term)
@@ -91,7 +90,7 @@ def _element(
         if is_global:
             message = f"`{name}` is bound outside of the aggregate, so it is one value in it"
             advice = "use another variable for what is counted, or leave it out of the tuple"
-            yield found(AGGREGATE, message, clause.place(term), clause.rule, advice)
+            yield clause.finding(AGGREGATE, message, term, advice)
 
 
 def _lost(element: Element, known: frozenset[str]) -> str:

@@ -70,17 +70,16 @@ def _is_risky(operation: Operation, large: Set[str]) -> bool:
 
 def _upper_bounds(variants: Iterable[Clause]) -> Mapping[str, int]:
     """Return the upper bounds that comparisons give variables in all variants of a rule."""
-    ways = [dict(_bounded(clause)) for clause in variants]
-    shared = set(ways[0]).intersection(*ways) if ways else set()
-    return {name: max(way[name] for way in ways) for name in shared}
-
-
-def _bounded(clause: Clause) -> Iterator[tuple[str, int]]:
-    for comparison in clause.body.comparisons:
-        for one, order, other in comparison.sides:
-            name, number = name_of(one), number_of(other)
-            if name is not None and number is not None and order in _BOUNDING:
-                yield name, number + _BOUNDING[order]
+    found = list[dict[str, int]]()
+    for clause in variants:
+        found.append({})
+        for comparison in clause.body.comparisons:
+            for one, order, other in comparison.sides:
+                name, number = name_of(one), number_of(other)
+                if name is not None and number is not None and order in _BOUNDING:
+                    found[-1][name] = number + _BOUNDING[order]
+    shared = set(found[0]).intersection(*found) if found else set()
+    return {name: max(bounds[name] for bounds in found) for name in shared}
 
 
 def _most(operand: Operand, bounds: Mapping[str, int]) -> float:

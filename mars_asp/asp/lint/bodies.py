@@ -9,11 +9,10 @@ from mars_asp.asp.lint.clauses import (
     Clause,
     ClauseAtom,
     ClauseScope,
-    Comparison,
     kind_of,
 )
-from mars_asp.asp.lint.found import Fix, LintFinding, found
-from mars_asp.asp.lint.orders import Compared, compared, constants_in, guarded, never
+from mars_asp.asp.lint.found import Fix, LintFinding
+from mars_asp.asp.lint.orders import Compared, compared, constants_in, fewest, guarded, never
 from mars_asp.asp.rules.trees import Kind, SyntaxNode, below, extent_of
 from mars_asp.diagnostic import Span
 
@@ -57,11 +56,11 @@ def _contradiction(
             if _exclude(one, other):
                 node = max(one.node, other.node, key=extent_of)
                 message = f"`{one.node}` and `{other.node}` are never true together"
-                return found(CONTRADICTION, message, clause.place(node), clause.rule, advice)
+                return clause.finding(CONTRADICTION, message, node, advice)
     for each in inner.others:
         if str(each) == "#false":
             message = "`#false` never holds"
-            return found(CONTRADICTION, message, clause.place(each), clause.rule, advice)
+            return clause.finding(CONTRADICTION, message, each, advice)
     comparisons = (*outer.comparisons, *inner.comparisons)
     constants = constants_in(comparisons, replaced)
     given = [*map(compared, comparisons), *bounds]
@@ -69,12 +68,7 @@ def _contradiction(
         return None
     if outer.comparisons and never([*map(compared, outer.comparisons), *bounds], constants):
         return None
-    # Name as few of the contradictory comparisons as possible.
-    least = list(comparisons)
-    for one_of in comparisons:
-        rest = [other for other in least if other is not one_of]
-        if never([*map(compared, rest), *bounds], constants):
-            least = rest
+    least = fewest(comparisons, bounds, constants)
     places = [each.node for each in least] or [each.node for each in clause.aggregates]
     text = " and ".join(f"`{each.text}`" for each in least)
     if len(least) > 1:
@@ -84,7 +78,7 @@ def _contradiction(
         advice = advice.replace("leave out one of the two", "leave it out")
     if least and bounds and not never(list(map(compared, least)), constants):
         message += " with the bounds of an aggregate"
-    return found(CONTRADICTION, message, clause.place(places[-1]), clause.rule, advice)
+    return clause.finding(CONTRADICTION, message, places[-1], advice)
 
 
 def _exclude(one: ClauseAtom, other: ClauseAtom) -> bool:
@@ -126,17 +120,19 @@ def _needless(
     kept = list(own)
     for each in own:
         rest = [other for other in kept if other is not each]
-        if _holds_anyway(each, rest, constants):
+        denied = _denied(compared(each))
+        # A comparison may bind a variable.
+        binds = each.sign == "=" and str(each.left) != str(each.right)
+        if not binds and never([*map(compared, rest), denied], constants):
             kept = rest
             why = (
                 "whatever its terms are"
-                if never([_denied(compared(each))], constants)
+                if never([denied], constants)
                 else ("wherever the other comparisons do")
             )
             message = f"`{each.text}` holds {why}"
             fixes = _without(clause, each.node)
-            place = clause.place(each.node)
-            yield found(REDUNDANT, message, place, clause.rule, "leave it out", fixes)
+            yield clause.finding(REDUNDANT, message, each.node, "leave it out", fixes)
     for at, aggregate in enumerate(clause.aggregates):
         entries = list(_aggregate_bounds(at, aggregate))
         count = len(aggregate.guards)
@@ -145,17 +141,8 @@ def _needless(
             known = entries[count:]
             if all(never([*known, _denied(guard)]) for guard in entries[:count]):
                 message = "this aggregate always has such a value"
-                place = clause.place(aggregate.node)
-                yield found(
-                    REDUNDANT, message, place, clause.rule, "leave it out, or correct its bound"
-                )
-
-
-def _holds_anyway(each: Comparison, rest: Sequence[Comparison], constants: Set[str]) -> bool:
-    if each.sign == "=" and str(each.left) != str(each.right):
-        # The comparison may bind a variable.
-        return False
-    return never([*map(compared, rest), _denied(compared(each))], constants)
+                advice = "leave it out, or correct its bound"
+                yield clause.finding(REDUNDANT, message, aggregate.node, advice)
 
 
 def _denied(each: Compared) -> Compared:
@@ -179,8 +166,7 @@ def _repeated(clause: Clause) -> Iterator[LintFinding]:
             if first is not literal:
                 message = f"`{literal}` is repeated"
                 fixes = _without(clause, literal)
-                place = clause.place(literal)
-                yield found(REDUNDANT, message, place, clause.rule, "leave it out", fixes)
+                yield clause.finding(REDUNDANT, message, literal, "leave it out", fixes)
 
 
 def _without(clause: Clause, literal: SyntaxNode) -> tuple[Fix, ...]:
@@ -207,7 +193,5 @@ def _circular(clause: Clause) -> Iterator[LintFinding]:
             and "_" not in _bare(atom.node)
         ):
             message = f"`{head.text}` is derived where it holds already"
-            place = clause.place(atom.node)
-            yield found(
-                REDUNDANT, message, place, clause.rule, "leave out the rule, or correct its head"
-            )
+            advice = "leave out the rule, or correct its head"
+            yield clause.finding(REDUNDANT, message, atom.node, advice)

@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from clingo import SymbolType
 
+from mars_asp.asp.lint.found import Fix, LintFinding, found
 from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import places, sign_and_function, variants
@@ -139,11 +140,6 @@ class Clause:
                 found |= {name for each in atom.terms for name in names_in(each)}
         return frozenset(found)
 
-    @property
-    def has_set(self) -> bool:
-        """Whether the rule has atoms in braces."""
-        return self.sort == "choice" or any(each.function == "set" for each in self.aggregates)
-
     @cached_property
     def kinds(self) -> frozenset[tuple[object, ...]]:
         """Return the kinds of the literals of the body: predicates with their signs, or types."""
@@ -170,6 +166,18 @@ class Clause:
         """Return all atoms except heads."""
         inner = (*self.inner, *(each.literal for each in self.conditionals))
         return (*self.body.atoms, *(atom for scope in inner for atom in scope.atoms))
+
+    def finding(
+        self,
+        code: str,
+        message: str,
+        node: SyntaxNode,
+        advice: str,
+        fixes: tuple[Fix, ...] = (),
+        labels: tuple[tuple[Span, str], ...] = (),
+    ) -> LintFinding:
+        """Return a finding about a node of the rule."""
+        return found(code, message, self.place(node), self.rule, advice, fixes, labels)
 
     def place(self, node: SyntaxNode) -> Span:
         """Return the location of a node, or of the metadata line that lists its rule."""

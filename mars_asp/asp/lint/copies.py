@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from mars_asp.asp.lint.clauses import Clause, kind_of
-from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.rules.trees import Kind, SyntaxNode, below
 
 DUPLICATE, SUBSUMED = "rule-duplicate", "rule-subsumed"
@@ -105,17 +105,17 @@ def _subsumed(clauses: Sequence[Clause], number: int, other: int) -> LintFinding
     same = _covers(own, rival)
     if same and number < other:
         return None
-    place, labels = own.place(own.node), ((rival.place(rival.node), "this one"),)
+    labels = ((rival.place(rival.node), "this one"),)
     if same:
         message = "this rule is there already"
         advice = "leave out one of the two"
-        return found(DUPLICATE, message, place, own.rule, advice, labels=labels)
+        return own.finding(DUPLICATE, message, own.node, advice, labels=labels)
     if own.rule.because is not None and own.rule.because != rival.rule.because:
         # Its own message is shown in traces, so the rule is not superfluous.
         return None
     message = "whatever this rule gives, another one gives without some of its premises"
     advice = "leave out this rule, or what makes the other one too general"
-    return found(SUBSUMED, message, place, own.rule, advice, labels=labels)
+    return own.finding(SUBSUMED, message, own.node, advice, labels=labels)
 
 
 def _covers(general: Clause, special: Clause) -> bool:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 
 from mars_asp.asp.lint.clauses import Aggregate, Clause, ClauseAtom, Comparison, name_of
-from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.rules.trees import names_in
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 
@@ -56,4 +56,4 @@ def _unjoined(
         one, other, *_ = first.values()
         message = f"each `{one.text}` is paired with each `{other.text}`"
         advice = "join them by a variable, or derive what belongs together by a rule of its own"
-        yield found(JOIN, message, clause.place(other.node), clause.rule, advice)
+        yield clause.finding(JOIN, message, other.node, advice)

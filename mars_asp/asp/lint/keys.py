@@ -12,8 +12,8 @@ from mars_asp.asp.lint.clauses import (
     is_constant,
     joined,
 )
-from mars_asp.asp.lint.found import LintFinding, found
-from mars_asp.asp.lint.orders import Compared, compared, constants_in, never, parted
+from mars_asp.asp.lint.found import LintFinding
+from mars_asp.asp.lint.orders import Compared, compared, constants_in, fewest, never, parted
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.trees import extent_of
 from mars_asp.asp.signature import Signature
@@ -62,8 +62,8 @@ def _contradicted_key(
                     message = message.replace("are one fact", "are never true together")
                 else:
                     message += f", so {why} never holds"
-                place = clause.place(max(one.node, other.node, key=extent_of))
-                return found(CONTRADICTION, message, place, clause.rule, advice)
+                later = max(one.node, other.node, key=extent_of)
+                return clause.finding(CONTRADICTION, message, later, advice)
     return None
 
 
@@ -85,11 +85,6 @@ def _unlike(
     constants = constants_in(comparisons, replaced)
     if not equal or never(map(compared, comparisons), constants):
         return ""
-    least = list(comparisons)
-    if not never([*map(compared, least), *equal], constants):
+    if not never([*map(compared, comparisons), *equal], constants):
         return ""
-    for each in comparisons:
-        rest = [other for other in least if other is not each]
-        if never([*map(compared, rest), *equal], constants):
-            least = rest
-    return " and ".join(f"`{each.text}`" for each in least)
+    return " and ".join(f"`{each.text}`" for each in fewest(comparisons, equal, constants))

@@ -151,15 +151,13 @@ class MessageFunctions:
                 self._settled[key] = frozenset(
                     at for at in every if names_in(head.terms[at]) <= fixed
                 )
-            elif rules and signature.unsigned not in self._keys and self._is_table(rules, given):
-                self._settled[key] = every
+            elif rules and given and signature.unsigned not in self._keys:
+                # Facts define the predicate as a table, without repeated `given` arguments.
+                rows = {tuple(str(head.terms[at]) for at in sorted(given)) for _, head in rules}
+                plain = all(not one.node.body and not names_in(head.node) for one, head in rules)
+                if plain and len(rows) == len(rules):
+                    self._settled[key] = every
         return self._settled[key]
-
-    def _is_table(self, rules: Sequence[tuple[Clause, ClauseAtom]], given: frozenset[int]) -> bool:
-        """Whether facts define a predicate as a table, without repeated `given` arguments."""
-        rows = [tuple(str(head.terms[at]) for at in sorted(given)) for _, head in rules]
-        plain = all(not clause.node.body and not names_in(head.node) for clause, head in rules)
-        return plain and bool(given) and len(set(rows)) == len(rows)
 
 
 def wrong_holes(clause: Clause, known: KnownValue, things: Set[str]) -> Iterator[LintFinding]:

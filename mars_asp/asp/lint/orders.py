@@ -5,6 +5,7 @@ differences of bases, so the shortest paths between bases show whether all compa
 """
 
 from collections.abc import Iterable, Mapping, Set
+from itertools import combinations
 from typing import NamedTuple
 
 from mars_asp.asp.lint.clauses import Comparison, is_constant, number_of, operation_of
@@ -45,13 +46,28 @@ def never(comparisons: Iterable[Compared], constants: Set[str] = frozenset()) ->
     paths = _paths(given, constants)
     if paths is None:
         return True
-    for left, sign, right, plus in given:
-        if sign == "!=" and _is_fixed(paths, left, right, -plus):
-            return True
+
+    def difference(one: str, other: str) -> int | None:
+        """Return the difference of two bases, or None if it is not fixed."""
+        there, back = paths[one].get(other), paths[other].get(one)
+        return there if there is not None and back == -there else None
+
+    if any(s == "!=" and difference(one, other) == -plus for one, s, other, plus in given):
+        return True
     fixed = sorted({*constants, _ZERO} & paths.keys())
-    return any(
-        _are_tied(paths, one, other) for at, one in enumerate(fixed) for other in fixed[at + 1 :]
-    )
+    return any(difference(one, other) is not None for one, other in combinations(fixed, 2))
+
+
+def fewest(
+    comparisons: Iterable[Comparison], given: Iterable[Compared], constants: Set[str]
+) -> list[Comparison]:
+    """Return comparisons that cannot all hold with the `given` ones, each of which is needed."""
+    given, kept = tuple(given), list(comparisons)
+    for each in tuple(kept):
+        rest = [other for other in kept if other is not each]
+        if never([*map(compared, rest), *given], constants):
+            kept = rest
+    return kept
 
 
 def constants_in(comparisons: Iterable[Comparison], replaced: Set[str]) -> frozenset[str]:
@@ -102,14 +118,3 @@ def _paths(given: Iterable[Compared], constants: Set[str]) -> _Distances | None:
 def _bound(paths: Mapping[str, dict[str, int]], one: str, other: str, most: int) -> None:
     known = paths[one]
     known[other] = min(most, known.get(other, most))
-
-
-def _is_fixed(paths: _Distances, one: str, other: str, difference: int) -> bool:
-    """Whether the difference of two bases is fixed to a number."""
-    there, back = paths[one].get(other), paths[other].get(one)
-    return there == difference and back == -difference
-
-
-def _are_tied(paths: _Distances, one: str, other: str) -> bool:
-    there, back = paths[one].get(other), paths[other].get(one)
-    return there is not None and back is not None and there + back == 0

@@ -44,8 +44,7 @@ def unused(
                 entries.add(signature)
                 message = f"nothing reads `{signature}`"
                 advice = f"leave it out, or show it: `#show {signature}.`"
-                place = clauses[number].place(head.node)
-                yield found(UNUSED, message, place, clauses[number].rule, advice)
+                yield clauses[number].finding(UNUSED, message, head.node, advice)
 
 
 def unfounded(
@@ -79,8 +78,7 @@ def unfounded(
             others = sorted(f"`{each}`" for each in rules if circle[each] == circle[signature])
             what = " and ".join(others) if len(others) > 1 else "itself"
             message = f"`{signature}` is derived from {what} alone, so it never holds"
-            place = clause.place(clause.node)
-            yield found(UNDEFINED, message, place, clause.rule, "add a rule to begin with")
+            yield clause.finding(UNDEFINED, message, clause.node, "add a rule to begin with")
 
 
 def _begins(

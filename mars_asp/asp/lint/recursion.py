@@ -10,7 +10,7 @@ from mars_asp.asp.lint.clauses import (
     number_of,
     operation_of,
 )
-from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.lint.orders import parted
 from mars_asp.asp.rules.trees import Kind, SyntaxNode, names_in
 from mars_asp.asp.signature import Signature
@@ -39,7 +39,7 @@ def _negated(clause: Clause, head: ClauseAtom, atom: ClauseAtom) -> LintFinding:
     itself = "its own negation" if one == other else f"the negation of `{other}`, which rests on it"
     message = f"`{one}` rests on {itself}"
     advice = "what follows is then open, or nothing: break the circle"
-    return found(NEGATION, message, clause.place(atom.node), clause.rule, advice)
+    return clause.finding(NEGATION, message, atom.node, advice)
 
 
 def _growing(
@@ -70,7 +70,7 @@ def _growing(
         message = f"`{meant!s}` grows with each turn of `{head.signature}`"
         variable = min(grown - limited)
         advice = f"bound `{variable}`: compare it, or read it from a predicate outside the circle"
-        yield found(RECURSION, message, clause.place(term), clause.rule, advice)
+        yield clause.finding(RECURSION, message, term, advice)
 
 
 def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, SyntaxNode]:

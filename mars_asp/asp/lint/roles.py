@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import Clause, name_of
 from mars_asp.asp.lint.found import LintFinding, found
-from mars_asp.asp.lint.values import KnownValue, Values
+from mars_asp.asp.lint.values import KnownValue
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.trees import Kind, SyntaxNode
 from mars_asp.asp.signature import Signature
@@ -46,22 +46,16 @@ def words_as_numbers(clause: Clause, known: KnownValue) -> Iterator[LintFinding]
             sides = {">": (each.left, each.right), "<": (each.right, each.left)}
             one, other = sides.get(each.sign[0], (None, None))
             name = name_of(one) if one is not None else None
-            words = _word_values(environment.get(name)) if name is not None else set()
+            values = (environment.get(name) if name is not None else None) or ()
+            is_measured = any(each.form == "number" for each in values)
+            words = {each.text for each in values if is_measured and each.text in _WORDS}
             words = {word for word in words if (name, word) not in denied}
-            if other is not None and words and _is_number(known.of(other, environment)):
+            limits = known.of(other, environment) if other is not None and words else None
+            if limits and all(each.form == "number" for each in limits):
                 word = min(words)
                 message = f"`{name}` may be `{word}`, which is more than any number"
                 advice = f"add `{name} != {word}`"
-                yield found(NONE, message, clause.place(each.node), clause.rule, advice)
-
-
-def _word_values(values: Values) -> set[str]:
-    is_measured = any(each.form == "number" for each in values or ())
-    return {each.text for each in values or () if is_measured and each.text in _WORDS}
-
-
-def _is_number(values: Values) -> bool:
-    return bool(values) and all(each.form == "number" for each in values or ())
+                yield clause.finding(NONE, message, each.node, advice)
 
 
 def silent(clause: Clause, reported: Set[Signature]) -> Iterator[LintFinding]:
@@ -71,7 +65,7 @@ def silent(clause: Clause, reported: Set[Signature]) -> Iterator[LintFinding]:
         if head.signature.unsigned in reported:
             message = f"`{head.text}` has no message"
             advice = "write it above the rule: `%! because: ...`, with an `%! id: ...`"
-            yield found(SILENT, message, clause.place(head.node), clause.rule, advice)
+            yield clause.finding(SILENT, message, head.node, advice)
 
 
 def demands(
@@ -88,7 +82,7 @@ def demands(
         return
     message = "where this constraint is not met, there is no answer at all"
     advice = "derive a finding or a violation instead, which names what is wrong"
-    yield found(DEMAND, message, clause.place(clause.node), clause.rule, advice)
+    yield clause.finding(DEMAND, message, clause.node, advice)
 
 
 def described_anew(
@@ -126,7 +120,7 @@ def unplaced(
             if by and form and not any((each, at) in placed for each in by for at in (form, None)):
                 message = f"no rule places `{head.terms[0]!s}`"
                 advice = f"derive {' or '.join(f'`{each}`' for each in sorted(by))} for it"
-                yield found(UNPLACED, message, clause.place(head.node), clause.rule, advice)
+                yield clause.finding(UNPLACED, message, head.node, advice)
 
 
 def _node_form(term: SyntaxNode) -> tuple[str, int] | None:

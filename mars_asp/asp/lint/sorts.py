@@ -13,7 +13,7 @@ from mars_asp.asp.lint.clauses import (
     number_of,
     operation_of,
 )
-from mars_asp.asp.lint.found import Fix, LintFinding, found
+from mars_asp.asp.lint.found import Fix, LintFinding
 from mars_asp.asp.lint.values import Environment, KnownValue, Use, Value, Values, differ_in_unit
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.trees import Kind, SyntaxNode, below
@@ -82,7 +82,7 @@ def _two_things(clause: Clause, name: str, first: Use, use: Use) -> LintFinding:
         code, advice = UNIT, "numbers of two units are two things: use two variables"
     message = f"`{name}` is {one} in `{first.atom.signature.unsigned}`"
     message += f" and {other} in `{use.atom.signature.unsigned}`"
-    return found(code, message, clause.place(use.atom.node), clause.rule, advice)
+    return clause.finding(code, message, use.atom.node, advice)
 
 
 def _never_given(
@@ -98,7 +98,7 @@ def _never_given(
                 message = f"`{name}` is {_in_words(given)}, and never {_in_words(values)}"
                 message += f", as in `{atom.signature.unsigned}`"
                 advice = "this never holds, and its negation always does: use another variable"
-                yield found(code, message, clause.place(atom.node), clause.rule, advice)
+                yield clause.finding(code, message, atom.node, advice)
 
 
 def _aggregated(
@@ -113,7 +113,7 @@ def _aggregated(
             measures = sorted({each[0] for each in inside})
             message = f"this aggregate is over numbers in {' and in '.join(measures)}"
             advice = "bring all of them to one unit, or use one aggregate for each"
-            yield found(UNIT, message, clause.place(aggregate.node), clause.rule, advice)
+            yield clause.finding(UNIT, message, aggregate.node, advice)
         for _, guard in aggregate.guards:
             values = known.of(guard, environment)
             units = _units(own), _units(values)
@@ -121,7 +121,7 @@ def _aggregated(
                 message = f"`{guard!s}` is in {_in_words(values)}"
                 message += f" and this aggregate in {_in_words(_numbers(own))}"
                 advice = "bring both to one unit before they are compared"
-                yield found(UNIT, message, clause.place(aggregate.node), clause.rule, advice)
+                yield clause.finding(UNIT, message, aggregate.node, advice)
             else:
                 yield from _too_small(clause, guard, own)
 
@@ -136,13 +136,12 @@ def _comparison_of_sorts(
     left, right = (known.of(each, environment) for each in (comparison.left, comparison.right))
     if not left or not right or (is_constant(comparison.left) and is_constant(comparison.right)):
         return
-    place = clause.place(comparison.node)
     one, other = str(comparison.left), str(comparison.right)
     units = _units(left), _units(right)
     if all(units) and not set(units[0]) & set(units[1]):
         message = f"`{one}` is in {_in_words(left)} and `{other}` in {_in_words(right)}"
         advice = "bring both to one unit before they are compared"
-        yield found(UNIT, message, place, clause.rule, advice)
+        yield clause.finding(UNIT, message, comparison.node, advice)
         return
     is_ordered = comparison.sign not in ("=", "!=")
     if known.meet(left, right) or (is_ordered and known.comparable(left, right)):
@@ -157,7 +156,7 @@ def _comparison_of_sorts(
     message = (
         f"`{one}` is {_in_words(left)} and `{other}` is {_in_words(right)}, so they are {always}"
     )
-    yield found(SORT, message, place, clause.rule, "compare values of one sort")
+    yield clause.finding(SORT, message, comparison.node, "compare values of one sort")
 
 
 def _wrong_constants(
@@ -189,14 +188,13 @@ def _never(
 ) -> LintFinding:
     """Return the finding about a constant that an argument never has."""
     text, values = str(term), values or frozenset()
-    place = clause.place(term)
     (given,) = known.of(term, {}) or {Value(None)}
     bare = text.strip('"')
     for other in (bare, f'"{bare}"'):
         if other != text and any(each.text == other for each in values):
             message = f"{what} is never {_WORDS[given.form or 'name']}, such as `{text}`"
             fix = _replaced(clause, term, other)
-            return found(FORM, message, place, clause.rule, f"write `{other}`", fix)
+            return clause.finding(FORM, message, term, f"write `{other}`", fix)
     forms = {each.form for each in values}
     if None not in forms and given.form not in forms:
         wanted = " or ".join(sorted(_WORDS[form] for form in forms if form))
@@ -204,13 +202,13 @@ def _never(
         advice, fix = "write what it holds", ()
         if forms == {"string"} and given.form == "name":
             advice, fix = f'write `"{text}"`', _replaced(clause, term, f'"{text}"')
-        return found(FORM, message, place, clause.rule, advice, fix)
+        return clause.finding(FORM, message, term, advice, fix)
     texts = sorted(each.text for each in values if each.text)
     near = nearest(text, texts)
     advice = f"did you mean `{near}`?" if near else f"one of {', '.join(texts[:12])}"
     alone = [each for each in texts if nearest(text, [each])]
     fix = _replaced(clause, term, near) if near and len(alone) == 1 else ()
-    return found(VALUE, f"{what} is never `{text}`", place, clause.rule, advice, fix)
+    return clause.finding(VALUE, f"{what} is never `{text}`", term, advice, fix)
 
 
 def _replaced(clause: Clause, term: SyntaxNode, text: str) -> tuple[Fix, ...]:
@@ -232,8 +230,7 @@ def _wrong_heads(
             message = f"`{name}` is {how}{_in_words(given)}"
             message += f", and the head gives it {how or 'as '}{_in_words(values)}"
             advice = f"`rules show {head.signature.unsigned}` shows what its arguments are"
-            place = clause.place(head.node)
-            yield found(UNIT if units else SORT, message, place, clause.rule, advice)
+            yield clause.finding(UNIT if units else SORT, message, head.node, advice)
 
 
 def mixed_units(
@@ -257,8 +254,7 @@ def mixed_units(
                     message = f"argument {at + 1} of `{signature}` is in {given[0]} here"
                     message += f", and in {before} elsewhere"
                     advice = "bring both to one unit, or declare what it holds: `%*! ... *%`"
-                    place = clause.place(head.terms[at])
-                    yield found(UNIT, message, place, clause.rule, advice)
+                    yield clause.finding(UNIT, message, head.terms[at], advice)
 
 
 def _mixed_sums(
@@ -276,7 +272,7 @@ def _mixed_sums(
                 if operation_of(node) == "-":
                     message = message.replace(" adds ", " subtracts ")
                 advice = "bring both to one unit first"
-                yield found(UNIT, message, clause.place(node), clause.rule, advice)
+                yield clause.finding(UNIT, message, node, advice)
 
 
 def _too_small(clause: Clause, term: SyntaxNode, values: Values) -> Iterator[LintFinding]:
@@ -292,7 +288,7 @@ def _too_small(clause: Clause, term: SyntaxNode, values: Values) -> Iterator[Lin
     if 0 < abs(number) < whole:
         message = f"`{number}` {units[0]} are {measured(number, units[0])}"
         advice = f"for {number}{unit} write `{number * whole}`"
-        yield found(UNIT, message, clause.place(term), clause.rule, advice)
+        yield clause.finding(UNIT, message, term, advice)
 
 
 def _units(values: Values) -> list[str]:

@@ -1,9 +1,10 @@
 """Variables that occur once, so that no premise restricts their values."""
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 from mars_asp.asp.lint.clauses import Clause
-from mars_asp.asp.lint.found import LintFinding, found
+from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.rules.rule import HOLE
 from mars_asp.asp.rules.trees import Kind, SyntaxNode, below, names_in
 
@@ -17,12 +18,12 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
     single occurrence, so it is reported if it is repeated.
     """
     rule = clauses[0].rule
+    nodes = chain.from_iterable(below(clause.node) for clause in clauses)
     # `{ p(X) }` has an atom for each X, so the single X counts atoms.
-    sets = (clause.node for clause in clauses if clause.has_set)
-    counted = frozenset[str]().union(*map(_counting_variables, sets))
-    result = (
-        counted | {name for _, text in rule.lists for name, _ in HOLE.findall(text)} | {*rule.holes}
-    )
+    sets = (node for node in nodes if node.ast_type is Kind.Aggregate)
+    counted = (names_in(element.literal) for each in sets for element in each.elements)
+    listed_holes = {name for _, text in rule.lists for name, _ in HOLE.findall(text)}
+    allowed = listed_holes.union(rule.holes, *counted)
     places: dict[str, SyntaxNode] = {}
     most: dict[str, int] = {}
     for clause in clauses:
@@ -37,18 +38,11 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
                 advice = (
                     f"call it `{name.lstrip('_').capitalize() or 'X'}`, or write `_` in each place"
                 )
-                yield found(SINGLETON, message, clauses[0].place(node), rule, advice)
-        elif most[name] == 1 and name not in result:
+                yield clauses[0].finding(SINGLETON, message, node, advice)
+        elif most[name] == 1 and name not in allowed:
             message = f"`{name}` occurs once"
             advice = f"write `_`, or `_{name}`, where any value will do; else it is misspelt"
-            yield found(SINGLETON, message, clauses[0].place(node), rule, advice)
-
-
-def _counting_variables(node: SyntaxNode) -> frozenset[str]:
-    """Return the variables of the atoms in braces."""
-    sets = (each for each in below(node) if each.ast_type is Kind.Aggregate)
-    elements = (element.literal for each in sets for element in each.elements)
-    return frozenset[str]().union(*map(names_in, elements))
+            yield clauses[0].finding(SINGLETON, message, node, advice)
 
 
 def _count_variables(node: SyntaxNode, most: dict[str, int], places: dict[str, SyntaxNode]) -> None:
