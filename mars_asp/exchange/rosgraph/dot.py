@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from mars_asp.diagnostic import Span, whole_file
-from mars_asp.exchange.rosgraph.dot_tokens import DotPlaces, DotToken, tokens, wrong
+from mars_asp.diagnostic import Span, beginning, whole_file
+from mars_asp.exchange.rosgraph.dot_tokens import DotToken, tokens, wrong
 from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.yaml_document import MOST_BYTES_OF_DUMP, MOST_DEPTH
 
@@ -54,7 +54,7 @@ def read_dot(text: str, path: str) -> Dump:
     drawing.read()
     dump = Dump()
     topics = set(_topics(drawing.elements))
-    names = {each.id: _element_name(each, drawing.places) for each in drawing.elements.values()}
+    names = {each.id: _element_name(each) for each in drawing.elements.values()}
     for element in drawing.elements.values():
         if element.id not in topics:
             dump.node(names[element.id], element.span)
@@ -66,7 +66,7 @@ def read_dot(text: str, path: str) -> Dump:
             case True, False:
                 dump.end(end, start, False, None, edge.span)
             case False, False:
-                topic = _label(edge.attributes, drawing.places)
+                topic = _label(edge.attributes)
                 if topic:
                     dump.end(start, topic, True, None, edge.span)
                     dump.end(end, topic, False, None, edge.span)
@@ -94,9 +94,9 @@ def _value(attributes: dict[str, DotToken], key: str) -> str:
     return attributes[key].text if key in attributes else ""
 
 
-def _element_name(element: _DotElement, places: DotPlaces) -> str:
+def _element_name(element: _DotElement) -> str:
     """Return the name of an element: its label, else its tooltip, else its identifier."""
-    label = _label(element.attributes, places)
+    label = _label(element.attributes)
     if label:
         return label
     tooltip = _value(element.attributes, "tooltip").removeprefix("topic:")
@@ -109,7 +109,7 @@ def _element_name(element: _DotElement, places: DotPlaces) -> str:
     return element.id
 
 
-def _label(attributes: dict[str, DotToken], places: DotPlaces) -> str:
+def _label(attributes: dict[str, DotToken]) -> str:
     """Return the first line of a label; further lines are statistics.
 
     Raises:
@@ -119,8 +119,9 @@ def _label(attributes: dict[str, DotToken], places: DotPlaces) -> str:
     if label is None or label.text == _ITSELF:
         return ""
     if label.sort == "html":
-        message = "a label in HTML, which is not read"
-        raise wrong(places.span(label.begin, label.begin + 1), message, "write it as plain text")
+        begin = beginning(label.span)
+        span = begin._replace(end_column=begin.column + 1)
+        raise wrong(span, "a label in HTML, which is not read", "write it as plain text")
     return _ESCAPED.sub(r"\1", _BREAK.split(label.text)[0]).strip()
 
 
@@ -128,12 +129,11 @@ class _Drawing:
     """The elements and edges of a text in DOT."""
 
     def __init__(self, text: str, path: str) -> None:
-        self.places = DotPlaces(text, path)
-        self.text = text
+        self.source = path
         self.elements: dict[str, _DotElement] = {}
         self.edges: list[_Edge] = []
-        self.rest = tokens(text, self.places)
-        self.next: DotToken | None = next(self.rest, None)
+        self.rest = tokens(text, path)
+        self.next = next(self.rest)
 
     def read(self) -> None:
         """Read the graph.
@@ -147,9 +147,9 @@ class _Drawing:
         if head.text.lower() not in ("graph", "digraph"):
             raise self.unexpected(head, "`digraph`")
         opening = self.take()
-        if opening.text != "{" or opening.sort != "mark":
+        if not opening.is_mark("{"):
             opening = self.take()
-        if opening.text != "{" or opening.sort != "mark":
+        if not opening.is_mark("{"):
             raise self.unexpected(opening, "`{`")
         depth = 1
         statements = 0
@@ -158,12 +158,10 @@ class _Drawing:
             statements += 1
             if statements == _MOST_STATEMENTS:
                 message = f"the graph has more than {_MOST_STATEMENTS} statements"
-                raise wrong(whole_file(self.places.path), message, "no robot needs so many")
+                raise wrong(whole_file(self.source), message, "no robot needs so many")
             if depth > MOST_DEPTH:
-                assert self.next is not None
-                span = self.places.span(self.next.begin, self.next.end)
                 message = f"subgraphs are nested deeper than {MOST_DEPTH}"
-                raise wrong(span, message, "no graph of a robot needs that")
+                raise wrong(self.next.span, message, "no graph of a robot needs that")
 
     def take(self) -> DotToken:
         """Take the next token.
@@ -171,16 +169,12 @@ class _Drawing:
         Raises:
             MarsError: there is none.
         """
-        if self.next is None:
-            end = len(self.text)
+        token = self.next
+        if token.sort == "end":
             message = "the text ends within the graph"
-            raise wrong(self.places.span(end, end), message, "write `}` where the graph ends")
-        token, self.next = self.next, next(self.rest, None)
+            raise wrong(token.span, message, "write `}` where the graph ends")
+        self.next = next(self.rest)
         return token
-
-    def at(self, *marks: str) -> bool:
-        """Whether the next token is one of these marks."""
-        return self.next is not None and self.next.sort == "mark" and self.next.text in marks
 
     def statement(self) -> int:
         """Read a statement or a brace; return the change of depth: 1 at `{`, -1 at `}`, else 0."""
@@ -190,12 +184,12 @@ class _Drawing:
                 return {"{": 1, "}": -1}.get(token.text, 0)
             raise self.unexpected(token, "a name")
         if token.sort == "word" and token.text.lower() == "subgraph":
-            if self.next is not None and self.next.sort != "mark":
+            if self.next.sort not in ("mark", "end"):
                 self.take()
             return 0
-        if token.sort == "word" and token.text.lower() in _DEFAULTS and self.at("["):
+        if token.sort == "word" and token.text.lower() in _DEFAULTS and self.next.is_mark("["):
             self.attributes()
-        elif self.at("="):
+        elif self.next.is_mark("="):
             self.take()
             self.take()
         else:
@@ -206,12 +200,11 @@ class _Drawing:
         """Read a node, or edges from node to node."""
         ends = [first]
         self.port()
-        while self.at("->", "--"):
+        while self.next.is_mark("->", "--"):
             arrow = self.take()
             if arrow.text == "--":
-                span = self.places.span(arrow.begin, arrow.end)
                 message = "an edge without a direction does not show which node publishes"
-                raise wrong(span, message, "write `->`")
+                raise wrong(arrow.span, message, "write `->`")
             following = self.take()
             if following.sort == "mark" or following.text.lower() == "subgraph":
                 raise self.unexpected(following, "the name of a node")
@@ -219,32 +212,31 @@ class _Drawing:
             self.port()
         attributes = self.attributes()
         for end in ends:
-            span = self.places.span(end.begin, end.end)
-            element = self.elements.setdefault(end.text, _DotElement(end.text, span))
+            element = self.elements.setdefault(end.text, _DotElement(end.text, end.span))
             if len(ends) == 1:
                 element.attributes |= attributes
         for start, end in pairwise(ends):
-            span = self.places.span(start.begin, end.end)
+            span = Span(self.source, *start.span[1:3], *end.span[3:])
             self.edges.append(_Edge(start.text, end.text, span, attributes))
 
     def port(self) -> None:
         """Pass over where at a node an edge ends."""
-        while self.at(":"):
+        while self.next.is_mark(":"):
             self.take()
             self.take()
 
     def attributes(self) -> dict[str, DotToken]:
         """Read lists of attributes."""
         found: dict[str, DotToken] = {}
-        while self.at("["):
+        while self.next.is_mark("["):
             self.take()
-            while not self.at("]"):
+            while not self.next.is_mark("]"):
                 key = self.take()
                 if key.sort == "mark":
                     if key.text in ";,":
                         continue
                     raise self.unexpected(key, "the name of an attribute")
-                if self.at("="):
+                if self.next.is_mark("="):
                     self.take()
                     found[key.text] = self.value()
             self.take()
@@ -256,14 +248,12 @@ class _Drawing:
         if token.sort == "mark":
             raise self.unexpected(token, "a value")
         parts = [token]
-        while self.at("+"):
+        while self.next.is_mark("+"):
             self.take()
             parts.append(self.take())
-        joined = "".join(part.text for part in parts)
-        return DotToken(token.sort, joined, token.begin, parts[-1].end)
+        return token._replace(text="".join(part.text for part in parts))
 
     def unexpected(self, token: DotToken, wanted: str) -> Exception:
         """Return the error of a token at which only `wanted` is possible."""
         shown = token.text if len(token.text) <= 40 else f"{token.text[:37]}..."
-        span = self.places.span(token.begin, token.end)
-        return wrong(span, f"expected {wanted}, found `{shown}`", "is this a graph in DOT?")
+        return wrong(token.span, f"expected {wanted}, found `{shown}`", "is this a graph in DOT?")

@@ -3,95 +3,78 @@
 import re
 from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 
-Sort: TypeAlias = Literal["word", "quoted", "html", "mark"]
-_SKIPPED = re.compile(r"(?:\s++|//[^\n]*+|(?m:^)#[^\n]*+)++")
-_MARK = re.compile(r"->|--|[{}\[\];,=:+]")
-_WORD = re.compile(r"[^\W\d]\w*+|-?(?:\.[0-9]++|[0-9]++(?:\.[0-9]*+)?)")
-_QUOTED = re.compile(r'"([^"\\]*+(?:\\.[^"\\]*+)*+)"', re.DOTALL)
+_TOKEN = re.compile(
+    r"(?P<skipped>(?:\s++|//[^\n]*+|(?m:^)#[^\n]*+)++|/\*(?:[^*]|\*(?!/))*+\*/)"
+    r'|"(?P<quoted>[^"\\]*+(?:\\(?s:.)[^"\\]*+)*+)"|(?P<html><)'
+    r"|(?P<word>[^\W\d]\w*+|-?(?:\.[0-9]++|[0-9]++(?:\.[0-9]*+)?))|(?P<mark>->|--|[{}\[\];,=:+])"
+)
 _ANGLE = re.compile(r"[<>]")
 _CONTINUED = re.compile(r"\\\r?\n")
+#: The beginnings of tokens that may have no end, with the error and the help.
+_OPEN = {"/*": ("this comment does not end", "write `*/`")}
+_OPEN['"'] = ("this text does not end", 'write `"` after it')
 
 
-@dataclass(frozen=True, slots=True)
-class DotToken:
-    """A token: its text without quotes, and its begin and end in the source."""
+class DotToken(NamedTuple):
+    """A token: its sort, its text without quotes, and its location.
 
-    sort: Sort
+    Sorts are `word`, `quoted`, `html`, `mark`, and `end` for the end of the text.
+    """
+
+    sort: str
     text: str
-    begin: int
-    end: int
+    span: Span
+
+    def is_mark(self, *marks: str) -> bool:
+        """Whether this is one of some marks."""
+        return self.sort == "mark" and self.text in marks
 
 
-class DotPlaces:
-    """The lines and columns of offsets in a text."""
-
-    def __init__(self, text: str, path: str) -> None:
-        """Find where the lines of a text begin."""
-        self.path = path
-        self.starts = [0, *(match.end() for match in re.finditer("\n", text))]
-
-    def span(self, begin: int, end: int) -> Span:
-        """Return the stretch between two offsets."""
-        return Span(self.path, *self._line_and_column(begin), *self._line_and_column(end))
-
-    def _line_and_column(self, offset: int) -> tuple[int, int]:
-        line = bisect_right(self.starts, offset)
-        return line, offset - self.starts[line - 1] + 1
-
-
-def tokens(text: str, places: DotPlaces) -> Iterator[DotToken]:
-    """Yield the tokens of a text without comments.
+def tokens(text: str, path: str) -> Iterator[DotToken]:
+    """Yield the tokens of a text without comments, and one for its end.
 
     Raises:
         MarsError: a text or comment that does not end, or a character that begins no token.
     """
+    starts = [0, *(match.end() for match in re.finditer("\n", text))]
+
+    def place(offset: int) -> tuple[int, int]:
+        line = bisect_right(starts, offset)
+        return line, offset - starts[line - 1] + 1
+
     at = 0
     while at < len(text):
-        skipped = _SKIPPED.match(text, at)
-        if skipped is not None:
-            at = skipped.end()
-            continue
-        if text.startswith("/*", at):
-            end = text.find("*/", at + 2)
-            if end < 0:
-                raise wrong(places.span(at, at + 2), "this comment does not end", "write `*/`")
-            at = end + 2
-            continue
-        token = _token(text, at, places)
-        yield token
-        at = token.end
+        match = _TOKEN.match(text, at)
+        if match is None:
+            opening = next((sign for sign in _OPEN if text.startswith(sign, at)), text[at])
+            unknown = f"character U+{ord(text[at]):04X} has no meaning here", "put names in quotes"
+            span = Span(path, *place(at), *place(at + len(opening)))
+            raise wrong(span, *_OPEN.get(opening, unknown))
+        sort, end = match.lastgroup or "", match.end()
+        if sort == "html":
+            end = _end_of_html(text, at)
+            if end == 0:
+                span = Span(path, *place(at), *place(at + 1))
+                raise wrong(span, "this text in HTML does not end", "write `>` after it")
+        if sort != "skipped":
+            inner = "" if sort == "html" else _CONTINUED.sub("", match[sort])
+            yield DotToken(sort, inner, Span(path, *place(at), *place(end)))
+        at = end
+    yield DotToken("end", "", Span(path, *place(at), *place(at)))
 
 
-def _token(text: str, at: int, places: DotPlaces) -> DotToken:
-    if text[at] == '"':
-        quoted = _QUOTED.match(text, at)
-        if quoted is None:
-            raise wrong(places.span(at, at + 1), "this text does not end", 'write `"` after it')
-        return DotToken("quoted", _CONTINUED.sub("", quoted[1]), at, quoted.end())
-    if text[at] == "<":
-        return DotToken("html", "", at, _end_of_html(text, at, places))
-    word = _WORD.match(text, at)
-    if word is not None:
-        return DotToken("word", word[0], at, word.end())
-    mark = _MARK.match(text, at)
-    if mark is None:
-        message = f"character U+{ord(text[at]):04X} has no meaning here"
-        raise wrong(places.span(at, at + 1), message, "put names in quotes")
-    return DotToken("mark", mark[0], at, mark.end())
-
-
-def _end_of_html(text: str, at: int, places: DotPlaces) -> int:
+def _end_of_html(text: str, at: int) -> int:
+    """Return the index after the `>` that closes the `<` at an index, or 0 if there is none."""
     depth = 0
     for angle in _ANGLE.finditer(text, at):
         depth += 1 if angle[0] == "<" else -1
         if depth == 0:
             return angle.end()
-    raise wrong(places.span(at, at + 1), "this text in HTML does not end", "write `>` after it")
+    return 0
 
 
 def wrong(span: Span, message: str, help_text: str) -> MarsError:
