@@ -1,8 +1,8 @@
 """Scopes of the names in a file in C++: where each is declared, and where it gets a value."""
 
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, cached_property
 from itertools import islice
 from operator import attrgetter
 from typing import NamedTuple
@@ -69,12 +69,6 @@ class Named(NamedTuple):
 
 class ScopedCode(CppCode):
     """A file with the scopes of its names."""
-
-    def declarations_of(self, word: str) -> Named:
-        """Return the declarations and values of a name."""
-        if word not in self._known_declarations:
-            self._known_declarations[word] = self._names_of(word)
-        return self._known_declarations[word]
 
     def index_of(self, token: SourceToken) -> int:
         """Return the index of a token of the file."""
@@ -158,8 +152,9 @@ class ScopedCode(CppCode):
     # ---- Places
 
     @cached_property
-    def _known_declarations(self) -> dict[str, Named]:
-        return {}
+    def declarations_of(self) -> Callable[[str], Named]:
+        """The function from a name to its declarations and values."""
+        return cache(self._names_of)
 
     @cached_property
     def _bodies_by_opening(self) -> Mapping[int, CppBody]:

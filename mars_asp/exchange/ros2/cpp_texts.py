@@ -4,7 +4,7 @@ A variable has a text only if all values that it gets in its scope agree.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.annotations.declarations.tokens import (
@@ -62,8 +62,8 @@ class CppTexts:
         self._files = files
         self._values: dict[tuple[_Variable, str], CppText] = {}
         self._defaults: dict[str, str | None] = {}
-        self._shared: dict[str, dict[str, list[_Place]]] = {}
-        self._declared: dict[str, frozenset[str]] = {}
+        self._shared_values = cache(self._find_shared)
+        self._declaring = cache(self._find_declaring)
         self._open: set[tuple[_Variable, str]] = set()
         #: The parameter whose default is evaluated.
         self._reading = ""
@@ -191,16 +191,14 @@ class CppTexts:
             else:
                 yield self.text_of(place, place.tokens[each.begin : each.end]), each.is_first
 
-    def _shared_values(self, name: str) -> Mapping[str, list[_Place]]:
+    def _find_shared(self, name: str) -> Mapping[str, list[_Place]]:
         """Return the values of the members and constants of a name, by their owners."""
-        if name not in self._shared:
-            found: dict[str, list[_Place]] = {}
-            for file in self._files:
-                for each in file.declarations_of(name).values.get(-1, ()):
-                    for owner in self._owners_of(file, each.at, name):
-                        found.setdefault(owner, []).append((file, each))
-            self._shared[name] = found
-        return self._shared[name]
+        found: dict[str, list[_Place]] = {}
+        for file in self._files:
+            for each in file.declarations_of(name).values.get(-1, ()):
+                for owner in self._owners_of(file, each.at, name):
+                    found.setdefault(owner, []).append((file, each))
+        return found
 
     def _owners_of(self, file: ScopedCode, at: int, name: str) -> Collection[str]:
         """Return the class or namespace of a name that is not local; an object may be of several.
@@ -229,13 +227,9 @@ class CppTexts:
         is_sure = len(declared) == 1 and (not own or declared.isdisjoint(self._base_words))
         return declared if is_sure else (own,)
 
-    def _declaring(self, name: str) -> frozenset[str]:
+    def _find_declaring(self, name: str) -> frozenset[str]:
         """Return the classes and namespaces that declare a name."""
-        if name not in self._declared:
-            self._declared[name] = frozenset().union(
-                *(f.declarations_of(name).owners for f in self._files)
-            )
-        return self._declared[name]
+        return frozenset().union(*(file.declarations_of(name).owners for file in self._files))
 
     @cached_property
     def _base_words(self) -> Mapping[str, Collection[str]]:

@@ -68,10 +68,10 @@ class Programs:
         """Take the workspace in which they lie."""
         self.workspace = workspace
         self._python = PythonPrograms(self._module_source)
-        self._read: dict[RosProgram, Interface | None] = {}
+        self.interface = cache(self._find_interface)
         # Many programs share headers.
         self._included = cache(self._headers_of)
-        self._words_in = cache(lambda file: frozenset(_WORD.findall(self._file_text(file) or "")))
+        self._words_in = cache(lambda file: frozenset(_WORD.findall(self.workspace.readable(file))))
         self._words = cache(
             lambda package: frozenset(
                 chain.from_iterable(map(self._words_in, self._sources_for(package)))
@@ -79,14 +79,8 @@ class Programs:
         )
         self._composed = cache(self._composed_names)
         self._is_of_ros = cache(
-            lambda file: _OF_ROS.search(self._file_text(file) or "") is not None
+            lambda file: _OF_ROS.search(self.workspace.readable(file)) is not None
         )
-
-    def interface(self, program: RosProgram) -> Interface | None:
-        """Return the topics of a program, or None if its source is not in the workspace."""
-        if program not in self._read:
-            self._read[program] = self._interface(program)
-        return self._read[program]
 
     def all(self) -> Iterator[RosProgram]:
         """Yield every program that the build files of the workspace's packages declare."""
@@ -123,7 +117,7 @@ class Programs:
             if package.is_built_by_cmake:
                 continue
             setup = package.folder / "setup.py"
-            text = self._file_text(setup) or ""
+            text = self.workspace.readable(setup)
             has_scripts = self._scripts.get(package.folder) and "console_scripts" in text
             if has_scripts and not self.workspace.places_scripts(package):
                 place = self._span_of(setup, text, "console_scripts")
@@ -163,9 +157,7 @@ class Programs:
     def _composed_names(self, package: Package) -> frozenset[str]:
         """Return patterns of composed names, such as `name + "_min"`; if without `_`, of digits."""
         found: set[str] = set()
-        for text in map(self._file_text, self._sources_for(package)):
-            if text is None:
-                continue
+        for text in map(self.workspace.readable, self._sources_for(package)):
             names = set(chain.from_iterable(_NAMING.findall(text)))
             names.update(value for name, value in _ASSIGNED.findall(text) if name in names)
             for before, _, inner, after in chain.from_iterable(map(_COMPOSED.findall, names)):
@@ -178,7 +170,7 @@ class Programs:
 
     def _sources_for(self, package: Package) -> Iterator[Path]:
         """Return the sources of the packages that are named in the manifest of a package."""
-        manifest = self._file_text(package.folder / "package.xml") or ""
+        manifest = self.workspace.readable(package.folder / "package.xml")
         named = set(_PACKAGE_NAME.findall(manifest))
         used = (each for each in self.workspace.packages if each.name in named)
         files = chain.from_iterable(self.workspace.by_package[each.folder] for each in used)
@@ -194,7 +186,8 @@ class Programs:
 
     # ---- From a program to its sources
 
-    def _interface(self, program: RosProgram) -> Interface | None:
+    def _find_interface(self, program: RosProgram) -> Interface | None:
+        """Return the topics of a program, or None if its source is not in the workspace."""
         if program.plugin:
             return self._component(program.executable)
         package = self.workspace.package(program.package)
@@ -284,8 +277,8 @@ class Programs:
                     break
                 waiting = reached[::-1]
             file = waiting.pop()
-            text = None if file in texts else self._file_text(file)
-            if text is not None:
+            text = "" if file in texts else self.workspace.readable(file)
+            if text:
                 texts[file] = text
                 waiting += self._included(package, file)
         if not texts:
@@ -314,7 +307,7 @@ class Programs:
                 [
                     each
                     for each in self._sources.get(package.folder, ())
-                    if each.suffix in _CPP and not _STARTS.search(self._file_text(each) or "")
+                    if each.suffix in _CPP and not _STARTS.search(self.workspace.readable(each))
                 ]
             ]
         linked = [each for files in others for each in files if each != file]
@@ -331,7 +324,7 @@ class Programs:
     def _headers_of(self, package: Package, file: Path) -> Sequence[Path]:
         """Return the headers of a package that one of its files includes."""
         found: list[Path] = []
-        for name in _INCLUDE.findall(self._file_text(file) or ""):
+        for name in _INCLUDE.findall(self.workspace.readable(file)):
             last = name.rpartition("/")[2]
             headers = self._headers.get(last, {}).get(package.folder)
             if headers is None:
@@ -408,15 +401,12 @@ class Programs:
         found: dict[Path, dict[str, str]] = {}
         for package in self.workspace.packages:
             scripts: dict[str, str] = {}
-            setup = self._file_text(package.folder / "setup.py")
-            if setup is not None:
-                # A name with very many summands is not read.
-                with suppress(RecursionError):
-                    scripts |= dict(scripts_of_setup(setup))
-            configured = self._file_text(package.folder / "setup.cfg")
-            if configured is not None:
-                scripts |= dict(scripts_of_configuration(configured))
-            found[package.folder] = scripts
+            # A name with very many summands is not read.
+            with suppress(RecursionError):
+                setup = self.workspace.readable(package.folder / "setup.py")
+                scripts |= dict(scripts_of_setup(setup))
+            configured = self.workspace.readable(package.folder / "setup.cfg")
+            found[package.folder] = scripts | dict(scripts_of_configuration(configured))
         return found
 
     @cached_property
@@ -425,8 +415,8 @@ class Programs:
         found: list[tuple[str, Path, bool]] = []
         for files in self._sources.values():
             for file in files:
-                text = self._file_text(file)
-                if text is None or not any(word in text for word in _REGISTERS):
+                text = self.workspace.readable(file)
+                if not any(word in text for word in _REGISTERS):
                     continue
                 code = blanked("c", text)
                 first = _REGISTERING.search(code)
@@ -460,12 +450,3 @@ class Programs:
             if is_node:
                 found.setdefault(file, set()).add(name.rpartition("::")[2])
         return found
-
-    def _file_text(self, file: Path) -> str | None:
-        found = self.workspace.find(str(file), file.parent)
-        if found is None:
-            return None
-        try:
-            return self.workspace.text(found)
-        except MarsError:
-            return None

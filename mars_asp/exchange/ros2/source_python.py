@@ -252,7 +252,6 @@ class _Unit(PythonTexts):
         self.unnamed = False
         #: The namespace that the program gives its node, after `node_names`.
         self.namespace = ""
-        self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
 
     def location(self, node: ast.expr) -> Span:
         """Return where a topic is named."""
@@ -412,23 +411,9 @@ class _Unit(PythonTexts):
             function = waiting.pop()
             if id(function) not in seen:
                 seen.add(id(function))
-                keepers, called = self.doing(function)
+                keepers, called = self.files.once(_done_by, function)
                 yield from keepers
                 waiting += (by_name[name] for name in called if name in by_name)
-
-    def doing(self, function: ast.AST) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the variables on which a function publishes, and the own methods it calls."""
-        if id(function) not in self._done:
-            keepers, called = set[str](), set[str]()
-            for each in ast.walk(function):
-                if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute):
-                    owner = dotted_name(each.func.value)
-                    if each.func.attr == "publish" and owner:
-                        keepers.add(owner)
-                    elif owner == "self":
-                        called.add(each.func.attr)
-            self._done[id(function)] = frozenset(keepers), frozenset(called)
-        return self._done[id(function)]
 
     def is_node(self) -> bool:
         """Whether this is a class of nodes: the name of a base class ends with `Node`."""
@@ -455,6 +440,19 @@ class _Unit(PythonTexts):
                         self.note(AT_RUN_TIME, namespace, "namespace")
                 if given is not None and text != "":
                     yield Unread(FURTHER_NODES, text or _ANY_NAME, self.location(given))
+
+
+def _done_by(function: ast.AST) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the variables on which a function publishes, and the own methods it calls."""
+    keepers, called = set[str](), set[str]()
+    for each in ast.walk(function):
+        if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute):
+            owner = dotted_name(each.func.value)
+            if each.func.attr == "publish" and owner:
+                keepers.add(owner)
+            elif owner == "self":
+                called.add(each.func.attr)
+    return frozenset(keepers), frozenset(called)
 
 
 def _used_at_the_end(tree: ast.AST) -> frozenset[str]:

@@ -164,13 +164,12 @@ class Workspace:
         self.lacking = cache(self._lacking)
         self._submodules = cache(self._find_submodules)
         self.not_installed = cache(self._not_installed)
-        #: The packages around folders.
-        self._around: dict[Path, Package | None] = {}
+        self.targets = cache(self._read_targets)
+        self._package_around = cache(self._find_package)
+        self._contents_of = cache(self._read_contents)
+        self._installed = cache(self._read_installed)
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
-        self._contents: dict[Path, _Contents] = {}
-        self._shared: dict[Path, list[Installed]] = {}
-        self._targets: dict[Path, Targets] = {}
 
     def given(self, path: str, text: str) -> Path:
         """Return the path of a file or folder that the user names, of a file with its text.
@@ -325,11 +324,12 @@ class Workspace:
 
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
-        folder = file.parent
-        if folder not in self._around:
-            found = (self._by_folder[each] for each in file.parents if each in self._by_folder)
-            self._around[folder] = next(found, None)
-        return self._around[folder]
+        return self._package_around(file.parent)
+
+    def _find_package(self, folder: Path) -> Package | None:
+        """Return the package that is or holds a folder."""
+        found = (self._by_folder[at] for at in (folder, *folder.parents) if at in self._by_folder)
+        return next(found, None)
 
     @cached_property
     def _by_folder(self) -> dict[Path, Package]:
@@ -474,8 +474,8 @@ class Workspace:
     def _lists_all(self, package: Package) -> bool:
         """Whether the build file of a package lists its shared files, and was wholly read."""
         if package.is_of_python:
-            configuration = self._readable(package.folder / "setup.cfg")
-            setup = self._readable(package.folder / "setup.py")
+            configuration = self.readable(package.folder / "setup.cfg")
+            setup = self.readable(package.folder / "setup.py")
             return "data_files" not in configuration and lists_all_files(setup)
         has_build_file = (package.folder / "CMakeLists.txt").is_file()
         return has_build_file and self.targets(package).is_whole
@@ -502,15 +502,14 @@ class Workspace:
         if not package.is_of_python or self._is_ignored(package, "setup.cfg"):
             return True
         files = (package.folder / name for name in ("setup.cfg", "setup.py", "pyproject.toml"))
-        return any(_SCRIPT_FOLDER.search(self._readable(each)) for each in files if each.is_file())
+        return any(map(_SCRIPT_FOLDER.search, map(self.readable, files)))
 
     def _find_submodules(self, folder: Path) -> tuple[Path, ...]:
         """Return the folders of git submodules around a package, which a clone leaves empty."""
         found: list[Path] = []
         for above in (folder, *self._above(folder), self.root):
-            file = above / ".gitmodules"
-            if self._inside(file) is not None:
-                found += (above / path for path in _SUBMODULE.findall(self._readable(file)))
+            listed = self.readable(above / ".gitmodules")
+            found += (above / path for path in _SUBMODULE.findall(listed))
         return tuple(found)
 
     def _is_ignored(self, package: Package, inside: str) -> bool:
@@ -532,8 +531,7 @@ class Workspace:
         """
         found = {}
         for file in self._ignoring:
-            text = "" if self._inside(file) is None else self._readable(file)
-            patterns = (line.strip() for line in text.split("\n"))
+            patterns = (line.strip() for line in self.readable(file).split("\n"))
             found[file.parent] = [
                 (_pattern_of(each), each.endswith("/"))
                 for each in patterns
@@ -541,27 +539,25 @@ class Workspace:
             ]
         return found
 
-    def _contents_of(self, package: Package) -> _Contents:
+    def _read_contents(self, package: Package) -> _Contents:
         """Return the names of the files of a package, and the texts of its build files."""
-        if package.folder not in self._contents:
-            found: dict[str, None] = {}
-            python = build = ""
-            for folder, folders, names in os.walk(package.folder):
-                folders[:] = [each for each in folders if not each.startswith(".")]
-                found |= dict.fromkeys(names)
-                for each in names:
-                    text = ""
-                    if each in _BUILD_FILES or each.endswith(".cmake"):
-                        text = self._readable(Path(folder) / each)
-                    if each.startswith(("setup.", "pyproject.")):
-                        python += f"{text}\n"
-                    else:
-                        build += f"{text}\n"
-            projects = dict.fromkeys((package.name, *_PROJECT.findall(build)))
-            build = "\n".join(_PROJECT_NAME.sub(each, build) for each in projects)
-            programs = map(_as_program, chain(found, words_of_programs(build)))
-            self._contents[package.folder] = _Contents({*found, *programs}, build, python)
-        return self._contents[package.folder]
+        found: dict[str, None] = {}
+        python = build = ""
+        for folder, folders, names in os.walk(package.folder):
+            folders[:] = [each for each in folders if not each.startswith(".")]
+            found |= dict.fromkeys(names)
+            for each in names:
+                text = ""
+                if each in _BUILD_FILES or each.endswith(".cmake"):
+                    text = self.readable(Path(folder) / each)
+                if each.startswith(("setup.", "pyproject.")):
+                    python += f"{text}\n"
+                else:
+                    build += f"{text}\n"
+        projects = dict.fromkeys((package.name, *_PROJECT.findall(build)))
+        build = "\n".join(_PROJECT_NAME.sub(each, build) for each in projects)
+        programs = map(_as_program, chain(found, words_of_programs(build)))
+        return _Contents({*found, *programs}, build, python)
 
     def _may_have(self, package: Package, name: str) -> bool:
         """Whether a package has a file of a name or its template, or its build file names it."""
@@ -581,7 +577,7 @@ class Workspace:
             is_listed = package.is_of_python and not installs_files and self._lists_all(package)
             return _mentions(python, name) if is_listed else self._may_have(package, name)
         if "console_scripts" in python and not is_of_cmake:
-            if has_unknown_scripts(self._readable(package.folder / "setup.py")):
+            if has_unknown_scripts(self.readable(package.folder / "setup.py")):
                 return True
             # A package of Python has the programs that its build file lists, whatever its files.
             if name == package.name:
@@ -609,40 +605,33 @@ class Workspace:
                 inner = path[len(below) :].lstrip("/")
                 yield package.folder / source / inner
 
-    def _installed(self, package: Package) -> Sequence[Installed]:
+    def _read_installed(self, package: Package) -> Sequence[Installed]:
         """Return the shared files that a package installs."""
-        if package.folder not in self._shared:
-            found = self.find("setup.py", package.folder)
-            setup = "" if found is None else self._readable(found)
-            self._shared[package.folder] = list(self.targets(package).installed)
-            # A path with very many summands is not read.
-            with suppress(RecursionError):
-                self._shared[package.folder] += files_of_setup(setup, package.name)
-        return self._shared[package.folder]
+        found = list(self.targets(package).installed)
+        # A path with very many summands is not read.
+        with suppress(RecursionError):
+            found += files_of_setup(self.readable(package.folder / "setup.py"), package.name)
+        return found
 
-    def targets(self, package: Package) -> Targets:
+    def _read_targets(self, package: Package) -> Targets:
         """Return the targets that CMake builds of a package, none where it does not build it."""
-        if package.folder not in self._targets:
-            files = {
-                file.relative_to(package.folder).as_posix(): partial(self._readable, file)
-                for file in self.by_package[package.folder]
-            }
-            build = files.get("CMakeLists.txt")
-            self._targets[package.folder] = (
-                Targets() if build is None else read_cmake(build(), files, self._macros)
-            )
-        return self._targets[package.folder]
+        files = {
+            file.relative_to(package.folder).as_posix(): partial(self.readable, file)
+            for file in self.by_package[package.folder]
+        }
+        build = files.get("CMakeLists.txt")
+        return Targets() if build is None else read_cmake(build(), files, self._macros)
 
     @cached_property
     def _macros(self) -> frozenset[str]:
         """The macros and functions of modules of CMake that may install something."""
         modules = (file for file in self.files if file.suffix == ".cmake")
-        return frozenset(chain.from_iterable(map(installing_macros, map(self._readable, modules))))
+        return frozenset(chain.from_iterable(map(installing_macros, map(self.readable, modules))))
 
-    def _readable(self, file: Path) -> str:
-        """Return the text of a file, or an empty one if it has errors."""
+    def readable(self, file: Path) -> str:
+        """Return the text of a file, or an empty one if it has errors or lies elsewhere."""
         try:
-            return self.text(file)
+            return "" if self._inside(file) is None else self.text(file)
         except MarsError:
             return ""
 
