@@ -3,14 +3,13 @@
 import ast
 import configparser
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 
 from mars_asp.exchange.ros2.cmake import Installed
 from mars_asp.exchange.ros2.python_files import (
     PythonFiles,
     SourceFile,
-    dotted_name,
     parse_source,
 )
 from mars_asp.exchange.ros2.python_texts import PythonTexts
@@ -21,14 +20,16 @@ _MOST_SOURCES = 200
 def has_unknown_scripts(text: str) -> bool:
     """Whether a `setup.py` has console scripts that are not written as a list."""
     texts = _texts_of(text)
-    return any(
-        isinstance(key, ast.Constant)
-        and key.value == "console_scripts"
-        and not _is_list(listed, texts, text)
-        for node in ast.walk(texts.node)
-        if isinstance(node, ast.Dict)
-        for key, listed in zip(node.keys, node.values, strict=True)
-    )
+    return not all(_is_list(listed, texts, text) for listed in _console_scripts(texts))
+
+
+def _console_scripts(texts: PythonTexts) -> Iterator[ast.expr]:
+    """Yield the values of the key `console_scripts`."""
+    for node in ast.walk(texts.node):
+        if isinstance(node, ast.Dict):
+            for key, listed in zip(node.keys, node.values, strict=True):
+                if isinstance(key, ast.Constant) and key.value == "console_scripts":
+                    yield listed
 
 
 def _is_list(listed: ast.expr, texts: PythonTexts, text: str) -> bool:
@@ -44,14 +45,9 @@ def _is_list(listed: ast.expr, texts: PythonTexts, text: str) -> bool:
 def scripts_of_setup(text: str) -> Iterator[tuple[str, str]]:
     """Yield the console scripts of a `setup.py`, which is not run."""
     texts = _texts_of(text)
-    for node in ast.walk(texts.node):
-        if isinstance(node, ast.keyword) and node.arg == "entry_points":
-            constants = texts.file.constants
-            held = constants.get(dotted_name(node.value), node.value)
-            if isinstance(held, ast.Dict):
-                for key, listed in zip(held.keys, held.values, strict=True):
-                    if isinstance(key, ast.Constant) and key.value == "console_scripts":
-                        yield from _scripts(listed, texts)
+    for listed in _console_scripts(texts):
+        items = listed.elts if isinstance(listed, ast.List | ast.Tuple) else ()
+        yield from _entries_of(_text_of(each, texts) or "" for each in items)
 
 
 def files_of_setup(text: str, package: str) -> Iterator[Installed]:
@@ -64,7 +60,7 @@ def files_of_setup(text: str, package: str) -> Iterator[Installed]:
         target, listed = node.elts
         folder = (_text_of(target, texts) or "").rstrip("/")
         if folder == share or folder.startswith(f"{share}/"):
-            for source in _data_sources(listed, texts):
+            for source in filter(None, _data_sources(listed, texts)):
                 yield Installed(source, folder.removeprefix(share).lstrip("/"))
 
 
@@ -89,29 +85,11 @@ def lists_all_files(text: str) -> bool:
             isinstance(entry, ast.Tuple)
             and len(entry.elts) == 2
             and _text_of(entry.elts[0], texts) is not None
-            and _lists_paths(entry.elts[1], texts)
+            and None not in _data_sources(entry.elts[1], texts)
             for entry in each.elts
         )
         for each in listed
     )
-
-
-def _lists_paths(listed: ast.expr, texts: PythonTexts) -> bool:
-    """Whether the files of an entry of `data_files` are paths, and patterns for one folder."""
-    match listed:
-        case ast.List(elts=inner):
-            return all(_lists_paths(each, texts) for each in inner)
-        case ast.BinOp(left=left, op=ast.Add(), right=right) if _text_of(listed, texts) is None:
-            return _lists_paths(left, texts) and _lists_paths(right, texts)
-        case ast.Call(
-            func=ast.Name(id="glob") | ast.Attribute(value=ast.Name(id="glob"), attr="glob"),
-            args=[first],
-            keywords=[],
-        ):
-            folder = (_text_of(first, texts) or "*").rpartition("/")[0]
-            return not set(folder) & set("*?[")
-        case other:
-            return _text_of(other, texts) is not None
 
 
 def scripts_of_configuration(text: str) -> Iterator[tuple[str, str]]:
@@ -122,7 +100,12 @@ def scripts_of_configuration(text: str) -> Iterator[tuple[str, str]]:
     except configparser.Error:
         return
     listed = parser.get("options.entry_points", "console_scripts", fallback="")
-    for line in listed.splitlines():
+    yield from _entries_of(listed.splitlines())
+
+
+def _entries_of(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield the name of each script with its module and function."""
+    for line in lines:
         name, sign, entry = line.partition("=")
         if sign:
             yield name.strip(), entry.strip()
@@ -137,31 +120,31 @@ def _texts_of(text: str) -> PythonTexts:
     return PythonTexts(PythonFiles(lambda _: None), file, file.tree)
 
 
-def _data_sources(listed: ast.expr, texts: PythonTexts) -> Iterator[str]:
-    """Yield the files of an entry of `data_files`, by their paths or patterns."""
+def _data_sources(listed: ast.expr, texts: PythonTexts) -> Iterator[str | None]:
+    """Yield the files of an entry of `data_files`, by their paths or by patterns for one folder.
+
+    None is yielded for files that only a run knows.
+    """
     waiting = [listed]
     for _ in range(_MOST_SOURCES):
         if not waiting:
             return
-        match waiting.pop():
+        node = waiting.pop()
+        text = _text_of(node, texts)
+        match node:
             case ast.List(elts=inner) | ast.Tuple(elts=inner):
                 waiting += inner
-            case ast.BinOp(left=left, op=ast.Add(), right=right):
+            case ast.BinOp(left=left, op=ast.Add(), right=right) if text is None:
                 waiting += [left, right]
             case ast.Call(func=ast.Name(id="glob") | ast.Attribute(attr="glob"), args=[first, *_]):
-                waiting.append(first)
-            case other:
-                text = _text_of(other, texts)
-                if text:
-                    yield text
-
-
-def _scripts(listed: ast.expr, texts: PythonTexts) -> Iterator[tuple[str, str]]:
-    for each in listed.elts if isinstance(listed, ast.List | ast.Tuple) else ():
-        text = _text_of(each, texts)
-        name, sign, entry = (text or "").partition("=")
-        if sign:
-            yield name.strip(), entry.strip()
+                pattern = _text_of(first, texts)
+                yield pattern
+                is_plain = len(node.args) == 1 and not node.keywords
+                if not is_plain or set((pattern or "").rpartition("/")[0]) & set("*?["):
+                    yield None
+            case _:
+                yield text
+    yield None
 
 
 def _text_of(node: ast.expr, texts: PythonTexts) -> str | None:
