@@ -6,7 +6,7 @@ It is read event by event, so that neither depth nor aliases cost more than thei
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple, TypeAlias
 
@@ -68,17 +68,6 @@ class Repeat(NamedTuple):
     first: Span
     is_merged: bool = False
     within: bool = False
-
-
-@dataclass(slots=True)
-class _OpenYamlNode:
-    """A list or map of which not everything has been read; `size` counts nodes."""
-
-    start: Span
-    is_map: bool
-    anchor: str | None
-    nodes: list[Node] = field(default_factory=list)
-    size: int = 1
 
 
 def read_yaml(
@@ -164,8 +153,7 @@ def _read_yaml(
         message = f"character U+{ord(strange[0]):04X} is not allowed in YAML"
         raise _yaml_error(place, message, "is this a text file? if so, save it as UTF-8")
     try:
-        for event in yaml.parse(text, Loader=loader):
-            reader.take(event)
+        reader.read(yaml.parse(text, Loader=loader))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (0, 0) if mark is None else (mark.line, mark.column)
@@ -198,51 +186,79 @@ class _YamlReader:
         self.most_nodes = most_nodes
         self.root: Node | None = None
         self.repeated: list[Repeat] = []
-        self.open: list[_OpenYamlNode] = []
         self.anchored: dict[str, tuple[Node, int]] = {}
-        self.documents = 0
+        self.events: Iterator[yaml.Event] = iter(())
+        #: The location of the last event.
+        self.here = point(path, *begins)
 
-    def take(self, event: yaml.Event) -> None:
-        """Take the next event.
+    def read(self, events: Iterator[yaml.Event]) -> None:
+        """Read the documents of events.
 
         Raises:
-            MarsError: the event is an error, so that reading stops.
+            MarsError: an event is an error, so that reading stops.
         """
-        span = self.span(event)
-        self.check_tag(event, span)
-        match event:
-            case yaml.DocumentStartEvent():
-                self.documents += 1
+        self.events, documents = events, 0
+        while (event := self.following()) is not None:
+            if isinstance(event, yaml.DocumentStartEvent):
+                documents += 1
                 # The parser of parameters of ROS 2 does not mind where a document begins.
-                if self.documents > 1 and not (self.merges and isinstance(self.root, Pairs)):
+                if documents > 1 and not (self.merges and isinstance(self.root, Pairs)):
                     raise _yaml_error(
-                        span, "a second document begins here", "give each a file of its own"
+                        self.here, "a second document begins here", "give each a file of its own"
                     )
-            case yaml.AliasEvent():
-                found = self.anchored.get(event.anchor or "")
-                if found is None:
-                    message = f"alias `*{event.anchor}` has no complete anchor above it"
-                    raise _yaml_error(
-                        span, message, f"write `&{event.anchor}` before the value that it repeats"
-                    )
-                self.add(*found, span)
-            case yaml.ScalarEvent():
-                scalar = Scalar(event.value, bool(event.style), span)
-                self.keep(event.anchor, scalar, 1)
-                self.add(scalar, 1, span)
-            case yaml.SequenceStartEvent() | yaml.MappingStartEvent():
-                if len(self.open) == MOST_DEPTH:
-                    message = f"lists and maps are nested deeper than {MOST_DEPTH}"
-                    raise _yaml_error(span, message, "no file of parameters needs that")
-                is_map = isinstance(event, yaml.MappingStartEvent)
-                self.open.append(_OpenYamlNode(span, is_map, event.anchor))
-            case yaml.SequenceEndEvent() | yaml.MappingEndEvent():
-                closed = self.open.pop()
-                node = self.closed(
-                    closed, closed.start._replace(end_line=span.line, end_column=span.column)
+            elif isinstance(event, yaml.NodeEvent):
+                node, _ = self.node(event, 0)
+                if isinstance(self.root, Pairs) and self.root.pairs and isinstance(node, Pairs):
+                    node = Pairs((*self.root.pairs, *node.pairs), node.span)
+                self.root = node
+
+    def following(self) -> yaml.Event | None:
+        """Return the next event, or None after the last.
+
+        Raises:
+            MarsError: the event has a tag that is neither of plain values nor of angles.
+        """
+        event = next(self.events, None)
+        if event is not None:
+            self.here = self.span(event)
+            tag = getattr(event, "tag", None)
+            if tag is not None and tag != "!" and tag not in _TAGS | _ANGLES:
+                raise _yaml_error(
+                    self.here, f"tag `{tag}` is not read", "write the plain value, without a tag"
                 )
-                self.keep(closed.anchor, node, closed.size)
-                self.add(node, closed.size, span)
+        return event
+
+    def node(self, event: yaml.NodeEvent, depth: int) -> tuple[Node, int]:
+        """Return the node that begins with an event, and the number of nodes in it."""
+        start = self.here
+        match event:
+            case yaml.AliasEvent():
+                if event.anchor not in self.anchored:
+                    message = f"alias `*{event.anchor}` has no complete anchor above it"
+                    help_text = f"write `&{event.anchor}` before the value that it repeats"
+                    raise _yaml_error(start, message, help_text)
+                return self.anchored[event.anchor]
+            case yaml.ScalarEvent():
+                found: tuple[Node, int] = Scalar(event.value, bool(event.style), start), 1
+            case _:
+                if depth == MOST_DEPTH:
+                    message = f"lists and maps are nested deeper than {MOST_DEPTH}"
+                    raise _yaml_error(start, message, "no file of parameters needs that")
+                nodes, size = list[Node](), 1
+                while isinstance(inner := self.following(), yaml.NodeEvent):
+                    node, added = self.node(inner, depth + 1)
+                    nodes.append(node)
+                    size += added
+                    if size > self.most_nodes:
+                        message = f"with its aliases the file has more than {self.most_nodes} nodes"
+                        help_text = "write values out instead of aliases, as far as they are needed"
+                        raise _yaml_error(self.here, message, help_text)
+                whole = start._replace(end_line=self.here.line, end_column=self.here.column)
+                is_map = isinstance(event, yaml.MappingStartEvent)
+                found = self.mapped(nodes, whole) if is_map else Items(tuple(nodes), whole), size
+        if event.anchor is not None:
+            self.anchored[event.anchor] = found
+        return found
 
     def span(self, event: yaml.Event) -> Span:
         """Return the location of an event."""
@@ -256,45 +272,11 @@ class _YamlReader:
         first, before = self.begins
         return first + line, column + (before if line == 0 else 1)
 
-    def check_tag(self, event: yaml.Event, span: Span) -> None:
-        """Raise an error if an event has a tag that is neither of plain values nor of angles."""
-        tag = getattr(event, "tag", None)
-        if tag is not None and tag != "!" and tag not in _TAGS | _ANGLES:
-            raise _yaml_error(
-                span, f"tag `{tag}` is not read", "write the plain value, without a tag"
-            )
-
-    def keep(self, anchor: str | None, node: Node, size: int) -> None:
-        """Store a node under its anchor, so that aliases can repeat it."""
-        if anchor is not None:
-            self.anchored[anchor] = node, size
-
-    def add(self, node: Node, size: int, span: Span) -> None:
-        """Add a complete node to the open list or map around it, or make it the root."""
-        if not self.open:
-            before = self.root.pairs if isinstance(self.root, Pairs) else ()
-            self.root = (
-                Pairs((*before, *node.pairs), node.span)
-                if before and isinstance(node, Pairs)
-                else node
-            )
-            return
-        around = self.open[-1]
-        around.nodes.append(node)
-        around.size += size
-        if around.size > self.most_nodes:
-            message = f"with its aliases the file has more than {self.most_nodes} nodes"
-            raise _yaml_error(
-                span, message, "write values out instead of aliases, as far as they are needed"
-            )
-
-    def closed(self, of: _OpenYamlNode, span: Span) -> Node:
-        """Return a list or map that is complete."""
-        if not of.is_map:
-            return Items(tuple(of.nodes), span)
+    def mapped(self, nodes: Sequence[Node], span: Span) -> Pairs:
+        """Return the map of keys and values in turn."""
         given: list[tuple[Scalar, Node]] = []
         merged: list[tuple[Scalar, Node]] = []
-        for key, value in zip(of.nodes[::2], of.nodes[1::2], strict=True):
+        for key, value in zip(nodes[::2], nodes[1::2], strict=True):
             if not isinstance(key, Scalar):
                 raise _yaml_error(key.span, "a key is a list or a map", "write a word as the key")
             if key.text == "<<" and not key.quoted:
