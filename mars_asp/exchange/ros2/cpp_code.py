@@ -236,14 +236,6 @@ class CppCode:
         """Return the class around a token, or an empty text if there is none."""
         return next(self._classes.around(at), "")
 
-    def bracket_around(self, at: int) -> int:
-        """Return the innermost bracket around a token, or -1 if there is none."""
-        return next(self._nested_brackets.around(at), -1)
-
-    @cached_property
-    def _nested_brackets(self) -> "Nested[int]":
-        return Nested([(at, end, at) for at, end in sorted(self.closed.items())])
-
     @cached_property
     def _nested_bodies(self) -> "Nested[CppBody]":
         return Nested([(body.opening, body.end, body) for body in self.bodies])

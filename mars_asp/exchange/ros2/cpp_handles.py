@@ -9,11 +9,13 @@ from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
     SourceToken,
+    angle,
     is_word,
     split,
     text_at,
 )
-from mars_asp.exchange.ros2.cpp_code import CppBody, CppCode
+from mars_asp.exchange.ros2.cpp_code import CppBody
+from mars_asp.exchange.ros2.cpp_scopes import ScopedCode
 
 #: Functions of nodelets that return handles, and the prefixes of these.
 _GETTERS = {
@@ -55,7 +57,7 @@ _MOST_OVERLOADS = 16
 #: A variable: the class or function that it belongs to, and its name.
 _Key = tuple[str, str]
 #: The text of an expression, or None if it is unknown.
-Evaluate = Callable[[CppCode, Sequence[SourceToken]], str | None]
+Evaluate = Callable[[ScopedCode, Sequence[SourceToken]], str | None]
 
 
 class _Source(NamedTuple):
@@ -75,7 +77,7 @@ class _Function(NamedTuple):
 class Handles:
     """The handles of a program."""
 
-    def __init__(self, files: Sequence[CppCode], evaluate: Evaluate) -> None:
+    def __init__(self, files: Sequence[ScopedCode], evaluate: Evaluate) -> None:
         """Follow the handles of all files; `evaluate` gives the text of an expression."""
         self._evaluate = evaluate
         self._prefixes: dict[_Key, list[str | None]] = {}
@@ -106,7 +108,7 @@ class Handles:
             }
         )
 
-    def prefixes(self, file: CppCode, begin: int, end: int) -> Sequence[str | None]:
+    def prefixes(self, file: ScopedCode, begin: int, end: int) -> Sequence[str | None]:
         """Return the prefixes of a handle given by tokens; one is None if it is unknown."""
         if self.is_empty:
             return ("",)
@@ -121,7 +123,7 @@ class Handles:
                 )
         return list(dict.fromkeys(found)) or ("",)
 
-    def leave_topics_unread(self, files: Sequence[CppCode], called: Collection[str]) -> bool:
+    def leave_topics_unread(self, files: Sequence[ScopedCode], called: Collection[str]) -> bool:
         """Return whether an object that is not read has topics, or a function may make some.
 
         `called` are the functions whose calls are read.
@@ -150,11 +152,11 @@ class Handles:
             for opening in self._calls_with_handles(file)
         )
 
-    def _calls_with_handles(self, file: CppCode) -> Iterator[int]:
+    def _calls_with_handles(self, file: ScopedCode) -> Iterator[int]:
         """Yield the brackets of calls that have a handle as an argument."""
         tokens = file.tokens
         for at in file.places_of(self._names):
-            opening = file.bracket_around(at)
+            opening = file.bracket_at(at)
             if (
                 text_at(tokens, opening) in ("(", "{")
                 and text_at(tokens, at - 1) in ("(", "{", ",", "*", "&")
@@ -165,7 +167,7 @@ class Handles:
 
     # ---- Names
 
-    def _variable(self, file: CppCode, at: int, name: str) -> _Key:
+    def _variable(self, file: ScopedCode, at: int, name: str) -> _Key:
         """Return the variable that a name is at a token: a local one, or else a member."""
         around = list(file.bodies_at(at))
         for body in around:
@@ -179,7 +181,7 @@ class Handles:
             return owner, name
         return min(classes) if len(classes) == 1 else "", name
 
-    def _declared(self, file: CppCode, has_sub_nodes: bool) -> None:
+    def _declared(self, file: ScopedCode, has_sub_nodes: bool) -> None:
         """Note the variables and members that are handles."""
         tokens = file.tokens
         classes = _CLASSES | (_NODES if has_sub_nodes else frozenset())
@@ -204,7 +206,7 @@ class Handles:
                     else:
                         self._names.add(name)
 
-    def _declare(self, file: CppCode, at: int, name: str) -> None:
+    def _declare(self, file: ScopedCode, at: int, name: str) -> None:
         self._names.add(name)
         body = next(file.bodies_at(at), None)
         if body is None:
@@ -212,7 +214,7 @@ class Handles:
         else:
             self._locals.setdefault(_scope_of(file, body), set()).add(name)
 
-    def _functions(self, files: Sequence[CppCode]) -> dict[str, list[_Function]]:
+    def _functions(self, files: Sequence[ScopedCode]) -> dict[str, list[_Function]]:
         """Return the functions that take handles, by their names."""
         found: dict[str, list[_Function]] = {}
         for file in files:
@@ -227,7 +229,7 @@ class Handles:
 
     # ---- Values
 
-    def _assigned(self, file: CppCode) -> None:
+    def _assigned(self, file: ScopedCode) -> None:
         """Note the values that variables get where they are declared, assigned or initialised."""
         tokens = file.tokens
         for at in file.places_of(self._names):
@@ -251,7 +253,7 @@ class Handles:
             for source in sources:
                 self._flow(source, key)
 
-    def _passed(self, file: CppCode, functions: dict[str, list[_Function]]) -> None:
+    def _passed(self, file: ScopedCode, functions: dict[str, list[_Function]]) -> None:
         """Note the handles that are arguments of functions and constructors."""
         if file.token_texts.isdisjoint(functions):
             return
@@ -263,7 +265,7 @@ class Handles:
             if name not in functions or text_at(tokens, at - 1) in ("class", "struct"):
                 continue
             if text_at(tokens, after) == "<":
-                after = _after_angles(file, after)
+                after = angle(tokens, after) or after
             while text_at(tokens, after) in (">", "&", "*"):
                 after += 1
             if is_word(text_at(tokens, after)) and token.text == name:
@@ -283,7 +285,7 @@ class Handles:
                         for source in self._handle_sources(file, begin, end):
                             self._flow(source, (function.scope, parameter))
 
-    def _handle_sources(self, file: CppCode, begin: int, end: int) -> Iterator[_Source]:
+    def _handle_sources(self, file: ScopedCode, begin: int, end: int) -> Iterator[_Source]:
         """Yield the handles that an expression can be."""
         tokens = file.tokens
         words = [token.text for token in tokens[begin : min(end, begin + _MOST_WORDS)]]
@@ -313,7 +315,7 @@ class Handles:
             if names and names[-1] in self._names:
                 yield _Source(self._variable(file, begin, names[-1]), "")
 
-    def _made(self, file: CppCode, begin: int, end: int) -> Iterator[_Source]:
+    def _made(self, file: ScopedCode, begin: int, end: int) -> Iterator[_Source]:
         """Yield the handles that a constructor makes from its arguments, which are given."""
         tokens = file.tokens
         groups = list(_arguments(file, begin - 1)) if begin < end else []
@@ -378,28 +380,17 @@ def prefixed_name(prefix: str | None, name: str | None) -> str | None:
     return f"{prefix}/{name}" if name else prefix
 
 
-def _after_angles(file: CppCode, at: int) -> int:
-    """Return the index after the arguments of a template, which open at a token."""
-    depth = 0
-    for end in range(at, min(at + _MOST_WORDS, len(file.tokens))):
-        text = file.tokens[end].text
-        depth += (text == "<") - text.count(">")
-        if depth <= 0:
-            return end + 1
-    return at
-
-
-def _scope_of(file: CppCode, body: CppBody) -> str:
+def _scope_of(file: ScopedCode, body: CppBody) -> str:
     return f"{file.source.path}:{body.opening}"
 
 
-def _is_defined(file: CppCode, opening: int) -> bool:
+def _is_defined(file: ScopedCode, opening: int) -> bool:
     """Whether a bracket opens the parameters of a function that is defined there."""
     body = next(file.bodies_at(opening + 1), None)
     return body is not None and body.opening == opening
 
 
-def _calls_with_nodes(file: CppCode) -> Iterator[int]:
+def _calls_with_nodes(file: ScopedCode) -> Iterator[int]:
     """Yield the brackets whose first argument is the object itself, such as a node."""
     tokens = file.tokens
     for at in file.token_places("this"):
@@ -409,7 +400,7 @@ def _calls_with_nodes(file: CppCode) -> Iterator[int]:
                 yield opening
 
 
-def _callee_words(file: CppCode, opening: int) -> set[str]:
+def _callee_words(file: ScopedCode, opening: int) -> set[str]:
     """Return the words before a bracket: the function, or the class and the name of an object."""
     begin, depth = opening, 0
     found: set[str] = set()
@@ -426,7 +417,7 @@ def _callee_words(file: CppCode, opening: int) -> set[str]:
     return (found | types) - _MAKERS if found & _MAKERS else found
 
 
-def _objects_of_classes(file: CppCode, classes: Set[str]) -> Iterator[str]:
+def _objects_of_classes(file: ScopedCode, classes: Set[str]) -> Iterator[str]:
     """Yield the names of objects and members of some classes."""
     tokens = file.tokens
     for at in file.places_of(classes):
@@ -445,7 +436,7 @@ def _name_of(parameter: Sequence[SourceToken]) -> str | None:
     return words[-1] if len(words) > 1 and is_word(words[-1]) else None
 
 
-def _end_of(file: CppCode, at: int) -> int:
+def _end_of(file: ScopedCode, at: int) -> int:
     """Return the index after an expression, which ends at a comma or a bracket that closes."""
     last = min(len(file.tokens), at + _MOST_WORDS)
     while at < last and text_at(file.tokens, at) not in (";", ",", ")", "}"):
@@ -453,7 +444,7 @@ def _end_of(file: CppCode, at: int) -> int:
     return min(at, last)
 
 
-def _arguments(file: CppCode, opening: int) -> Iterator[tuple[int, int]]:
+def _arguments(file: ScopedCode, opening: int) -> Iterator[tuple[int, int]]:
     """Yield the first index and the index after the last of each argument in a bracket."""
     end = min(file.closed.get(opening, opening + 1) - 1, opening + _MOST_WORDS * 4)
     begin = at = opening + 1
@@ -467,7 +458,7 @@ def _arguments(file: CppCode, opening: int) -> Iterator[tuple[int, int]]:
         yield begin, end
 
 
-def handle_tokens(file: CppCode, at: int) -> tuple[int, int]:
+def handle_tokens(file: ScopedCode, at: int) -> tuple[int, int]:
     """Return the range of the expression on which a method is called, whose name is at a token."""
     tokens = file.tokens
     if text_at(tokens, at - 1) not in (".", "->"):

@@ -147,7 +147,7 @@ class ScopedCode(CppCode):
             if text_at(self.tokens, back) in _NOT_TYPES:
                 return False
             back = self._before_angles(back - 1)
-        return text_at(self.tokens, back) in _STARTS or not self._is_local(self._bracket_at(at))
+        return text_at(self.tokens, back) in _STARTS or not self._is_local(self.bracket_at(at))
 
     # ---- Places
 
@@ -202,7 +202,11 @@ class ScopedCode(CppCode):
     def _opened(self) -> Mapping[int, int]:
         return {end - 1: at for at, end in self.closed.items()}
 
-    def _bracket_at(self, at: int) -> int:
+    def bracket_at(self, at: int) -> int:
+        """Return the innermost bracket around a token, or -1 if there is none.
+
+        A bracket of parameters or of a statement is also around the block after it.
+        """
         return next(self._brackets.around(at), -1)
 
     def _is_local(self, opening: int) -> bool:
@@ -246,10 +250,10 @@ class ScopedCode(CppCode):
     def _declared_in(self, at: int) -> int | None:
         """Return the bracket in which a token declares a name, or None if it does not."""
         tokens = self.tokens
-        opening = self._bracket_at(at)
+        opening = self.bracket_at(at)
         if text_at(tokens, opening) == "[":
             is_bound = text_at(tokens, opening - 1) in ("auto", "&", "&&")
-            return self._bracket_at(opening) if is_bound else None
+            return self.bracket_at(opening) if is_bound else None
         if opening in self._header_scopes:
             if at >= self.closed[opening]:
                 return None
@@ -281,7 +285,7 @@ class ScopedCode(CppCode):
 
     def _is_initialised(self, at: int) -> bool:
         """Whether a name at a token is that of a member that a constructor initialises."""
-        opening = self._bracket_at(at)
+        opening = self.bracket_at(at)
         body = self._bodies_by_opening.get(opening)
         return (
             body is not None
@@ -318,7 +322,7 @@ class ScopedCode(CppCode):
         """Return the value that a name gets at a token, or None if it gets none."""
         tokens = self.tokens
         before, after_name = text_at(tokens, at - 1), at + 1
-        opening = self._bracket_at(at)
+        opening = self.bracket_at(at)
         parameter = self._parameters_read.get(tokens[at].offset)
         if parameter is not None:
             return Assigned(at, at, at, False, parameter)

@@ -22,7 +22,7 @@ from mars_asp.annotations.declarations.tokens import (
     text_at,
 )
 from mars_asp.annotations.types import representation
-from mars_asp.exchange.ros2.cpp_code import CppCall, CppCode
+from mars_asp.exchange.ros2.cpp_code import CppCall
 from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
 from mars_asp.exchange.ros2.cpp_handles import Handles, handle_tokens, prefixed_name
 from mars_asp.exchange.ros2.cpp_scopes import PARAMETERS, ScopedCode
@@ -108,9 +108,9 @@ def read_cpp(
     for file in files:
         kinds |= file.callbacks
 
-    def literal(file: CppCode, tokens: Sequence[SourceToken]) -> str | None:
-        found = texts.text_of(file, tokens) if isinstance(file, _CppFile) else None
-        return found.text if found and found.parameter is None else None
+    def literal(file: ScopedCode, tokens: Sequence[SourceToken]) -> str | None:
+        found = texts.text_of(file, tokens)
+        return found.text if found.parameter is None else None
 
     aliases = _aliases_of(files)
     handles = Handles(files, literal)
@@ -445,7 +445,7 @@ class _CppFile(ScopedCode):
 
 
 def _prefixed(
-    topic: InterfaceTopic, file: CppCode, handle: tuple[int, int], handles: Handles
+    topic: InterfaceTopic, file: ScopedCode, handle: tuple[int, int], handles: Handles
 ) -> Iterator[InterfaceTopic | Unread]:
     """Yield a topic by its names below each prefix that its handle can have."""
     for prefix in handles.prefixes(file, *handle):
