@@ -1,8 +1,10 @@
 """Findings and the stretches of files that they are about, as plain values."""
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, NamedTuple, TypeAlias
 
 Severity: TypeAlias = Literal["error", "warning", "note"]
@@ -55,6 +57,37 @@ def beginning(span: Span) -> Span:
 def whole_file(path: str) -> Span:
     """Return the span of a whole file or folder, or of an option of the command."""
     return Span(path, 0, 0, 0, 0)
+
+
+class FileText:
+    r"""The text of a file, whose lines end with `\n`, and the locations in it."""
+
+    def __init__(self, path: str, text: str) -> None:
+        """Keep the text; its lines are found when a location is requested."""
+        self.path, self.text = path, text
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [0, *(match.end() for match in re.finditer("\n", self.text))]
+
+    def position(self, offset: int) -> tuple[int, int]:
+        """Return the line and column, from 1, of an offset."""
+        line = bisect_right(self._starts, offset)
+        return line, offset - self._starts[line - 1] + 1
+
+    def offset(self, line: int, column: int) -> int:
+        """Return the offset of a line and column, from 1."""
+        return self._starts[line - 1] + column - 1
+
+    def span(self, begin: int, end: int) -> Span:
+        """Return the span between two offsets."""
+        return Span(self.path, *self.position(begin), *self.position(end))
+
+    def line(self, number: int) -> str:
+        """Return a line, counted from 1, without its end."""
+        start = self._starts[number - 1]
+        end = self.text.find("\n", start)
+        return self.text[start : None if end < 0 else end]
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,7 +49,7 @@ FILES = {
         "rates ports graph"
     ),
     "annotations": (
-        "languages skim comments sources directives type_words types declarations following "
+        "languages comments sources directives type_words types declarations following "
         "arguments overrides services problems pending modules alike repeated files blocks "
         "representations"
     ),

@@ -64,7 +64,7 @@ def _read_block(text: str, around: _Around) -> Module | None:
     body, _, end = around[1].rpartition("\n")
     if end.strip(" \t") != _LAST or _STRANGE.search(body):
         return None
-    modules, problems = read_modules(Source("", "mars", text.encode("utf-8", "replace")))
+    modules, problems = read_modules(Source("", "mars", text.encode("utf-8", "replace").decode()))
     return modules[0] if len(modules) == 1 and not problems else None
 
 

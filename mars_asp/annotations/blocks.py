@@ -61,7 +61,7 @@ def block_source(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> "So
     for number, line in enumerate(kept, 1):
         if number not in inside:
             kept[number - 1] = " " * len(line)
-    return Source(path, "mars", "\n".join(kept).encode("utf-8", "replace"))
+    return Source(path, "mars", "\n".join(kept).encode("utf-8", "replace").decode())
 
 
 def block_lines(text: str) -> tuple[tuple[int, int], ...]:

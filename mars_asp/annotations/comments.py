@@ -1,14 +1,12 @@
-"""Source code with its comments and strings blanked.
+"""Comments and strings of a source: those with an annotation, and code with all of them blanked.
 
 Every pattern is total: an alternative that could match an unterminated comment or string does match
 it, so lexing is linear for any text.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
-
-from mars_asp.annotations.skim import nested_end
 
 _BLOCK = r"/\*[\s\S]*?(?:\*/|\Z)"
 _LINE = r"//(?:\\\n|[^\n])*+"
@@ -49,28 +47,37 @@ _NEST = {
 }
 
 
+#: A word that may be an annotation word, other than frequent words of documentation.
+_CANDIDATE = re.compile(
+    r"(?a)@(?!(?:param|returns?|brief|throws|see|since|note)\b)"
+    r"[A-Za-z](?:\w{2,20}+(?![\w(.])|\w{0,20}+[^\x00-\x7f])"
+)
+#: An annotation without comment marks; in quotes, `#` and `//` begin no comment.
+_UNMARKED = re.compile(r'(?:[^\n/#"]++|"(?:[^"\\\n]|\\.)*+"|"|/(?!/))*+')
+_UNMARKED_BEGIN = re.compile(r"(?m)^[ \t]*+(?=@)")
+
+
 @cache
 def _pattern(language: str) -> re.Pattern[str]:
     return re.compile(_PATTERNS[language])
 
 
-def tokens(language: str, text: str) -> Iterator[tuple[int, int, str | None]]:
-    """Yield the begin, the end and the kind of each comment and string.
+def tokens(language: str, text: str, at: int = 0) -> Iterator[tuple[int, int, str | None]]:
+    """Yield the begin, the end and the kind of each comment and string from `at` on.
 
     The kind is `comment`, `blank` for other text without code, `kept` for code that resembles a
-    string, and `None`, `tag` or `hash` for a string.
+    string, and `None`, `tag` or `hash` for a string. `at` is outside of all strings and comments.
     """
     if language not in _NEST:
-        for each in _pattern(language).finditer(text):
+        for each in _pattern(language).finditer(text, at):
             yield *each.span(), each.lastgroup
         return
     opening, marks = _NEST[language]
     search = _pattern(language).search
-    at = 0
     while match := search(text, at):
         begin, end = match.span()
         if opening.match(text, begin):
-            end = nested_end(marks.finditer(text, begin), len(text))
+            end = _nested_end(marks.finditer(text, begin), len(text))
         yield begin, end, match.lastgroup
         at = max(end, begin + 1)
 
@@ -92,3 +99,58 @@ def blanked(language: str, text: str) -> str:
         last = end
     pieces.append(text[last:])
     return "".join(pieces)
+
+
+def annotated_comments(language: str, text: str) -> Iterator[tuple[int, int]]:
+    """Yield the begin and end of each comment with a word that may be an annotation.
+
+    In module blocks of a configuration they are annotations, without comment marks.
+    """
+    if language == "mars":
+        for match in _UNMARKED_BEGIN.finditer(text):
+            yield match.end(), annotation_end(text, match.end())
+        return
+    last = text.rfind("@")
+    for begin, end, kind in tokens(language, text):
+        if begin > last:
+            return
+        if kind == "comment" and _CANDIDATE.search(text, begin, end):
+            # A block comment of MATLAB has its line to itself.
+            yield end - len(text[begin:end].lstrip(" \t")), end
+
+
+def annotation_end(text: str, at: int) -> int:
+    """Return the end of an annotation without comment marks, or of a continuation line."""
+    found = _UNMARKED.match(text, at)
+    return found.end() if found else at
+
+
+def inner_comments(language: str, text: str, begin: int, end: int) -> Iterator[tuple[int, int]]:
+    """Yield the begin and end of each comment that is nested in a block comment, in order."""
+    if language not in _NEST:
+        return
+    depth = opened = 0
+    line = begin if language == "rust" else text.rfind("\n", 0, begin) + 1
+    for mark in _NEST[language][1].finditer(text, line, end):
+        depth += 1 if mark.lastindex else -1
+        if depth == 2 and mark.lastindex:
+            opened = mark.start()
+        elif depth == 1 and not mark.lastindex:
+            yield opened, mark.end()
+    if depth > 1:
+        yield opened, end
+
+
+def _nested_end(marks: Iterable[re.Match[str]], last: int) -> int:
+    """Return the end of a block comment of Rust or MATLAB, which can contain others.
+
+    Args:
+        marks: The marks of block comments from its own on; those that open have a group.
+        last: The end of the text, which ends an unclosed comment.
+    """
+    depth = 0
+    for mark in marks:
+        depth += 1 if mark.lastindex else -1
+        if not depth:
+            return mark.end()
+    return last

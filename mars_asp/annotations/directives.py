@@ -49,10 +49,10 @@ class Directive(NamedTuple):
     until: int
     pieces: tuple[tuple[int, int], ...]
 
-    def place(self, source: Source, index: int) -> int:
+    def place(self, index: int) -> int:
         """Return the offset in its file of a character of `rest`."""
         begin, offset = self.pieces[bisect_left(self.pieces, (index + 1,)) - 1]
-        return source.within(offset, self.rest[begin:], index - begin)
+        return offset + index - begin
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,7 @@ def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
             continue
         # Texts are joined once: a comment may have very many lines.
         texts = [_without_remark(match[3])]
-        pieces = [(0, source.within(line.offset, line.text, match.start(3)))]
+        pieces = [(0, line.offset + match.start(3))]
         last, length = line, 0
         while texts[-1].endswith(",") and length <= MOST_CHARACTERS:
             below = source.following(last)
@@ -119,14 +119,13 @@ def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
             texts.append(_without_remark(below.text))
             pieces.append((length, below.offset))
             last = below
-        end = source.within(last.offset, last.text, len(last.text))
         is_right = match[1].lower() in _LOWER and not match[2]
         directive = Directive(
             meant,
             written if is_right else meant,
             " ".join(texts),
             line.offset,
-            end,
+            last.offset + len(last.text),
             last.until,
             tuple(pieces),
         )

@@ -51,7 +51,6 @@ _MARK = re.compile(
     rb"|(?:Sense|DataOut|ControlOut|DataIn|Converts|(?:Rotn|Trans)_[XYZ])(?![\w:(.@-]))"
 )
 _MARK_16 = re.compile(rb"(?i)@\0m\0o\0d\0u\0l\0e\0_|\0@\0m\0o\0d\0u\0l\0e")
-_PIECE = 1 << 20
 _SMALLER = "name the folders of the sources alone"
 _SKIPPED = frozenset({".git", ".hg", ".svn", "node_modules", "__pycache__", ".venv"})
 
@@ -296,12 +295,10 @@ def _read_source(
         return (), (_file_diagnostic(shown, "MARS300", "error", reason, "make it readable"),)
     if not (_MARK.search(raw) or (b"\0" in raw and _MARK_16.search(raw))):
         return (), ()
-    data, encoding, notes = _normalised(raw, shown)
-    # For a large file, at most two copies are in memory at once.
-    del raw
-    if data is None:
+    text, notes = _decoded(raw, shown)
+    if text is None:
         return (), notes
-    modules, problems = read_modules(Source(shown, language, data, encoding))
+    modules, problems = read_modules(Source(shown, language, text))
     return modules, (*notes, *problems)
 
 
@@ -321,11 +318,11 @@ def read_source(path: Path) -> Source:
         OSError: it cannot be read any more.
         ValueError: it is not text any more.
     """
-    data, encoding, _ = _normalised(_raw(path), str(path))
+    text, _ = _decoded(_raw(path), str(path))
     language = _language(path.name)
-    if data is None or language is None:
+    if text is None or language is None:
         raise ValueError(path)
-    return Source(str(path), language, data, encoding)
+    return Source(str(path), language, text)
 
 
 def reread(found: Extraction, path: str, text: str) -> Extraction:
@@ -336,38 +333,26 @@ def reread(found: Extraction, path: str, text: str) -> Extraction:
     return Extraction((*kept, *modules), by_place([*others, *problems]))
 
 
-def _normalised(raw: bytes, shown: str) -> tuple[bytes | None, str, tuple[Diagnostic, ...]]:
-    """Return a file as UTF-8 or Latin-1 without byte order mark, its lines ended by LF."""
+def _decoded(raw: bytes, shown: str) -> tuple[str | None, tuple[Diagnostic, ...]]:
+    """Return the text of a file without byte order mark, its lines ended by LF; None if binary."""
     notes: tuple[Diagnostic, ...] = ()
-    encoding = "utf-8"
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raw = raw.decode("utf-16", "replace").encode()
+        text = raw.decode("utf-16", "replace").removeprefix("\ufeff")
         notes = (_file_diagnostic(shown, "MARS304", "note", "is UTF-16", "save it as UTF-8"),)
     elif b"\0" in raw:
         reason = "contains a NUL byte: it is binary and was skipped"
-        problem = _file_diagnostic(shown, "MARS302", "warning", reason, "save it as UTF-8 text")
-        return None, encoding, (problem,)
-    elif not _is_utf8(raw):
-        encoding = "latin-1"
-        reason = "is not UTF-8 and was read as Latin-1"
-        notes = (_file_diagnostic(shown, "MARS303", "note", reason, "save it as UTF-8"),)
-    raw = raw.removeprefix(codecs.BOM_UTF8)
-    if b"\r" in raw:
-        raw = raw.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return raw, encoding, notes
-
-
-def _is_utf8(raw: bytes) -> bool:
-    """Whether a text is UTF-8; decoded in pieces, because a large file would need much memory."""
-    if raw.isascii():
-        return True
-    decoder = codecs.getincrementaldecoder("utf-8")()
-    try:
-        for at in range(0, len(raw), _PIECE):
-            decoder.decode(raw[at : at + _PIECE], at + _PIECE >= len(raw))
-    except UnicodeDecodeError:
-        return False
-    return True
+        return None, (
+            _file_diagnostic(shown, "MARS302", "warning", reason, "save it as UTF-8 text"),
+        )
+    else:
+        raw = raw.removeprefix(codecs.BOM_UTF8)
+        try:
+            text = raw.decode()
+        except UnicodeDecodeError:
+            text = raw.decode("latin-1")
+            reason = "is not UTF-8 and was read as Latin-1"
+            notes = (_file_diagnostic(shown, "MARS303", "note", reason, "save it as UTF-8"),)
+    return text.replace("\r\n", "\n").replace("\r", "\n"), notes
 
 
 #: NUL bytes, Latin-1 and UTF-16.

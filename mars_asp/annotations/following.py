@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import TypeAlias
 
 from mars_asp.annotations.comments import blanked
@@ -11,7 +10,7 @@ from mars_asp.annotations.declarations import NoFunction, SourceDeclaration, rea
 from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.sources import Source, SourceRange
 
-#: The maximal number of bytes up to the end of a declaration; most end much earlier.
+#: The maximal number of characters up to the end of a declaration; most end much earlier.
 MOST_DECLARED = 16384
 _STEPS = (256, 1024, 4096, MOST_DECLARED)
 #: Parameters without names may be names in old style, with types after the brackets. These types
@@ -48,10 +47,10 @@ class Following:
 def signature_declaration(source: Source, signature: Directive) -> Following:
     """Read the declaration of a `@Signature`; a text that ends with a comma is endless."""
     if signature.rest.endswith(","):
-        return Following(Endless(0), partial(signature.place, source), True)
+        return Following(Endless(0), signature.place, True)
     text = signature.rest.rstrip(":;") + (":" if source.language == "python" else ";")
     read = read_declaration(source.language, text, blanked(source.language, text))
-    return Following(read, partial(signature.place, source), True)
+    return Following(read, signature.place, True)
 
 
 def following(source: Source, begin: int, end: int) -> Following:
@@ -68,7 +67,7 @@ def following(source: Source, begin: int, end: int) -> Following:
     if read is not None and not whole and not is_other:
         found = Endless(read.offset)
     over = found is not None or stretch.cut
-    return Following(found, partial(source.within, begin, stretch.text), over)
+    return Following(found, begin.__add__, over)
 
 
 def _is_whole(

@@ -77,7 +77,7 @@ class _ModuleReader:
             self.problems.note(
                 "MARS109",
                 directive.offset,
-                self.word_end(directive, found.written),
+                directive.offset + len(found.written) + 1,
                 f"unknown annotation `@{found.written}`",
                 f"did you mean `@{directive.word}`?",
             )
@@ -85,7 +85,7 @@ class _ModuleReader:
             self.problems.note(
                 "MARS110",
                 directive.offset,
-                self.word_end(directive, directive.written),
+                directive.offset + len(directive.written) + 1,
                 f"`@{directive.written}` has the wrong case",
                 f"write `@{directive.word}`",
             )
@@ -96,10 +96,6 @@ class _ModuleReader:
         elif not isinstance(found, Misspelt) and not wrong_case:
             self.orphan(directive)
         self.pending.until = directive.until
-
-    def word_end(self, directive: Directive, word: str) -> int:
-        """Return the offset after the word of an annotation."""
-        return self.source.within(directive.offset, f"@{word}", len(word) + 1)
 
     def read_inside(self, module: _OpenBlock, directive: Directive, misspelt: bool) -> None:
         """Read an annotation inside of a module; a misspelt one only as far as it is clear."""
@@ -151,7 +147,7 @@ class _ModuleReader:
 
     def name(self, module: _OpenBlock, directive: Directive) -> None:
         rest = directive.rest
-        begin, end = directive.place(self.source, 0), directive.place(self.source, len(rest))
+        begin, end = directive.place(0), directive.place(len(rest))
         if not rest:
             begin, end = directive.offset, directive.end
         if module.named:
@@ -270,7 +266,7 @@ class _ModuleReader:
         if self.open is None:
             return
         start = self.open.start
-        self.end(self.open, len(self.source.data))
+        self.end(self.open, len(self.source.text))
         message, help_text = (
             "`@module_start` is never closed",
             "write `@module_end` after the module",

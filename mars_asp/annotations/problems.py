@@ -17,7 +17,7 @@ class Problems:
 
     def span(self, begin: int, end: int) -> Span:
         """Return the span between two offsets."""
-        return Span(self.source.path, *self.source.positions(begin, max(begin, end)))
+        return self.source.span(begin, max(begin, end))
 
     def note(
         self,
@@ -50,8 +50,8 @@ class Problems:
         for each in wrong:
             begin, end = directive.offset, directive.end
             if each.begin is not None:
-                begin = directive.place(self.source, each.begin)
-                end = directive.place(self.source, each.end)
+                begin = directive.place(each.begin)
+                end = directive.place(each.end)
             self.note(each.code, begin, end, each.message, each.help)
 
     def note_twice(self, directive: Directive, what: str, earlier: Span | None = None) -> None:

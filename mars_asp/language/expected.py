@@ -100,7 +100,7 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
         help=_UNSEEN_HELP
         if _UNSEEN_NAME.match(piece, begin)
         else _hint(piece, match[0] if match else ""),
-        excerpt=layout.line(span.line),
+        excerpt=layout.line(span.line).rstrip(" "),
     )
 
 

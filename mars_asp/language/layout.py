@@ -1,12 +1,9 @@
 """A `.mars` text in which everything outside the grammar is blank, with all offsets unchanged."""
 
 import re
-from bisect import bisect_right
 from collections.abc import Iterable
-from itertools import accumulate
-from typing import NamedTuple
 
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import FileText
 from mars_asp.model.names import QUOTED
 
 COMMENT = re.compile(r"(?://|#)[^\n]*")
@@ -19,31 +16,13 @@ _CONTINUED = re.compile(r"(?=\s)(?<=\S)(?:(?<=,)[^\S\n]*+\n\s*+|[^\S\n]*+\n\s*+(
 _GOES_ON = (re.compile(r",[^\S\n]*+\n"), re.compile(r"\n[^\S\n]*+[,(]"))
 
 
-class Layout(NamedTuple):
-    """The original text, the text that the grammar reads, and the offsets of lines."""
+class Layout(FileText):
+    """The original text, and the text that the grammar reads."""
 
-    path: str
-    text: str
-    grammatical: str
-    starts: tuple[int, ...]
-
-    def position(self, offset: int) -> tuple[int, int]:
-        """Return the line and column, from 1, of an offset."""
-        line = bisect_right(self.starts, offset)
-        return line, offset - self.starts[line - 1] + 1
-
-    def span(self, begin: int, end: int) -> Span:
-        """Return the span between two offsets."""
-        line, column = self.position(begin)
-        # Most spans end on the line where they begin.
-        if begin <= end < self.starts[line] if line < len(self.starts) else begin <= end:
-            return Span(self.path, line, column, line, column + end - begin)
-        return Span(self.path, line, column, *self.position(end))
-
-    def line(self, number: int) -> str:
-        """Return a line without its end."""
-        end = self.starts[number] if number < len(self.starts) else len(self.text)
-        return self.text[self.starts[number - 1] : end].rstrip("\n ")
+    def __init__(self, path: str, text: str, grammatical: str) -> None:
+        """Keep a text, and the same with blanks for everything outside the grammar."""
+        super().__init__(path, text)
+        self.grammatical = grammatical
 
 
 def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
@@ -52,7 +31,6 @@ def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
     `text` has `\n` for every line end; `blocks` are (first, last) lines of module blocks.
     """
     lines = text.split("\n")
-    starts = accumulate([len(line) + 1 for line in lines[:-1]], initial=0)
     for first, last in blocks:
         lines[first - 1 : last] = [" " * len(line) for line in lines[first - 1 : last]]
     read = "\n".join(lines)
@@ -60,4 +38,4 @@ def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
         read = QUOTED_OR_COMMENT.sub(lambda match: match["quoted"] or " " * len(match[0]), read)
     if any(sign.search(read) for sign in _GOES_ON):
         read = _CONTINUED.sub(lambda match: match[0].replace("\n", " "), read)
-    return Layout(path, text, read + "\n", tuple(starts))
+    return Layout(path, text, read + "\n")

@@ -353,7 +353,7 @@ class Builder:
 
     def _note_problem(self, begin: int, end: int, message: str, help_text: str) -> None:
         span = self.layout.span(begin, end)
-        excerpt = self.layout.line(span.line)
+        excerpt = self.layout.line(span.line).rstrip(" ")
         self.problems.append(
             Diagnostic("syntax", "error", message, span, help=help_text, excerpt=excerpt)
         )

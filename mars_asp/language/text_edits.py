@@ -7,12 +7,11 @@ r"""Edits of a text: replaced ranges and inserted lines, reported by lines of th
 """
 
 import re
-from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import FileText, Span
 
 Where: TypeAlias = Literal["before", "behind"]
 #: A line and its end; the last one may have none.
@@ -42,17 +41,12 @@ class ConflictError(Exception):
     """Two edits replace overlapping ranges of a text."""
 
 
-class Draft:
+class Draft(FileText):
     """A text while it is edited; offsets are those of the original."""
 
     def __init__(self, path: str, text: str) -> None:
-        r"""Begin with a text whose lines end with `\n`."""
-        self.path = path
-        self.text = text
-        self._written = text.removesuffix("\n").split("\n")
-        self._starts = [0]
-        for line in self._written:
-            self._starts.append(self._starts[-1] + len(line) + 1)
+        """Begin with a text."""
+        super().__init__(path, text)
         self._stretches: dict[tuple[int, int], str] = {}
         self._deleted: set[int] = set()
         self._inserted: dict[tuple[int, Where], list[str]] = {}
@@ -61,19 +55,11 @@ class Draft:
     @property
     def last(self) -> int:
         """Return the number of the last line."""
-        return len(self._written)
-
-    def line(self, number: int) -> str:
-        """Return a line, counted from 1, as it was written."""
-        return self._written[number - 1]
-
-    def offset(self, line: int, column: int) -> int:
-        """Return the offset of a line and column."""
-        return self._starts[line - 1] + column - 1
+        return self.text.removesuffix("\n").count("\n") + 1
 
     def line_at(self, offset: int) -> int:
         """Return the number of the line that contains an offset."""
-        return bisect_right(self._starts, offset)
+        return self.position(offset)[0]
 
     def blanks(self, line: int) -> str:
         """Return the indentation of a line."""
@@ -141,7 +127,7 @@ class Draft:
         for (begin, end), text in sorted(self._stretches.items()):
             first = self.line_at(begin)
             for number in range(first, self.line_at(end) + 1):
-                start = self._starts[number - 1]
+                start = self.offset(number, 1)
                 piece = max(begin - start, 0), end - start, text if number == first else ""
                 pieces.setdefault(number, []).append(piece)
         return pieces

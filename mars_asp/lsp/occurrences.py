@@ -13,7 +13,6 @@ from mars_asp.annotations.blocks import block_lines
 from mars_asp.annotations.directives import Directive, directives
 from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.sources import Source
-from mars_asp.diagnostic import Span
 from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.tokens import Token, tokens_of
 from mars_asp.lsp.places import MOST_CHARACTERS, Position, Range, Text
@@ -98,7 +97,7 @@ def annotated(text: Text) -> Iterator[tuple[Source, Directive]]:
     language = language_of(text.path)
     if language is None:
         return
-    source = Source(text.path, language, text.plain.encode("utf-8", "replace"))
+    source = Source(text.path, language, text.plain.encode("utf-8", "replace").decode())
     for each in directives(source):
         if isinstance(each, Directive):
             yield source, each
@@ -107,8 +106,7 @@ def annotated(text: Text) -> Iterator[tuple[Source, Directive]]:
 def _of_source(text: Text) -> Iterator[Occurrence]:
     for source, each in annotated(text):
         if each.word == "module_name" and (name := read_name(each.rest)) is not None:
-            begin, end = each.place(source, 0), each.place(source, len(each.rest))
-            span = Span(text.path, *source.positions(begin, end))
+            span = source.span(each.place(0), each.place(len(each.rest)))
             yield Occurrence(name, text.range(span), "annotated")
 
 
@@ -183,7 +181,7 @@ def _in_comments(text: Text, layout: Layout) -> Iterator[Occurrence]:
 @lru_cache(maxsize=1 << 14)
 def _modules_of_statement(statement: str) -> tuple[_Named, ...]:
     """Return the modules that a statement names; cached, as an edit changes few statements."""
-    layout = Layout("", statement, statement, (0,))
+    layout = Layout("", statement, statement)
     tokens = tokens_of(layout, 0, len(statement))
     if tokens[0].text == "@modules":
         return tuple(_in_list(tokens[1:]))

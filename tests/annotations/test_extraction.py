@@ -9,13 +9,11 @@ from pathlib import Path
 import pytest
 
 from mars_asp.annotations.blocks import read_blocks
-from mars_asp.annotations.comments import tokens
 from mars_asp.annotations.directives import MOST_OTHERS
 from mars_asp.annotations.files import extract
 from mars_asp.annotations.following import MOST_DECLARED
 from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.modules import MOST_ERRORS
-from mars_asp.annotations.skim import annotated_comments
 from mars_asp.annotations.types import representation
 from mars_asp.cli.extract import extraction_json
 from mars_asp.diagnostic import Diagnostic
@@ -302,23 +300,6 @@ def test_any_file_is_read_or_refused(language: str, tmp_path: Path, fuzz: int) -
         assert all(module.name for module in found.modules)
         assert all(problem.span.line > 0 for problem in found.diagnostics)
         assert {problem.code for problem in found.diagnostics} <= DOCUMENTED
-
-
-@pytest.mark.parametrize("language", sorted(set(LANGUAGES.values())))
-def test_skimming_finds_the_comments_that_reading_every_token_finds(language: str) -> None:
-    """The prefilter for annotated comments agrees with the tokeniser."""
-    word = re.compile(r"@module_(?:start|name|end)\b(?![:(.])")
-    for text in mutated(language, 300):
-        skimmed = [
-            text.encode()[begin:end].decode()
-            for begin, end in annotated_comments(language, text.encode())
-        ]
-        every = [
-            text[begin:end].lstrip(" \t")
-            for begin, end, kind in tokens(language, text)
-            if kind == "comment"
-        ]
-        assert list(filter(word.search, skimmed)) == list(filter(word.search, every))
 
 
 def only(tmp_path: Path, text: str) -> tuple[list[Module], list[Diagnostic]]:

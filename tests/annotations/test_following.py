@@ -47,5 +47,5 @@ def test_where_reading_pauses_changes_nothing(language: str) -> None:
         step = 1 if declaration in TAILS.get(language, []) else 17
         for before in range(max(0, 256 - len(declaration)), 256, step):
             text = "\n" * before + declaration + TAIL
-            found = following(Source("a", key, text.encode()), 0, len(text.encode())).found
+            found = following(Source("a", key, text), 0, len(text)).found
             assert reading(found) == reading(whole), (before, declaration)

@@ -100,8 +100,8 @@ class CppCode:
 
     def __init__(self, text: str, path: str, called: Set[str], made: Set[str]) -> None:
         """Find calls of the names `called`; those also in `made` are types of variables."""
-        self.source = Source(path, "c", text.encode())
-        stretch = self.source.stretch(0, len(self.source.data), len(self.source.data))
+        self.source = Source(path, "c", text)
+        stretch = self.source.stretch(0, len(text), len(text))
         self.text = stretch.text
         self.tokens = tokenise(stretch.code)[:_MOST_TOKENS]
         self.closed = self._closed_brackets()
@@ -112,7 +112,7 @@ class CppCode:
 
     def span(self, token: SourceToken, length: int | None = None) -> Span:
         """Return the location of a token."""
-        line, column = self.source.position(self.source.within(0, self.text, token.offset))
+        line, column = self.source.position(token.offset)
         end = column + (len(token.text) if length is None else length)
         return Span(self.source.path, line, column, line, end)
 

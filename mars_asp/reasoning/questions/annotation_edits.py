@@ -67,16 +67,15 @@ class Annotations:
         directive = self._found[self._index(service.span)]
         if mode not in service.modes:
             rate = "" if hz is None else f" {as_written(hz)}"
-            at = self._at(directive, len(directive.rest))
+            at = directive.place(len(directive.rest))
             self._draft.put(at, at, f", {mode.text}{rate}")
         elif hz is not None:
-            for begin, part in parts(directive.rest):
+            for start, part in parts(directive.rest):
                 number = _NUMBER.search(part)
                 if number is not None:
-                    first, last = begin + number.start(), begin + len(part.rstrip())
-                    self._draft.put(
-                        self._at(directive, first), self._at(directive, last), as_written(hz)
-                    )
+                    first, last = start + number.start(), start + len(part.rstrip())
+                    begin, end = directive.place(first), directive.place(last)
+                    self._draft.put(begin, end, as_written(hz))
 
     def remove(self, annotation: Service | Function) -> None:
         """Remove an annotation, with its overrides unless another annotation shares them."""
@@ -112,7 +111,7 @@ class Annotations:
         if isinstance(after.found, SourceDeclaration):
             declared = read_signature(after.found, Overrides(), delivers=True).output
             lines += _output(word, declared, output)
-            line, column = self._source.position(after.place(after.found.offset))
+            line, column = self._draft.position(after.place(after.found.offset))
             indent = self._draft.line(line)[: column - 1]
             mark = indent + self._mark(name) if not indent.strip() else self._mark(name)
             self._draft.insert(line, "before", [mark + text for text in lines])
@@ -124,16 +123,12 @@ class Annotations:
             lines.append(f"{declared} {'deliver' if word == 'DataOut' else 'control'}();")
             if word == "DataOut" and output is None:
                 raise NoPlaceError
-            self._draft.insert(self._source.position(end.offset)[0], "before", lines)
+            self._draft.insert(self._draft.line_at(end.offset), "before", lines)
         else:
             raise NoPlaceError
 
     def _index(self, span: Span) -> int:
         return self._places[span.line, span.column]
-
-    def _at(self, directive: Directive, index: int) -> int:
-        """Return the offset in the draft of a character after an annotation's word."""
-        return self._draft.offset(*self._source.position(directive.place(self._source, index)))
 
     def _inside(self, module: Module) -> list[Directive]:
         """Return the annotations of a module after its `@module_start`, the last its end."""
@@ -161,22 +156,21 @@ class Annotations:
 
     def _take_out(self, directive: Directive) -> None:
         marks = self._marks(directive)
-        first = self._source.position(directive.offset)
-        last = self._source.position(directive.end)
-        after = self._draft.line(last[0])[last[1] - 1 :].strip().removeprefix("*/")
+        last, end = self._draft.position(directive.end)
+        after = self._draft.line(last)[end - 1 :].strip().removeprefix("*/")
         if marks is None or ("/*" in marks.before) != bool(marks.behind) or after:
-            self._draft.put(self._draft.offset(*first), self._draft.offset(*last), "")
+            self._draft.put(directive.offset, directive.end, "")
             return
-        for line in range(first[0], last[0] + 1):
+        for line in range(self._draft.line_at(directive.offset), last + 1):
             self._draft.delete(line)
 
     def _marks(self, directive: Directive) -> _Marks | None:
         """Return the form of the line of an annotation, or None if code precedes it."""
-        line, column = self._source.position(directive.offset)
+        line, column = self._draft.position(directive.offset)
         before = self._draft.line(line)[: column - 1]
         if not (_LINE_MARK.fullmatch(before) or _BLOCK_MARK.fullmatch(before)):
             return None
-        last, end = self._source.position(directive.end)
+        last, end = self._draft.position(directive.end)
         after = self._draft.line(last)[end - 1 :].strip()
         return _Marks(before, " */" if after.startswith("*/") else "")
 
@@ -189,7 +183,7 @@ class Annotations:
 
     def _write_after(self, directive: Directive, text: str) -> None:
         """Write an annotation on a line of its own after another."""
-        line = self._source.position(directive.end)[0]
+        line = self._draft.line_at(directive.end)
         marks = self._marks(directive)
         if marks is None:
             self._draft.insert(line, "behind", [self._mark(directive) + text])
@@ -198,21 +192,18 @@ class Annotations:
         if opened and not marks.behind:
             self._draft.insert(line, "behind", [f"{opened[1]} * {text}"])
         elif marks.behind and not opened:
-            self._draft.insert(
-                self._source.position(directive.offset)[0], "before", [marks.before + text]
-            )
+            line = self._draft.line_at(directive.offset)
+            self._draft.insert(line, "before", [marks.before + text])
         else:
             self._draft.insert(line, "behind", [marks.before + text + marks.behind])
 
     def _before(self, directive: Directive, lines: list[str]) -> None:
         """Write annotations on lines of their own before another; after it if code precedes."""
         marks = self._marks(directive)
-        line = self._source.position(directive.offset)[0]
+        line = self._draft.line_at(directive.offset)
         if marks is None:
-            mark = self._mark(directive)
-            self._draft.insert(
-                self._source.position(directive.end)[0], "behind", [mark + text for text in lines]
-            )
+            mark, last = self._mark(directive), self._draft.line_at(directive.end)
+            self._draft.insert(last, "behind", [mark + text for text in lines])
             return
         opened = _BLOCK_MARK.fullmatch(marks.before)
         end = " */" if opened else ""

@@ -88,6 +88,6 @@ def _shown(line: LineEdit) -> Iterator[str]:
 def test_annotations_are_read_beside_very_many_words_of_others() -> None:
     words = [f"// @other{number}" for number in range(MOST_OTHERS + 1)]
     text = "\n".join(["// @module_start", "// @module_name A", "// @module_end", *words])
-    found = read(Source("a.c", "c", text.encode()))
+    found = read(Source("a.c", "c", text))
     assert [each.word for each in found.directives] == ["module_start", "module_name", "module_end"]
     assert found.places == {(1, 4): 0, (2, 4): 1, (3, 4): 2}
