@@ -1,13 +1,18 @@
-"""The JSON Schema of scenarios; `docs/reference/scenarios.md` gives the meaning of each key."""
+"""Mistakes in scenarios by their JSON Schema, `scenario.schema.json`.
 
+`docs/reference/scenarios.md` gives the meaning of each key. A description in the schema is that of
+a valid value, which messages show.
+"""
+
+import json
 import math
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from jsonschema_rs import Draft4Validator, ValidationError
 from jsonschema_rs import ValidationErrorKind as Kind
 
-from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from mars_asp.spelling import suggestion
 
 _Schema: TypeAlias = dict[str, Any]
@@ -15,241 +20,16 @@ _Schema: TypeAlias = dict[str, Any]
 _Path: TypeAlias = tuple[str | int, ...]
 
 
-def _number_schema(least: float | None = -1e9, most: float | None = 1e9) -> _Schema:
-    return {"type": "number"} | _range_schema(least, most)
+SCHEMA: _Schema = json.loads(Path(__file__).with_name("scenario.schema.json").read_bytes())
 
 
-def _integer_schema(least: int, most: int) -> _Schema:
-    return {"type": "integer"} | _range_schema(least, most)
+def _with_robot(robot: _Schema) -> _Schema:
+    """Return the schema of scenarios with such a `robot`."""
+    return SCHEMA | {"properties": SCHEMA["properties"] | {"robot": robot}}
 
 
-def _range_schema(least: float | None, most: float | None) -> _Schema:
-    declared = {"minimum": least, "maximum": most}
-    return {key: bound for key, bound in declared.items() if bound is not None}
-
-
-def _table_schema(keys: Mapping[str, _Schema], *required: str) -> _Schema:
-    needed = {"required": list(required)} if required else {}
-    return {"type": "object", "properties": dict(keys), "additionalProperties": False} | needed
-
-
-def _table_by_module(table: _Schema) -> _Schema:
-    """Return the schema of a table whose keys are modules and whose values are tables."""
-    return {"type": "object", "additionalProperties": table}
-
-
-def _row(*entries: _Schema) -> _Schema:
-    """Return the schema of a list with exactly these entries."""
-    size = len(entries)
-    return {"type": "array", "items": list(entries), "minItems": size, "maxItems": size}
-
-
-def _list(entry: _Schema) -> _Schema:
-    return {"type": "array", "items": entry}
-
-
-def _one_of(kinds: Mapping[str, str], *required: str) -> _Schema:
-    """Return the schema of a table with a `kind`; `kinds` has the keys of each.
-
-    The default is the first kind, unless `kind` is required.
-    """
-    first = next(iter(kinds))
-    return {
-        "oneOf": [
-            _table_schema(
-                {"kind": {"enum": [kind]}} | {key: _KEYS[key] for key in keys.split()},
-                *(required if kind == first else ["kind"]),
-            )
-            for kind, keys in kinds.items()
-        ]
-    }
-
-
-def _with_description(words: str, schema: _Schema) -> _Schema:
-    """Return a schema with the description of a valid value, which messages show."""
-    return {"description": words} | schema
-
-
-#: The entry of a script that releases a joystick, instead of a function and its rate.
-RELEASE = "release"
-_ANY = _number_schema(None, None)
-_POSITIVE = _number_schema(0)
-_WORD = {"type": "string"}
-_FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
-_FUNCTION = {"enum": list(_FUNCTIONS)}
-_PAIR = _row(_number_schema(), _number_schema())
-_POINT = _with_description("a point `[forward, side]`", _PAIR)
-_WALL = _with_description(
-    "a list of 2 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 2}
-)
-_POLYGON = _with_description(
-    "a list of 3 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 3}
-)
-_CIRCLE = _with_description(
-    "`[forward, side, radius]`, the radius above 0",
-    _row(_number_schema(), _number_schema(), _number_schema(0) | {"exclusiveMinimum": True}),
-)
-_ENTRY = _with_description(
-    f'`[second, function, rate]` of {", ".join(_FUNCTIONS)}, or `[second, "{RELEASE}"]`',
-    {
-        "anyOf": [
-            _row(_number_schema(0), _FUNCTION, _number_schema()),
-            _row(_number_schema(0), {"enum": [RELEASE]}),
-        ]
-    },
-)
-_MOVING = _with_description(
-    "a table `{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points",
-    _table_schema(
-        {
-            "from": _POINT,
-            "to": _POINT,
-            "way": _with_description(
-                "a list of at least two points", _list(_PAIR) | {"minItems": 2}
-            ),
-            "radius": _POSITIVE,
-            "speed": _POSITIVE,
-        },
-        *("radius", "speed"),
-    )
-    | {
-        "anyOf": [{"required": ["from", "to"]}, {"required": ["way"]}],
-        "not": {"anyOf": [{"required": [end, "way"]} for end in ("from", "to")]},
-    },
-)
-_MARK = _with_description(
-    "a table `{ at, colour }`", _table_schema({"at": _POINT, "colour": _WORD}, "at", "colour")
-)
-_SCATTER = _table_schema(
-    {
-        "count": _integer_schema(0, 100_000),
-        "radius": _with_description("`[least, most]`", _row(_POSITIVE, _POSITIVE)),
-        "within": _POSITIVE,
-        "free": _POSITIVE,
-        "moving": _integer_schema(0, 100_000),
-        # It turns every 2000 mm, so at most as often as obstacles of `moving`.
-        "speed": _number_schema(0, 2e6),
-    }
-)
-_WORLD = _table_schema(
-    {
-        "walls": _list(_WALL),
-        "polygons": _list(_POLYGON),
-        "circles": _list(_CIRCLE),
-        "moving": _list(_MOVING),
-        "marks": _list(_MARK),
-        "scatter": _SCATTER,
-    }
-)
-_REACH = _table_schema({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
-_GRADUAL = _table_schema(dict.fromkeys(MOTION_FUNCTIONS, _number_schema(0.001)))
-_ROBOT = _table_schema(
-    {
-        "name": _with_description("a name of at least one character", _WORD | {"minLength": 1}),
-        "module": _WORD,
-        "radius": _POSITIVE,
-        "start": _with_description("`[forward, side, heading]`", _row(*3 * [_number_schema()])),
-        "limits": _table_schema(dict.fromkeys(_FUNCTIONS, _number_schema())),
-        "acceleration": _GRADUAL,
-        "deceleration": _GRADUAL,
-        "reach": _REACH,
-    },
-    "module",
-)
-_KEYS: Mapping[str, _Schema] = {
-    "period": _number_schema(0.001),
-    "beams": _integer_schema(1, 100_000),
-    "cone": _number_schema(),
-    "rays": _integer_schema(1, 100_000),
-    "reach": _POSITIVE,
-    "view": _number_schema(),
-    "sigma": _POSITIVE,
-    "script": _list(_ENTRY),
-    "function": _FUNCTION,
-    "low": _ANY,
-    "high": _ANY,
-    "rate": _number_schema(0, None),
-    "value": _number_schema(),
-    "from": _number_schema(),
-    "until": _number_schema(0, None),
-    "by": _number_schema(0.001),
-}
-_MOVED = "function low high rate value"
-_DEVICE = _one_of(
-    {
-        "sonar": "period beams cone rays reach sigma",
-        "lidar": "period beams view reach sigma",
-        "bumper": "period",
-        "odometry": "period sigma",
-        "marks": "period view reach",
-        "joystick": "period script",
-        "platform": "",
-        "joint": _MOVED,
-        "gripper": _MOVED,
-    },
-    "kind",
-)
-_BINDING = _table_schema(
-    {
-        "python": _with_description(
-            '`"FILE.py:FUNCTION"`, `"FILE.py:CLASS"` or `"FILE.py:CLASS.METHOD"`',
-            {"type": "string", "pattern": r"^[^\n]+\.py:[^:.\s]+(\.[^:.\s]+)*$"},
-        ),
-        "period": _number_schema(0.001),
-        "delay": _POSITIVE,
-        "parameters": {"type": "object"},
-    }
-)
-_FAULT = _one_of(
-    {
-        "silent": "from until",
-        "stuck": "from until",
-        "throwing": "from until",
-        "late": "by",
-        "babbling": "by",
-    },
-)
-_REQUIREMENTS = _table_schema(
-    {
-        "no_collision": {"type": "boolean"},
-        "clearance": _POSITIVE,
-        "reach": _REACH,
-        "exclusive": _list(
-            _with_description(
-                f"two functions of {', '.join(_FUNCTIONS)}", _row(_FUNCTION, _FUNCTION)
-            )
-        ),
-        "coverage": _number_schema(0, 1),
-    }
-)
-
-
-def _scenario(robot: _Schema) -> _Schema:
-    """Return the schema of scenarios with this schema of `robot`."""
-    keys = {
-        "seed": _integer_schema(-(2**63), 2**63 - 1),
-        "duration": _number_schema(0.001),
-        "up": {"enum": ["y", "z"]},
-        # With 0, commands that no arbiter holds would never be obeyed.
-        "command_timeout": _number_schema(0.001),
-        "world": _WORLD,
-        "robot": robot,
-        "devices": _table_by_module(_DEVICE),
-        "bindings": _table_by_module(_BINDING),
-        "faults": _table_by_module(_FAULT),
-        "requirements": _REQUIREMENTS,
-    }
-    draft = "http://json-schema.org/draft-04/schema#"
-    title = "A scenario of mars-asp"
-    return {"$schema": draft, "title": title, **_table_schema(keys, "robot", "duration")}
-
-
-_ROBOTS = _with_description(
-    "a table or a list of tables, at least one", _list(_ROBOT) | {"minItems": 1}
-)
-#: The schemas for one robot and for several.
-_ONE, _SEVERAL = _scenario(_ROBOT), _scenario(_ROBOTS)
-SCHEMA = _scenario({"anyOf": [_ROBOT, _ROBOTS]})
+#: Of one robot, or of several.
+_ONE, _SEVERAL = map(_with_robot, SCHEMA["properties"]["robot"]["anyOf"])
 #: Types of the schema, as messages name them.
 _TYPES = {
     "object": "a table",
@@ -379,7 +159,7 @@ def _of_kind(schema: _Schema, value: Any) -> _Schema:
             return dict(each)
     named = [each["properties"]["kind"]["enum"][0] for each in kinds]
     keys = {key: inner for each in kinds for key, inner in each["properties"].items()}
-    return _table_schema(keys | {"kind": {"enum": named}}, *first.get("required", ()))
+    return dict(first) | {"properties": keys | {"kind": {"enum": named}}}
 
 
 def _value_at(path: _Path, value: Any) -> Any:

@@ -20,7 +20,7 @@ from tests.support.documents import ROOT
 from tests.support.refusals import refusal
 from tests.support.trials import BASE
 
-DOCUMENT = ROOT / "docs" / "reference" / "scenario.schema.json"
+DOCUMENT = ROOT / "mars_asp" / "execution" / "scenario" / "scenario.schema.json"
 SCENARIOS = sorted(ROOT.glob("examples/*/*.toml"))
 GOOD: dict[str, Any] = {"duration": 3, "robot": {"module": "P"}}
 
