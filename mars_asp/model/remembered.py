@@ -1,29 +1,29 @@
-"""A cache of the last result of a function, by the identity of its arguments."""
+"""Results that several callers need of one configuration are computed once."""
 
 from collections.abc import Callable
 from functools import wraps
-from typing import ParamSpec, TypeVar
+from operator import is_
+from typing import TypeVar, TypeVarTuple
 
-_Arguments = ParamSpec("_Arguments")
-_Found = TypeVar("_Found")
+_Arguments = TypeVarTuple("_Arguments")
+_Result = TypeVar("_Result")
 
 
-def remembered(function: Callable[_Arguments, _Found]) -> Callable[_Arguments, _Found]:
-    """Return a function that keeps its last result, and reuses it for the same argument objects.
+def remembered(function: Callable[[*_Arguments], _Result]) -> Callable[[*_Arguments], _Result]:
+    """Return a function that keeps its last result, for arguments that are the same objects.
 
-    Neither the arguments nor the result may be changed.
+    Neither they nor the result may be changed.
     """
-    last: list[tuple[tuple[object, ...], _Found]] = []
+    last: list[tuple[tuple[object, ...], _Result]] = []
 
     @wraps(function)
-    def cached(*arguments: _Arguments.args, **named: _Arguments.kwargs) -> _Found:
-        for known, found in last:
-            if len(known) == len(arguments) and all(
-                one is other for one, other in zip(known, arguments, strict=True)
-            ):
-                return found
-        found = function(*arguments, **named)
-        last[:] = [(arguments, found)]
-        return found
+    def remembering(*arguments: *_Arguments) -> _Result:
+        given: tuple[object, ...] = arguments
+        for known, result in last:
+            if all(map(is_, known, given)):
+                return result
+        result = function(*arguments)
+        last[:] = [(given, result)]
+        return result
 
-    return cached
+    return remembering
