@@ -1,6 +1,7 @@
 """Cycles in directed graphs."""
 
 from collections.abc import Iterable
+from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple, TypeAlias
 
 Edge: TypeAlias = tuple[str, str, int]
@@ -26,8 +27,11 @@ def knots(edges: Iterable[Edge]) -> tuple[Knot, ...]:
     successors: dict[str, list[str]] = {}
     for start, end in sorted(best):
         successors.setdefault(start, []).append(end)
-    if _is_acyclic(successors):
+    try:
+        TopologicalSorter(successors).prepare()
         return ()
+    except CycleError:
+        pass
     import networkx  # noqa: PLC0415 -- slow to import, and only a configuration with cycles needs it
 
     graph = networkx.DiGraph(list(best))
@@ -43,23 +47,6 @@ def knots(edges: Iterable[Edge]) -> tuple[Knot, ...]:
 
 
 _EXACT = 400
-
-
-def _is_acyclic(successors: dict[str, list[str]]) -> bool:
-    """Whether a graph has no cycle, by removal of nodes without successors (Kahn 1962)."""
-    waiting = {node: len(ends) for node, ends in successors.items()}
-    predecessors: dict[str, list[str]] = {}
-    for start, ends in successors.items():
-        for end in ends:
-            predecessors.setdefault(end, []).append(start)
-    ready = [node for node in predecessors if node not in waiting]
-    while ready:
-        for start in predecessors.get(ready.pop(), ()):
-            waiting[start] -= 1
-            if not waiting[start]:
-                del waiting[start]
-                ready.append(start)
-    return not waiting
 
 
 def _shortest_cycle(part: list[str], successors: dict[str, list[str]]) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Results that several callers need of one configuration are computed once."""
+"""A cache of the last result of a function, by the identity of its arguments."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -10,9 +10,9 @@ _Result = TypeVar("_Result")
 
 
 def remembered(function: Callable[[*_Arguments], _Result]) -> Callable[[*_Arguments], _Result]:
-    """Return a function that keeps its last result, for arguments that are the same objects.
+    """Return a function that keeps its last result, and reuses it for the same argument objects.
 
-    Neither they nor the result may be changed.
+    Neither the arguments nor the result may be changed.
     """
     last: list[tuple[tuple[object, ...], _Result]] = []
 

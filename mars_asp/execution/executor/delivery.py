@@ -101,23 +101,6 @@ class LatestBuffer:
             self.upstream()
 
 
-class Poll:
-    """Requests a message at each tick from a source that answers requests."""
-
-    def __init__(
-        self,
-        link: Link,
-        hz: Fraction,
-        schedule: Schedule,
-        rank: int,
-        upstream: Callable[[], None],
-    ) -> None:
-        self.kept = LatestBuffer(link, upstream)
-        link.request = None
-        self.offer = self.kept.offer
-        schedule.every(hz, rank, self.kept.request)
-
-
 def open_link(
     link: Link,
     mode: Mode,
@@ -136,7 +119,11 @@ def open_link(
     if mode.name == AT_FREQUENCY:
         hz = link.hz or rate
         if carried.name == ON_REQUEST and hz is not None and upstream is not None:
-            return Poll(link, hz, schedule, rank, upstream).offer
+            # A message is requested at each tick from a source that answers requests.
+            kept = LatestBuffer(link, upstream)
+            link.request = None
+            schedule.every(hz, rank, kept.request)
+            return kept.offer
         if hz is None or (carried.name == AT_FREQUENCY and hz == rate):
             return link.send
         return TimeGrid(link, hz, schedule, rank, again=carried.name != AT_FREQUENCY).offer

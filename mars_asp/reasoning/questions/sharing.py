@@ -14,6 +14,7 @@ from itertools import count
 import clingo
 
 from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.disjoint_sets import DisjointSets
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, text
 from mars_asp.model.declarations import Control
@@ -84,19 +85,15 @@ def _connected(
 ) -> _Heard | None:
     """Return the component that control connects with modules; None if large or inherited."""
     lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_CONTROL_INPUT])]
-    reached, waiting = set(modules), list(modules)
-    beside: dict[str, list[str]] = defaultdict(list)
+    components: DisjointSets[str] = DisjointSets()
     for module, controller in lines:
         # A name that controls and is controlled is two vertices.
-        beside[module].append(f"by {controller}")
-        beside[f"by {controller}"].append(module)
-    while waiting:
-        for other in beside[waiting.pop()]:
-            if other not in reached:
-                reached.add(other)
-                waiting.append(other)
+        components.join((module, f"by {controller}"))
+    roots = set(map(components.find, modules))
     heard = [
-        a for a, (module, _) in zip(found[_CONTROL_INPUT], lines, strict=True) if module in reached
+        atom
+        for atom, (module, _) in zip(found[_CONTROL_INPUT], lines, strict=True)
+        if components.find(module) in roots
     ]
     if len(heard) > _MOST_LINES or any("inherited(" in text(atom) for atom in heard):
         return None
