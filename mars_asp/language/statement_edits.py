@@ -9,7 +9,11 @@ from mars_asp.language.tokens import Token
 
 @dataclass(eq=False, slots=True)
 class Member:
-    """One name of a list with the words after it, and the edits of it."""
+    """One name of a list with the words after it, and the edits of it.
+
+    `new` is another name, `rank` another priority: a list with such a controller is split into
+    lines. `plain` is whether the stated priority is removed, `gone` whether the member is.
+    """
 
     tokens: tuple[Token, ...]
     comma: Token | None
@@ -68,22 +72,6 @@ class ListEdit:
     @property
     def _heads(self) -> int:
         return 1 if self.tokens[0].text == "@modules" else 2
-
-    def rename(self, member: Member, name: str) -> None:
-        """Replace the name of a member."""
-        member.new = name
-
-    def drop(self, member: Member) -> None:
-        """Remove a member."""
-        member.gone = True
-
-    def rank(self, member: Member, priority: int) -> None:
-        """Set the priority of a controller; a list with such a controller is split into lines."""
-        member.rank = priority
-
-    def unrank(self, member: Member) -> None:
-        """Remove the stated priority of a controller."""
-        member.plain = True
 
     def add(self, name: str, width: int) -> None:
         """Append a name, on a new line if the last one would exceed `width`."""

@@ -393,11 +393,11 @@ def _redirect(drafts: _Drafts, number: Symbol, side: Symbol, module: Symbol) -> 
         statement, listed, member = drafts.member(declared)
         name = statement.local_name(module.string)
         if side.name != "first":
-            listed.rename(member, name)
+            member.new = name
         elif len(listed.members) == 1:
             listed.head = name
         else:
-            listed.drop(member)
+            member.gone = True
             statement.add_after(f"{name} is_controlled_by {member.written()}")
         return
     statement = drafts.statement_of(declared)
@@ -413,9 +413,9 @@ def _swap(drafts: _Drafts, number: Symbol) -> None:
         controlled, controller = map(statement.local_name, ends_of(declared))
         if len(listed.members) == 1:
             listed.head = controller
-            listed.rename(member, controlled)
+            member.new = controlled
         else:
-            listed.drop(member)
+            member.gone = True
             statement.add_after(f"{controller} is_controlled_by {member.written(name=controlled)}")
         return
     statement = drafts.statement_of(declared)
@@ -427,8 +427,8 @@ def _swap(drafts: _Drafts, number: Symbol) -> None:
 def _drop(drafts: _Drafts, number: Symbol) -> None:
     declared = drafts.texts.relationships[number.number]
     if isinstance(declared, Control):
-        _, listed, member = drafts.member(declared)
-        listed.drop(member)
+        *_, member = drafts.member(declared)
+        member.gone = True
     else:
         drafts.statement_of(declared).delete()
 
@@ -455,17 +455,17 @@ def _neighbour(drafts: _Drafts, path: str, client: str) -> _Statement:
 def _edit_priority(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
     declared = drafts.texts.relationships[number.number]
     assert isinstance(declared, Control)
-    _, listed, member = drafts.member(declared)
+    *_, member = drafts.member(declared)
     # A position in a list with the same priority needs no number.
     if declared.priority != priority.number:
-        listed.rank(member, priority.number)
+        member.rank = priority.number
 
 
 def _unrank(drafts: _Drafts, number: Symbol) -> None:
     declared = drafts.texts.relationships[number.number]
     assert isinstance(declared, Control)
-    _, listed, member = drafts.member(declared)
-    listed.unrank(member)
+    *_, member = drafts.member(declared)
+    member.plain = True
 
 
 def _vertex(drafts: _Drafts, number: Symbol, vertex: Symbol) -> None:
@@ -507,8 +507,8 @@ def _add_name(drafts: _Drafts, module: Symbol) -> None:
 def _unname(drafts: _Drafts, module: Symbol) -> None:
     configuration = drafts.texts.project.configuration
     name = next(each for each in configuration.modules if each.text == module.string)
-    statement, member = drafts.naming(name)
-    drafts.members(statement).drop(member)
+    _, member = drafts.naming(name)
+    member.gone = True
     for each in configuration.attributed:
         path = each.attribute.span.path
         if each.module == module.string and path in drafts.texts.mars_files:
@@ -527,7 +527,7 @@ def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
             if declared.controlled == old.string:
                 listed.head = name
             if declared.controller == old.string:
-                listed.rename(member, name)
+                member.new = name
             continue
         statement = drafts.statement_of(declared)
         for module, token in zip(ends, statement.end_tokens, strict=True):
