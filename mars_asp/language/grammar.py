@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, cast
 
 import lark
-from lark import Lark, Token, Transformer, UnexpectedInput
+from lark import Lark, Token, Transformer, Tree, UnexpectedInput
 from lark.grammar import Rule
 from lark.lexer import TerminalDef
 
@@ -16,21 +16,6 @@ from mars_asp.model.names import plain
 
 #: The tables of a parser: lists, dicts, words and numbers.
 _Tables: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
-_RULES = (
-    "header",
-    "modules",
-    "instance",
-    "sources",
-    "include",
-    "mount",
-    "transformation",
-    "control",
-    "controller",
-    "data",
-    "every",
-    "tag",
-    "property",
-)
 
 
 def parsed(text: str) -> list[Raw] | UnexpectedInput:
@@ -48,9 +33,11 @@ class _Statements(Transformer[Token, list[Raw]]):
         """Return the statements of a text."""
         return children
 
-
-def _keep(rule: str) -> Callable[[_Statements, list[Token | Raw | None]], Raw]:
-    return lambda _, children: (rule, [_word(child) for child in children])
+    def __default__(self, data: str, children: list[Any], meta: object) -> Any:
+        """Return a rule's name and its children; of a repetition, a tree that Lark takes apart."""
+        if data.startswith("_"):
+            return Tree(data, children)
+        return data, [_word(child) for child in children]
 
 
 def _word(child: Token | Raw | None) -> Word | Raw | None:
@@ -64,10 +51,6 @@ def _word(child: Token | Raw | None) -> Word | Raw | None:
     if child.type in ("NAME", "PORT"):
         text = plain(text)
     return Word(text, begin, child.end_pos)
-
-
-for _rule in _RULES:
-    setattr(_Statements, _rule, _keep(_rule))
 
 
 @cache

@@ -1,10 +1,11 @@
 """Converts parsed statements to model values, and checks each statement by itself."""
 
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
-from typing import TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.language.layout import Layout
@@ -89,11 +90,6 @@ def _instance(child: "Word | Raw") -> tuple[Word, Word | None]:
     return word, described
 
 
-def _last(child: "Word | Raw | None") -> "Word | Raw | None":
-    """Return the last word of a child."""
-    return child[1][-1] if isinstance(child, tuple) else child
-
-
 class Builder:
     """Collects the statements of one file."""
 
@@ -115,7 +111,7 @@ class Builder:
         """Add a statement whose offsets count from `base`."""
         self._base = base
         rule, children = raw
-        getattr(self, f"_add_{rule}")(children)
+        _ADD[rule](self, children)
 
     def configuration(self, complete: bool) -> Configuration:
         """Return the configuration; if it is `complete`, note its missing statements."""
@@ -195,14 +191,8 @@ class Builder:
                 self._note_problem(self._base + begin, self._base + end, message, help_text)
         self._includes.append(Include(path, name, self._span(word, word)))
 
-    def _add_tag(self, children: list[Word]) -> None:
-        self._attribute(TAG, *children)
-
-    def _add_property(self, children: list[Word]) -> None:
-        self._attribute(PROPERTY, *children)
-
-    def _attribute(self, word: str, module: Word, *said: Word) -> None:
-        first, last = said[0], said[-1]
+    def _add_attribute(self, word: str, children: list[Word]) -> None:
+        module, first, last = children[0], children[1], children[-1]
         text = self.layout.grammatical[self._base + first.begin : self._base + last.end]
         read = read_attribute(word, text)
         if isinstance(read, AttributeProblem):
@@ -289,8 +279,8 @@ class Builder:
         elif written is not None:
             read = parse_mode(str(written))
             if isinstance(read, ModeProblem):
-                begin = self._base + written.begin + read.offset
-                self._note_problem(begin, self._base + written.end, read.message, read.help)
+                begin, end = written.begin + read.offset, written.end
+                self._note_problem(self._base + begin, self._base + end, read.message, read.help)
             else:
                 mode = read
         hz, declared = self._read_rate(number)
@@ -302,7 +292,8 @@ class Builder:
                 f"a frequency after `{mode.text}`",
                 f"a frequency belongs to `{PERIODIC}`; leave it out or require that mode",
             )
-        words = (_last(number), written, source_port, source)
+        last = number[1][-1] if isinstance(number, tuple) else number
+        words = (last, written, source_port, source)
         span = self._span(client, next(word for word in words if isinstance(word, Word)))
         ports = (None if port is None else str(port) for port in (client_port, source_port))
         self._relationships.append(Data(str(client), str(source), span, mode, hz, *ports))
@@ -357,3 +348,17 @@ class Builder:
         self.problems.append(
             Diagnostic("syntax", "error", message, span, help=help_text, excerpt=excerpt)
         )
+
+
+#: By the rules of the grammar, what adds a statement.
+_ADD: Mapping[str, Callable[[Builder, list[Any]], None]] = {
+    "header": Builder._add_header,
+    "modules": Builder._add_modules,
+    "sources": Builder._add_sources,
+    "include": Builder._add_include,
+    "mount": Builder._add_mount,
+    "control": Builder._add_control,
+    "data": Builder._add_data,
+    "tag": lambda builder, children: builder._add_attribute(TAG, children),
+    "property": lambda builder, children: builder._add_attribute(PROPERTY, children),
+}

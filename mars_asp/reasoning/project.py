@@ -293,7 +293,13 @@ def project_facts(
     facts += tuple(f for f in _attributes(project) if wanted is None or f.atom.name in wanted)
     if wanted is not None and not wanted & FRAMES:
         return facts
-    frames = _frame_facts(project, asked)
+    described = (*project.modules.values(), *project.configuration.declared)
+    # Without native functions nothing is inherited.
+    if not has_mounts(project) or not any(module.functions for module in described):
+        return facts
+    from mars_asp.reasoning.facts.motion import frame_facts  # noqa: PLC0415 -- numpy
+
+    frames = frame_facts(project.configuration, project.modules, asked)
     return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
 
 
@@ -338,23 +344,9 @@ def _attributes(project: Project) -> Iterator[Fact]:
             yield Fact(Atom("place", (identified(fact), encodable(path), line, column)), fact.span)
 
 
-def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tuple[Fact, ...]:
-    if not has_mounts(project) or not _has_functions(project):
-        return ()
-    from mars_asp.reasoning.facts.motion import frame_facts  # noqa: PLC0415 -- numpy
-
-    return frame_facts(project.configuration, project.modules, asked)
-
-
 def has_mounts(project: Project) -> bool:
     """Whether a project has mounts; only then is numpy loaded."""
     return any(isinstance(r, Mount) for r in project.configuration.relationships)
-
-
-def _has_functions(project: Project) -> bool:
-    """Whether any module has a native function; otherwise nothing is inherited."""
-    described = (*project.modules.values(), *project.configuration.declared)
-    return any(module.functions for module in described)
 
 
 def _source_paths(

@@ -239,13 +239,10 @@ class Plan:
         mode, hz = link.mode, link.hz
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
             fed, rate = self.made(link.source)
-            mode = mode or self._unstated(link.source, fed)
+            is_node = self.kind(link.source) in ("data_splitter", "data_transformer")
+            mode = mode or (fed if is_node else self.offered(link.source)[0])
             hz = rate if mode.name == AT_FREQUENCY else None
         return mode, hz
-
-    def _unstated(self, source: str, fed: Mode) -> Mode:
-        is_node = self.kind(source) in ("data_splitter", "data_transformer")
-        return fed if is_node else self.offered(source)[0]
 
     def made(self, name: str) -> tuple[Mode, Fraction | None]:
         """Return the mode and rate of the messages of a module, or of the input of a node."""

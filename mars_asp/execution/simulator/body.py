@@ -86,16 +86,6 @@ class Body:
         self.measure()
 
     @property
-    def touching(self) -> bool:
-        """Whether the robot touches anything."""
-        return bool(self.on)
-
-    @property
-    def collisions(self) -> int:
-        """Return the number of contacts."""
-        return len(self.contacts)
-
-    @property
     def place(self) -> Point:
         """Return the position of the centre."""
         return self.pose.forward, self.pose.side
@@ -137,13 +127,13 @@ class Body:
             self.company.advance(seconds)
 
     def rates(self) -> tuple[float, float, float]:
-        """Return the current rates of driving ahead, driving aside and turning, within limits."""
-        ahead, aside, turn = (self._ramped_rate(function) for function in planar_functions(self.up))
+        """Return the rates ahead, aside and turning from now on, within the limits."""
+        rates = []
+        for function in planar_functions(self.up):
+            wanted, ramp = self._wanted(function), self.ramps.get(function)
+            rates.append(wanted if ramp is None else ramp.at(self.seconds, wanted))
+        ahead, aside, turn = rates
         return ahead, aside, turn
-
-    def _ramped_rate(self, function: str) -> float:
-        wanted, ramp = self._wanted(function), self.ramps.get(function)
-        return wanted if ramp is None else ramp.at(self.seconds, wanted)
 
     def _wanted(self, function: str) -> float:
         most = self.limits.get(function, inf)

@@ -135,7 +135,7 @@ def bumper(body: Body) -> Callable[[float], int]:
 
     def read(seconds: float) -> int:
         body.advance(seconds)
-        return int(body.touching)
+        return int(bool(body.on))
 
     return read
 

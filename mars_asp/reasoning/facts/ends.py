@@ -4,9 +4,8 @@ An output has the name of its module or, if the module has several, `MODULE.PORT
 A port of an undescribed module is assumed to exist; rules check the ports of described modules.
 """
 
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import NamedTuple
 
 from mars_asp.model.declarations import Configuration, Data, Module, Service
@@ -58,11 +57,6 @@ class Ends:
         if port is None:
             return self._clients.get((data.client, None))
         return self._clients.get((data.client, port), end(data.client, port))
-
-    @cached_property
-    def described_clients(self) -> Set[str]:
-        """Return the modules that have described inputs among `entries`."""
-        return {entry.module for entry in self.entries.values() if entry.found is not None}
 
     def output(self, module: str, port: str) -> str:
         """Return the name of an output of a module."""

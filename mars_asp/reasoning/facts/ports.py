@@ -41,7 +41,7 @@ def named_inputs(ends: Ends, lines: Numbered) -> Iterator[Fact]:
 
 def turns(configuration: Configuration, ends: Ends, lines: Numbered) -> Iterator[Fact]:
     """Yield the order of the lines that name no input, for each client of `ends.entries`."""
-    clients = ends.described_clients
+    clients = {each.module for each in ends.entries.values() if each.found is not None}
     if not clients:
         return
     numbers = {id(line): number for number, line in lines}

@@ -4,7 +4,7 @@ A change is a term such as `control("Base",new(1))`; `docs/how-to/what-if.md` li
 only serve to see their effects: they leave modules open, so they are not written to a file.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
@@ -37,7 +37,7 @@ def changed(project: Project, change: Symbol) -> Project:
     """Return a project with a change, whose identifiers are those of the project.
 
     Raises:
-        AttributeError: there is no such change.
+        KeyError: there is no such change.
     """
     values = _Values(project)
     values.apply(change)
@@ -45,7 +45,7 @@ def changed(project: Project, change: Symbol) -> Project:
 
 
 class _Values:
-    """The values of a project while they are changed; a method for each change, named like it."""
+    """The values of a project while they are changed."""
 
     def __init__(self, project: Project) -> None:
         self._project = project
@@ -74,7 +74,7 @@ class _Values:
         return replace(self._project, configuration=configuration, modules=modules)
 
     def apply(self, change: Symbol) -> None:
-        getattr(self, change.name)(*change.arguments)
+        _CHANGES[change.name](self, *change.arguments)
 
     def both(self, *changes: Symbol) -> None:
         for change in changes:
@@ -213,3 +213,25 @@ class _Values:
     def _hertz(self, rate: Symbol) -> Fraction | None:
         is_rate = rate.type == SymbolType.Number
         return self._project.rates.hertz(rate.number) if is_rate else None
+
+
+_CHANGES: Mapping[str, Callable[..., None]] = {
+    "both": _Values.both,
+    "data": _Values.data,
+    "control": _Values.control,
+    "mount": _Values.mount,
+    "drop": _Values.drop,
+    "forget": _Values.forget,
+    "again": _Values.again,
+    "rank": _Values.rank,
+    "hold": _Values.hold,
+    "require": _Values.require,
+    "architecture": _Values.architecture,
+    "unname": _Values.unname,
+    "annotate": _Values.annotate,
+    "guard": _Values.guard,
+    "commands": _Values.commands,
+    "sends": _Values.sends,
+    "outputs": _Values.outputs,
+    "inputs": _Values.inputs,
+}

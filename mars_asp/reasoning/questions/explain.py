@@ -207,12 +207,15 @@ def _topics(
         traces = evidence.explainer.why(atoms, every)
     # An atom of another kind is none of the things, and has no account.
     accounts = iter(result)
-    return tuple(_topic(each, accounts, _trace_of(each, traces)) for each in asked)
-
-
-def _trace_of(asked: _NamedThing, traces: Mapping[clingo.Symbol, Trace]) -> Trace:
-    found = None if not traces or asked.atom is None else traces.get(asked.atom)
-    return found or Unexplained(asked.title, "no trace was asked for")
+    return tuple(
+        _topic(
+            each,
+            accounts,
+            (None if each.atom is None else traces.get(each.atom))
+            or Unexplained(each.title, "no trace was asked for"),
+        )
+        for each in asked
+    )
 
 
 def _topic(

@@ -45,7 +45,8 @@ def excluded(
     """
     of_packs = set(map(id, rulebook.of_packs))
     rules = [rule for rule in rulebook.rules if rule.stage == _STAGE]
-    relaxed = [r for r in rules if _is_constraint(r) and (id(r) in of_packs or r.because)]
+    constraints = (r for r in rules if not r.heads and not r.is_choice and r.listed is None)
+    relaxed = [each for each in constraints if id(each) in of_packs or each.because]
     if not relaxed:
         return None
     grounding = Grounding([*rulebook.fragments("base"), given(facts)])
@@ -63,10 +64,6 @@ def excluded(
         return None
     entries = [heard(atom, relaxed) for atom in found.answer.true_of([_BROKEN])[_BROKEN]]
     return NoSpecificationError(_diagnostics(entries)) if entries else None
-
-
-def _is_constraint(rule: Rule) -> bool:
-    return not rule.heads and not rule.is_choice and rule.listed is None
 
 
 def _relaxed(number: int, rule: Rule) -> str:

@@ -168,7 +168,7 @@ def test_the_template_of_the_page_runs(tmp_path: Path) -> None:
     made = trial(f"{text}{world}{bindings}", robot, tmp_path)
     assert not made.executor.failures
     assert made.control_time.keys() == {"Cruise", "Retreat"}
-    assert made.bodies[0].collisions == 0
+    assert len(made.bodies[0].contacts) == 0
 
 
 REFUSED = {
