@@ -13,8 +13,7 @@ from mars_asp.asp.rules.declarations import declarations
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
-from mars_asp.asp.trace import Explainer, Trace
-from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace import Trace
 from mars_asp.asp.units import measured
 from mars_asp.diagnostic import Span, point
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
@@ -32,6 +31,7 @@ from mars_asp.reasoning.attributes import AttributeKind
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, project_facts, with_brought
 from mars_asp.reasoning.rules import GIVEN_TO_RUNS, load_rulebook
+from mars_asp.reasoning.session import Evidence
 
 #: Requirements of all runs, each with the kind of consequence that violates it.
 ALWAYS = {
@@ -107,8 +107,7 @@ class Judgement:
 
         Observed facts have a time, if any, instead of a line.
         """
-        given = GivenFacts(self.facts, self.rulebook.declarations)
-        explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
+        explainer = Evidence(self.rulebook, self.facts, self.analysis).explainer
         found = [c for requirement in self.requirements for c in requirement.violations]
         found += self.warnings
         traces = explainer.why(dict.fromkeys(c.atom for c in found))

@@ -148,35 +148,13 @@ class Draft(FileText):
 
 
 def apply_lines(text: str, edits: Iterable[LineEdit]) -> str:
-    r"""Return the edited text; lines end with `\n`."""
-    lines: list[str | None] = list(text.removesuffix("\n").split("\n"))
-    before: dict[int, str] = {}
-    after: dict[int, str] = {}
-    for edit in edits:
-        if edit.old is not None:
-            assert lines[edit.line - 1] == edit.old, "lines are those of the original"
-            lines[edit.line - 1] = edit.new
-        elif edit.new is not None:
-            (before if edit.where == "before" else after)[edit.line] = edit.new
-    written = (
-        part
-        for number, line in enumerate(lines, 1)
-        for part in (before.get(number), line, after.get(number))
-        if part is not None
-    )
-    return "".join(f"{part}\n" for part in written)
-
-
-def edited_bytes(raw: bytes, edits: Iterable[LineEdit]) -> bytes:
-    """Return the edited bytes of a file, with its encoding and its line ends.
+    """Return the edited text, with its byte order mark and its line ends.
 
     Raises:
         ConflictError: an edit does not match the line that it replaces.
     """
-    codec = _codec(raw)
-    whole = raw.decode(codec)
-    mark = "\ufeff" if whole.startswith("\ufeff") else ""
-    lines = [(line[1], line[2]) for line in _LINE.finditer(whole[len(mark) :])]
+    mark = "\ufeff" if text.startswith("\ufeff") else ""
+    lines = [(line[1], line[2]) for line in _LINE.finditer(text[len(mark) :])]
     usual = next((end for _, end in lines if end), "\n")
     inserted: dict[tuple[int, Where], str] = {}
     replaced: dict[int, str | None] = {}
@@ -197,7 +175,17 @@ def edited_bytes(raw: bytes, edits: Iterable[LineEdit]) -> bytes:
         written += [f"{each}{usual}" for each in above.split("\n")] if above is not None else []
         written += [f"{new}{end}"] if new is not None else []
         written += [f"{each}{usual}" for each in below.split("\n")] if below is not None else []
-    return "".join(written).encode(codec)
+    return "".join(written)
+
+
+def edited_bytes(raw: bytes, edits: Iterable[LineEdit]) -> bytes:
+    """Return the edited bytes of a file, with its encoding.
+
+    Raises:
+        ConflictError: an edit does not match the line that it replaces.
+    """
+    codec = _codec(raw)
+    return apply_lines(raw.decode(codec), edits).encode(codec)
 
 
 def _codec(raw: bytes) -> str:

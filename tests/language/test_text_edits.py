@@ -65,7 +65,7 @@ def test_lines_are_in_the_order_of_the_text() -> None:
 def test_edits_of_another_text_are_refused() -> None:
     edits = [LineEdit("robot.mars", 1, 1, "a", "b")]
     assert apply_lines("a\n", edits) == "b\n"
-    with pytest.raises(AssertionError):
+    with pytest.raises(ConflictError):
         apply_lines("c\n", edits)
 
 

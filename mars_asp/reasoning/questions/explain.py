@@ -6,8 +6,8 @@
 """
 
 import contextlib
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import clingo
@@ -87,17 +87,8 @@ class Explanation:
     synthesis: Synthesis | None
 
 
-@dataclass(frozen=True, slots=True)
-class _NamedThing:
-    """A thing that a subject names: a consequence, a node, or an atom of another kind.
-
-    A node has no `atom` unless its trace is requested.
-    """
-
-    title: str
-    atom: clingo.Symbol | None
-    of: Consequence | IntroducedNode | None = None
-    resolves: tuple[str, ...] = ()
+#: A topic before its account and trace are made, with its thing and the atom to be traced.
+_Asked: TypeAlias = tuple[Topic, Consequence | IntroducedNode | None, clingo.Symbol | None]
 
 
 def explain(
@@ -160,80 +151,70 @@ def _things_named(
     only: Sort | None,
     chosen: Sequence[Consequence],
     traced: bool,
-) -> list[_NamedThing]:
-    """Return the things that a subject names: consequences, nodes, or an atom.
+) -> list[_Asked]:
+    """Return the topics that a subject names: consequences, nodes, or an atom.
 
-    Consequences are those `chosen`, nodes those of the `synthesis`.
+    Consequences are those `chosen`, nodes those of the `synthesis`. A node has no atom unless its
+    trace is requested.
 
     Raises:
         MarsError: it names nothing.
     """
     specification = None if synthesis is None else synthesis.specification
-    asked: list[_NamedThing] = []
-    if only != "nodes":
-        asked += [_NamedThing(f"{c.kind}({c.subject})", c.atom, c) for c in chosen]
+    asked: list[_Asked] = []
+    for each in chosen if only != "nodes" else ():
+        title = f"{each.kind}({each.subject})"
+        asked.append((_topic(title, title, "consequence", each), each, each.atom))
     if only != "consequences" and specification is not None:
-        asked += [
-            _NamedThing(
-                _node_title(node, specification),
-                _node_atom(node, evidence, synthesis) if traced else None,
-                node,
-                tuple(specification.resolves[node.name]),
-            )
-            for node in _nodes(specification, subject, chosen)
-        ]
+        for node in _nodes(specification, subject, chosen):
+            resolves = tuple(specification.resolves[node.name])
+            title = f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
+            atom = _node_atom(node, evidence, synthesis) if traced else None
+            topic = replace(_topic(title, node.name, "node"), resolves=resolves)
+            asked.append((topic, node, atom))
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis, evidence.analysis)
-        asked = [_NamedThing(*_true_atom(subject, project, evidence, synthesis))]
+        name, atom = _true_atom(subject, project, evidence, synthesis)
+        asked = [(_topic(plain(name), plain(name), "atom"), None, atom)]
     return asked
+
+
+def _topic(
+    title: str,
+    name: str,
+    sort: Literal["consequence", "node", "atom"],
+    found: Consequence | None = None,
+) -> Topic:
+    """Return a topic without an account and a trace."""
+    severity, atom = (None, None) if found is None else (found.severity, found.atom)
+    trace = Unexplained(title, "no trace was asked for")
+    return Topic(title, name, sort, severity, None, (), None, trace, atom)
 
 
 def _topics(
     project: Project,
     evidence: Evidence,
     nodes: Sequence[IntroducedNode],
-    asked: Sequence[_NamedThing],
+    asked: Sequence[_Asked],
     every: bool,
     traced: bool,
 ) -> tuple[Topic, ...]:
-    things = [each.of for each in asked if each.of is not None]
-    result = told_of(project, evidence, nodes, things)
-    traces: Mapping[clingo.Symbol, Trace] = {}
+    """Return topics with their accounts, and with their traces as far as requested."""
+    # An atom of another kind is no thing, and has no account.
+    accounts = iter(
+        told_of(project, evidence, nodes, [thing for _, thing, _ in asked if thing is not None])
+    )
     atoms = dict.fromkeys(
-        each.atom for each in asked if each.atom is not None and (traced or each.of is None)
+        atom for _, thing, atom in asked if atom is not None and (traced or thing is None)
     )
-    if atoms:
-        traces = evidence.explainer.why(atoms, every)
-    # An atom of another kind is none of the things, and has no account.
-    accounts = iter(result)
-    return tuple(
-        _topic(
-            each,
-            accounts,
-            (None if each.atom is None else traces.get(each.atom))
-            or Unexplained(each.title, "no trace was asked for"),
-        )
-        for each in asked
-    )
-
-
-def _topic(
-    asked: _NamedThing, accounts: Iterator[tuple[Account, str | None]], trace: Trace
-) -> Topic:
-    match asked.of:
-        case Consequence() as found:
-            account, rule = next(accounts)
-            name, severity = f"{found.kind}({found.subject})", found.severity
-            return Topic(
-                asked.title, name, "consequence", severity, rule, (), account, trace, found.atom
-            )
-        case IntroducedNode() as node:
-            account, rule = next(accounts)
-            return Topic(asked.title, node.name, "node", None, rule, asked.resolves, account, trace)
-        case None:
-            title = plain(asked.title)
-            return Topic(title, title, "atom", None, None, (), None, trace)
+    traces = evidence.explainer.why(atoms, every) if atoms else {}
+    topics = []
+    for topic, thing, atom in asked:
+        account, rule = (None, None) if thing is None else next(accounts)
+        trace = topic.trace if atom is None else traces.get(atom, topic.trace)
+        topics.append(replace(topic, rule=rule, account=account, trace=trace))
+    return tuple(topics)
 
 
 def _is_consequence(subject: str, rulebook: Rulebook) -> bool:
@@ -326,11 +307,6 @@ def _node_atom(
         return term
     synthesis.derived.hand_to(grounding)
     return clingo.Function("spec_node", [term, clingo.Function(node.kind)])
-
-
-def _node_title(node: IntroducedNode, specification: Specification) -> str:
-    resolves = specification.resolves[node.name]
-    return f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
 
 
 def _true_atom(
