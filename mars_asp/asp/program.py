@@ -126,7 +126,13 @@ class Program:
     @cached_property
     def _fact_rules(self) -> tuple[Rule, ...]:
         """Return the rules that state facts without a message."""
-        return tuple(rule for rule in self.rulebook.rules if _states(rule))
+        return tuple(
+            rule
+            for rule in self.rulebook.rules
+            if rule.because is None
+            and not rule.is_choice
+            and all(s.forces and not s.literals[1:] and not s.written[1:] for s in rule.statements)
+        )
 
     @cached_property
     def explained(self) -> Rulebook:
@@ -533,13 +539,6 @@ def _definitions(constants: Constants) -> tuple[str, ...]:
             place = whole_file("program")
             raise MarsError((Diagnostic("constant", "error", message, place, help=advice),))
     return tuple(f"-c{name}={value}" for name, value in constants.items())
-
-
-def _states(rule: Rule) -> bool:
-    """Whether a rule only states facts, without a message."""
-    if rule.because is not None or rule.is_choice:
-        return False
-    return all(s.forces and not s.literals[1:] and not s.written[1:] for s in rule.statements)
 
 
 def _extra_cost_text(extra: Mapping[int, int]) -> str:

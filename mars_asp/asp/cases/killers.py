@@ -17,13 +17,14 @@ import networkx as nx
 from clingo import ast
 
 from mars_asp.asp.cases.coverage import Case
-from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, MutatedFile, MutatedStatement, written
-from mars_asp.asp.cases.probes import children, is_safe
+from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, MutatedFile, written
+from mars_asp.asp.cases.probes import is_safe
 from mars_asp.asp.contained import Lost, ask, limit_time
 from mars_asp.asp.rules.expansions import Expansions, expanded
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import sign_and_function
+from mars_asp.asp.rules.statements import statements, tree
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import MarsError
 
 #: The killer of a mutant that exceeds its time or memory.
@@ -122,7 +123,9 @@ def _exchanged(bench: Bench, file: MutatedFile, mutant: Mutant) -> Rulebook:
             rules.append(rule)
         elif mutant.after and rule.listed is None:
             changed = replace(rule, text=mutant.after)
-            rules += (changed, *_expanded_rules(changed, bench.expansions))
+            rules.append(changed)
+            for key, listed in changed.lists:
+                rules += expanded(changed, key, listed, changed.span, bench.expansions[key])
     assert texts != rulebook.texts
     return replace(rulebook, rules=tuple(rules), texts=texts)
 
@@ -133,12 +136,6 @@ def _is_of(rule: Rule, mutant: Mutant) -> bool:
         return False
     # Other rules may be in the same line.
     return rule.listed is not None or written(rule.ast) == mutant.before
-
-
-def _expanded_rules(rule: Rule, expansions: Expansions) -> Iterator[Rule]:
-    """Yield the rules that are made from the metadata of a rule; they have its body."""
-    for key, listed in rule.lists:
-        yield from expanded(rule, key, listed, rule.span, expansions[key])
 
 
 # ---- Which cases can notice a mutant -------------------------------------------------------------
@@ -183,21 +180,19 @@ def _useful(
     return useful
 
 
-def _head(tree: ast.AST) -> ast.AST | None:
+def _head(rule: ast.AST) -> ast.AST | None:
     """Return the atom that a rule derives, or None for choices, constraints and others."""
-    if tree.ast_type != _TYPE.Rule or tree.head.ast_type != _TYPE.Literal:
+    if rule.ast_type != _TYPE.Rule or rule.head.ast_type != _TYPE.Literal:
         return None
-    atom: ast.AST = tree.head.atom
+    atom: ast.AST = rule.head.atom
     return atom if atom.ast_type == _TYPE.SymbolicAtom else None
 
 
 def _probe(name: str, statement: str, holes: Sequence[str]) -> str:
     """Return a rule that records the head of a statement and the values of message holes."""
-    trees: list[ast.AST] = []
-    ast.parse_string(statement, trees.append)
-    tree = trees[-1]
-    body = "; ".join(map(str, tree.body)) or "#true"
-    return f"__probe({name},t({','.join([str(_head(tree)), *holes])})) :- {body}."
+    rule = tree(statement)
+    body = "; ".join(map(str, rule.body)) or "#true"
+    return f"__probe({name},t({','.join([str(_head(rule)), *holes])})) :- {body}."
 
 
 def _binds_holes(mutant: Mutant, holes: _Holes) -> bool:
@@ -241,12 +236,13 @@ def _different(
 @cache
 def _circular(files: tuple[MutatedFile, ...]) -> set[tuple[str, str]]:
     """Return the recursive rules, as path and text."""
-    uses: nx.DiGraph[tuple[str, int]] = nx.DiGraph()
+    uses: nx.DiGraph[Signature] = nx.DiGraph()
     rules = [
-        (file.path, statement.text, *_signatures(statement))
+        (file.path, rule.text, {s.unsigned for s in one.derives}, {s.unsigned for s in one.reads})
         for file in files
-        for statement in file.statements
-        if statement.tree.ast_type == _TYPE.Rule
+        for rule in file.statements
+        if rule.tree.ast_type == _TYPE.Rule
+        for one in statements(rule.text)
     ]
     for _, _, heads, bodies in rules:
         uses.add_edges_from((head, body) for head in heads for body in bodies)
@@ -260,20 +256,3 @@ def _circular(files: tuple[MutatedFile, ...]) -> set[tuple[str, str]]:
         for path, text, heads, bodies in rules
         if {group.get(head) for head in heads} & {group.get(body) for body in bodies}
     }
-
-
-def _signatures(statement: MutatedStatement) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
-    heads = set(_predicates(statement.tree.head))
-    return heads, {each for node in statement.tree.body for each in _predicates(node)}
-
-
-def _predicates(node: ast.AST) -> Iterator[tuple[str, int]]:
-    """Yield the predicates in a tree, without signs."""
-    if node.ast_type != ast.ASTType.SymbolicAtom:
-        for child in children(node):
-            yield from _predicates(child)
-        return
-    _, symbol = sign_and_function(node.symbol)
-    pooled = symbol.ast_type == ast.ASTType.Pool
-    for variant in symbol.arguments if pooled else (symbol,):
-        yield variant.name, len(variant.arguments)

@@ -9,6 +9,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.trees import below, plain
 
 FIRED, NEAR = "_fired", "_near"
 _TYPE = ast.ASTType
@@ -51,20 +52,13 @@ def is_safe(text: str) -> bool:
     return True
 
 
-def children(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes directly below one of clingo's syntax trees, in the order of its keys."""
-    for key in node.child_keys:
-        child = getattr(node, key)
-        if isinstance(child, ast.ASTSequence):
-            yield from child
-        elif child is not None:
-            yield child
-
-
 def _bodies(rule: Rule) -> Iterator[tuple[str, Sequence[ast.AST]]]:
     body = list(rule.ast.body)
     yield FIRED, body
-    named = [set(_variables(literal)) for literal in body]
+    named = [
+        {each.name for each in below(plain(literal)) if each.ast_type is _TYPE.Variable}
+        for literal in body
+    ]
     times = Counter(chain.from_iterable(named))
     for index, literal in enumerate(body):
         own = {name for name in named[index] if times[name] == 1}
@@ -81,14 +75,6 @@ def _failing(literal: ast.AST, own: set[str]) -> Iterator[ast.AST]:
         yield bare.update(sign=ast.Sign.Negation)
     else:
         yield literal.update(sign=ast.Sign.NoSign)
-
-
-def _variables(node: ast.AST) -> Iterator[str]:
-    if node.ast_type == _TYPE.Variable:
-        yield node.name
-        return
-    for child in children(node):
-        yield from _variables(child)
 
 
 class _Blank(ast.Transformer):

@@ -1,7 +1,7 @@
 """Finds case files, and runs their cases with the rules."""
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 import clingo
@@ -149,7 +149,7 @@ def _answers(
     """
     wanted, stages = wanted or (finding,), ("base", *stages)
     messages, exact = block.of(">"), bool(block.of("="))
-    speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages)]
+    speakers = [r for r in rulebook.rules if messages and r.because and r.stage in stages]
     if exact:
         speakers = [rule for rule in speakers if rule.heads.intersection(wanted)]
     program = [Fragment(rulebook.as_named(block.text), block.span.path)]
@@ -163,15 +163,6 @@ def _answers(
         raise MarsError(overflowing)
     with_atoms = bool(block.of("has", "not", "only"))
     return _solved(control, wanted, speakers, bool(block.of("~")), with_atoms)
-
-
-def _speaks(rule: Rule, stages: Sequence[str]) -> bool:
-    return bool(rule.because and rule.stage in stages)
-
-
-def _message_line(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
-    result = heard(as_term(atom), speakers)
-    return f"%> {result.rule.id}: {result.message}"
 
 
 def _grounded(program: Sequence[Fragment]) -> clingo.Control:
@@ -214,11 +205,13 @@ def _solved(
             return
         atoms = model.symbols(atoms=True)
         compared = {plain(str(a)) for a in atoms if _signature(a) in wanted}
-        entries = {_message_line(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
-        cost = _cost(model)
+        rendered = (heard(as_term(a), speakers) for a in atoms if a.name == predicate_of(_STAGE))
+        entries = {f"%> {each.rule.id}: {each.message}" for each in rendered}
+        levels = zip(model.cost, model.priority, strict=True)
+        cost = " ".join(["%~", *(f"{cost}@{level}" for cost, level in levels if cost)])
         compared |= entries | ({cost} if with_costs else set())
         key = tuple(sorted(compared))
-        kept = tuple(_public_atoms(atoms)) if with_atoms else ()
+        kept = tuple(a for a in atoms if with_atoms and not a.name.startswith("_"))
         # With atoms requested, answer sets that agree in the compared ones can differ in others.
         found[(*key, *sorted(map(str, kept)))] = FoundAnswer(key, kept, frozenset(entries), cost)
 
@@ -226,16 +219,7 @@ def _solved(
     return tuple(found[key] for key in sorted(found))
 
 
-def _public_atoms(atoms: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
-    return (atom for atom in atoms if not atom.name.startswith("_"))
-
-
 def _signature(symbol: clingo.Symbol) -> Signature:
     """Return the predicate of an atom as its pack names it."""
     signature = signature_of(symbol)
     return signature._replace(name=plain(signature.name)) if SPACE in signature.name else signature
-
-
-def _cost(model: clingo.Model) -> str:
-    levels = zip(model.cost, model.priority, strict=True)
-    return " ".join(["%~", *(f"{cost}@{level}" for cost, level in levels if cost)])

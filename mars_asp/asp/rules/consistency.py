@@ -44,7 +44,7 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding
                 "error",
                 f"{message} every answer",
                 rule.span,
-                tuple((other.span, f"with `{_one_line(other)}`") for other in others),
+                tuple((each.span, f"with `{' '.join(each.text.split())}`") for each in others),
                 f"drop or weaken one of them; a pack derives `{finding}` instead of refusing",
                 rule.text.partition("\n")[0],
             ),
@@ -56,17 +56,9 @@ def _minimal(rules: Sequence[Rule], fixed: str) -> list[Rule]:
     kept = list(rules)
     for rule in rules:
         rest = [other for other in kept if other is not rule]
-        if not _has_answer(rest, fixed):
+        control = clingo.Control(_OPTIONS)
+        control.add("base", [], "\n".join([fixed, *(each.text for each in rest)]))
+        control.ground()
+        if not control.solve().satisfiable:
             kept = rest
     return kept
-
-
-def _has_answer(rules: Sequence[Rule], fixed: str) -> bool:
-    control = clingo.Control(_OPTIONS)
-    control.add("base", [], "\n".join([fixed, *(rule.text for rule in rules)]))
-    control.ground()
-    return bool(control.solve().satisfiable)
-
-
-def _one_line(rule: Rule) -> str:
-    return " ".join(rule.text.split())

@@ -58,7 +58,10 @@ def reachable_rules(
                 for signature in each.derives:
                     deriving.setdefault(signature, []).append(number)
                 fixed = replaced.isdisjoint(each.constants)
-                if any(_is_queried(head, queried, fixed) for head in each.heads):
+                if any(
+                    name in queried and (first is None or not fixed or first in queried[name])
+                    for name, first in each.heads
+                ):
                     waiting.append(number)
     found: set[int] = set()
     demanded: set[Signature] = set()
@@ -89,10 +92,3 @@ def _dependencies(statement: Statement) -> Dependencies:
         statement.reads,
         constants(statement.text).names,
     )
-
-
-def _is_queried(
-    head: tuple[str, str | None], queried: Mapping[str, frozenset[str]], fixed: bool
-) -> bool:
-    name, first = head
-    return name in queried and (first is None or not fixed or first in queried[name])

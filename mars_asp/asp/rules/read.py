@@ -316,7 +316,7 @@ def with_unique_ids(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> I
             rules = file.rules
             if space.needs is not None:
                 stays = "" if space.name in ours else f"{space.name}/"
-                rules = tuple(_in_pack(rule, space.name, stays) for rule in rules)
+                rules = tuple(_in_space(rule, space.name, stays) for rule in rules)
             elif file.name in names:
                 rules = tuple(_named_by_path(rule, file) for rule in rules)
             names.add(file.name)
@@ -336,21 +336,16 @@ def with_unique_ids(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> I
 def _named_by_space(space: NameSpace, name: str) -> NameSpace:
     return space._replace(
         files=tuple(
-            file._replace(rules=tuple(_of_space(rule, name, file) for rule in file.rules))
+            file._replace(rules=tuple(_in_space(rule, name, file.shown) for rule in file.rules))
             for file in space.files
         )
     )
 
 
-def _in_pack(rule: Rule, name: str, stays: str) -> Rule:
+def _in_space(rule: Rule, name: str, stays: str) -> Rule:
     """Return a rule with the name of its pack before its id, unless its id begins with `stays`."""
     is_named = bool(stays) and rule.id.startswith(stays)
     return rule if is_named else replace(rule, id=f"{name}/{rule.id}")
-
-
-def _of_space(rule: Rule, name: str, file: RuleFile) -> Rule:
-    """Return a rule with the name of its pack before its id, unless the id begins with a path."""
-    return rule if rule.id.startswith(file.shown) else replace(rule, id=f"{name}/{rule.id}")
 
 
 def _named_by_path(rule: Rule, file: RuleFile) -> Rule:

@@ -469,9 +469,14 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
                     new = names.get(Signature(one.name, len(one.arguments)))
                     if new is not None:
                         found.append((_start_of(one), one.name, new))
+    return _edited(text, found)
+
+
+def _edited(text: str, edits: Iterable[tuple[Place, str, str]]) -> str:
+    """Return a text with old names, each the first from a location on, replaced by new ones."""
     lines = text.split("\n")
-    # The last first, so that what comes before it stays where it is.
-    for (line, column), old, new in sorted(set(found), reverse=True):
+    # From the end, so that earlier locations stay valid.
+    for (line, column), old, new in sorted(set(edits), reverse=True):
         written = lines[line - 1]
         at = written.find(old, column - 1)
         lines[line - 1] = f"{written[:at]}{new}{written[at + len(old) :]}"
@@ -523,19 +528,16 @@ def part_of(text: str) -> tuple[str, tuple[str, ...]]:
 def with_constants(text: str, values: Mapping[str, str]) -> str:
     """Return the text of a statement with other terms for some constants, line by line."""
     place = places(text)
-    found = {
-        (place(node), node.symbol.name)
-        for node in _named_constants(text)
-        if not node.symbol.arguments and node.symbol.name in values
-    }
-    lines = text.split("\n")
-    for (line, column), name in sorted(found, reverse=True):
-        value = values[name]
-        # `-k` of a negative number is no comment and no operator of another sort.
-        value = f"({value})" if value.startswith("-") else value
-        before, after = lines[line - 1][: column - 1], lines[line - 1][column - 1 + len(name) :]
-        lines[line - 1] = f"{before}{value}{after}"
-    return "\n".join(lines)
+    # `-k` of a negative number is no comment and no operator of another kind.
+    terms = {name: f"({term})" if term.startswith("-") else term for name, term in values.items()}
+    return _edited(
+        text,
+        (
+            (place(node), node.symbol.name, terms[node.symbol.name])
+            for node in _named_constants(text)
+            if not node.symbol.arguments and node.symbol.name in terms
+        ),
+    )
 
 
 def external_of(text: str) -> Iterator[tuple[str, str, str]]:

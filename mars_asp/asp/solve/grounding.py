@@ -353,7 +353,9 @@ class Grounding:
             # Equal components have equal optima, so each is solved once.
             best = known.get(component)
             if best is None:
-                best = known[component] = self._optimise(component, deadline, counted, counting)
+                least_end = time.monotonic() + _LEAST_SECONDS
+                until = None if deadline is None else max(deadline, least_end)
+                best = known[component] = optimise(component, until, counted, counting)
             part = Part(component, numbered, best)
             self.parts.append(part)
             decided += part.decided(best)
@@ -436,13 +438,6 @@ class Grounding:
         """Return the open atoms by their numbers in the ground program."""
         found = (each for _, atoms in self.open_predicates() for each in atoms)
         return {literal: as_symbol(atom) for atom, literal, is_fact in found if not is_fact}
-
-    def _optimise(
-        self, component: Component, deadline: float | None, counted: int | None, counting: bool
-    ) -> Optimum:
-        if deadline is not None:
-            deadline = max(deadline, time.monotonic() + _LEAST_SECONDS)
-        return optimise(component, deadline, counted, counting)
 
 
 def unsolved(program: Iterable[Fragment]) -> clingo.Control:

@@ -188,10 +188,14 @@ class _JsonLines:
         at = rule = None
         place = step.span if isinstance(step, Given) and _leaf_location(step) is not None else None
         if place is not None:
-            yield from self._file(place.path)
+            if place.path not in self._files:
+                self._files[place.path] = len(self._files) + 1
+                yield json.dumps({"file": self._files[place.path], "path": place.path})
             at = [self._files[place.path], place.line, place.column]
         if isinstance(step, Derived | NearMiss):
-            yield from self._rule_entry(step.rule)
+            if id(step.rule) not in self._rules:
+                self._rules[id(step.rule)] = len(self._rules) + 1
+                yield json.dumps({"rule": len(self._rules), **rule_json(step.rule)})
             rule = self._rules[id(step.rule)]
         number = self._numbers[_step_key(step)] = len(self._numbers) + 1
         entry: _Json = {"step": number, "kind": _step_kind(step), "atom": plain(step.atom)}
@@ -210,16 +214,6 @@ class _JsonLines:
             case _:
                 pass
         yield json.dumps(entry)
-
-    def _file(self, path: str) -> Iterator[str]:
-        if path not in self._files:
-            self._files[path] = len(self._files) + 1
-            yield json.dumps({"file": self._files[path], "path": path})
-
-    def _rule_entry(self, rule: Rule) -> Iterator[str]:
-        if id(rule) not in self._rules:
-            number = self._rules[id(rule)] = len(self._rules) + 1
-            yield json.dumps({"rule": number, **rule_json(rule)})
 
 
 def _step_key(step: _Step) -> object:

@@ -66,7 +66,10 @@ class Explainer:
             name, term = atom.name if atom.positive else f"-{atom.name}", as_term(atom)
             queries.setdefault(asking_name(name), []).append(term)
             firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
-        entries = {name: frozenset(map(_term_text, terms)) for name, terms in firsts.items()}
+        entries = {
+            name: frozenset("" if term is None else str(as_symbol(term)) for term in terms)
+            for name, terms in firsts.items()
+        }
         rules = dependencies_of(rule.text for rule in self.rules)
         numbers = reachable_rules(rules, entries, self._present(), self._rulebook.replaced)
         return self.firings(self.rewriter.text(self.rules, numbers), queries)
@@ -113,7 +116,3 @@ class Explainer:
                 declared.setdefault((f"_t_{name}", positive), []).extend(true)
         state(self._control, declared)
         self._copied |= copied
-
-
-def _term_text(term: TermId | None) -> str:
-    return "" if term is None else str(as_symbol(term))

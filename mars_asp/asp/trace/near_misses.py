@@ -28,7 +28,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import sign_and_function
+from mars_asp.asp.rules.statements import sign_and_function, tree
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import function_text
 from mars_asp.asp.trace.firing_rules import OPERATOR, QUESTION, Rewriter, Terms
@@ -104,7 +104,7 @@ class NearMisses:
         match = _Match()
         if not match.atom(head, pattern):
             return
-        tests = list(map(_literal, match.tests))
+        tests = [tree(f"x :- {test}.").body[0] for test in match.tests]
         literals = (*tests, *literals)
         shared = global_variables((head,), literals)
         query = f"{NEAR}({index},w({','.join(match.arguments)}))"
@@ -327,10 +327,3 @@ class _Match:
             self.bound.add(name)
             return name
         return function_text(pattern.name, list(map(self._skeleton, pattern.arguments)))
-
-
-def _literal(text: str) -> ast.AST:
-    found: list[ast.AST] = []
-    ast.parse_string(f"x :- {text}.", found.append)
-    literal: ast.AST = found[-1].body[0]
-    return literal

@@ -113,16 +113,15 @@ class Proofs:
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 
     def _absent(self, pattern: TermId) -> Absent | None:
-        if pattern not in self._absences:
-            self._absences[pattern] = self._absence(pattern)
-        return self._absences[pattern]
-
-    def _absence(self, pattern: TermId) -> Absent | None:
         """Return an absence, or None if its predicate is never cited."""
-        atom = text(pattern).replace("_any", "_")
-        if atom.startswith("_not("):
-            return Absent(f"not {atom.removeprefix('_not(').removesuffix(')')}")
-        return self._given.absence(pattern, atom)
+        if pattern not in self._absences:
+            atom = text(pattern).replace("_any", "_")
+            self._absences[pattern] = (
+                Absent(f"not {atom.removeprefix('_not(').removesuffix(')')}")
+                if atom.startswith("_not(")
+                else self._given.absence(pattern, atom)
+            )
+        return self._absences[pattern]
 
     def _leaf(self, atom: TermId) -> Trace:
         given = self._given.leaf(atom)

@@ -388,7 +388,7 @@ def _numbered(step: Derived, folded: bool) -> dict[int, str]:
     values: dict[int, str] = {}
     for group in alike.values():
         bindings = [one.bindings for one in group]
-        names = [name for name in bindings[0] if _differs(name, bindings)]
+        names = [n for n in bindings[0] if len({bound.get(n) for bound in bindings}) > 1]
         for one, bound in zip(group, bindings, strict=True):
             if folded:
                 found = (bound[name] for name in names)
@@ -400,10 +400,6 @@ def _numbered(step: Derived, folded: bool) -> dict[int, str]:
         id(one): f"derivation {number} of {len(every)}{values[id(one)]}"
         for number, one in enumerate(every, 1)
     }
-
-
-def _differs(name: str, bindings: Sequence[Mapping[str, clingo.Symbol]]) -> bool:
-    return len({bound.get(name) for bound in bindings}) > 1
 
 
 def _near(step: Derived) -> _NearStep:
