@@ -6,7 +6,7 @@ It is read event by event, so that neither depth nor aliases cost more than thei
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple, TypeAlias
 
@@ -92,23 +92,14 @@ def read_yaml(
     Raises:
         MarsError: the first error of the syntax, or all repeated keys.
     """
-    allows_copies = repeated is not None
-    read = partial(
-        _read_yaml,
-        text,
-        path,
-        MOST_NODES,
-        begins=begins,
-        allows_copies=allows_copies,
-        merges=merges,
-    )
+    make = partial(_YamlReader, path, MOST_NODES, begins, repeated is not None, merges)
     try:
-        root, found = read(yaml.SafeLoader)
+        root, found = make().document(text, yaml.SafeLoader)
     except MarsError:
         # ROS reads parameters with libyaml, which takes tabs before comments.
         if repeated is None or "\t" not in text or _LIBYAML is None:
             raise
-        root, found = read(_LIBYAML)
+        root, found = make().document(text, _LIBYAML)
     if found and repeated is None:
         raise MarsError(map(_twice, found))
     if repeated is not None:
@@ -126,70 +117,54 @@ def read_dump(text: str, path: str) -> Node:
         message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
         raise _yaml_error(whole_file(path), message, "give the file of the graph alone")
     # The same events some ten times as fast, where PyYAML was built with libyaml.
-    loader = _LIBYAML or yaml.SafeLoader
-    root, found = _read_yaml(text, path, MOST_NODES_OF_DUMP, loader)
+    reader = _YamlReader(path, MOST_NODES_OF_DUMP)
+    root, found = reader.document(text, _LIBYAML or yaml.SafeLoader)
     if found:
         raise MarsError(map(_twice, found))
     return root
 
 
-def _read_yaml(
-    text: str,
-    path: str,
-    most_nodes: int,
-    loader: type[yaml.SafeLoader],
-    begins: tuple[int, int] = (1, 1),
-    *,
-    allows_copies: bool = False,
-    merges: bool = False,
-) -> tuple[Node, list[Repeat]]:
-    """Return the document, and the keys that a map has twice; copies of a value may be allowed."""
-    reader = _YamlReader(path, most_nodes, begins, allows_copies=allows_copies, merges=merges)
-    strange = yaml.reader.Reader.NON_PRINTABLE.search(text)
-    if strange is not None:
-        before = text[: strange.start()]
-        line, column = before.count("\n"), len(before) - (before.rfind("\n") + 1)
-        place = point(path, *reader.at(line, column))
-        message = f"character U+{ord(strange[0]):04X} is not allowed in YAML"
-        raise _yaml_error(place, message, "is this a text file? if so, save it as UTF-8")
-    try:
-        reader.read(yaml.parse(text, Loader=loader))
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line, column = (0, 0) if mark is None else (mark.line, mark.column)
-        place = point(path, *reader.at(line, column))
-        result = error.problem or error.context or "it cannot be read"
-        raise _yaml_error(
-            place, f"this is not YAML: {result}", "fix the line, or what is above it"
-        ) from None
-    if reader.root is None:
-        raise _yaml_error(point(path, *begins), "the file is empty", "give a file with content")
-    return reader.root, reader.repeated
-
-
+@dataclass(slots=True)
 class _YamlReader:
-    """Makes nodes of events."""
+    """Makes nodes of events; `allows_copies` is whether a key may have the same value twice."""
 
-    def __init__(
-        self,
-        path: str,
-        most_nodes: int,
-        begins: tuple[int, int],
-        *,
-        allows_copies: bool,
-        merges: bool,
-    ) -> None:
-        self.path = path
-        self.allows_copies = allows_copies
-        self.merges = merges
-        self.begins = begins
-        self.most_nodes = most_nodes
-        self.root: Node | None = None
-        self.repeated: list[Repeat] = []
-        self.anchored: dict[str, tuple[Node, int]] = {}
-        self.events: Iterator[yaml.Event] = iter(())
-        #: The location of the last event.
-        self.here = point(path, *begins)
+    path: str
+    most_nodes: int
+    begins: tuple[int, int] = (1, 1)
+    allows_copies: bool = False
+    merges: bool = False
+    root: Node | None = None
+    repeated: list[Repeat] = field(default_factory=list)
+    anchored: dict[str, tuple[Node, int]] = field(default_factory=dict)
+    events: Iterator[yaml.Event] = field(init=False)
+    #: The location of the last event.
+    here: Span = field(init=False)
+
+    def document(self, text: str, loader: type[yaml.SafeLoader]) -> tuple[Node, list[Repeat]]:
+        """Return the document of a text, and the keys that a map has twice.
+
+        Raises:
+            MarsError: the text has an error, at which reading stops.
+        """
+        strange = yaml.reader.Reader.NON_PRINTABLE.search(text)
+        if strange is not None:
+            before = text[: strange.start()]
+            line, column = before.count("\n"), len(before) - (before.rfind("\n") + 1)
+            place = point(self.path, *self.at(line, column))
+            message = f"character U+{ord(strange[0]):04X} is not allowed in YAML"
+            raise _yaml_error(place, message, "is this a text file? if so, save it as UTF-8")
+        try:
+            self.read(yaml.parse(text, Loader=loader))
+        except yaml.MarkedYAMLError as error:
+            mark = error.problem_mark or error.context_mark
+            line, column = (0, 0) if mark is None else (mark.line, mark.column)
+            place = point(self.path, *self.at(line, column))
+            message = f"this is not YAML: {error.problem or error.context or 'it cannot be read'}"
+            raise _yaml_error(place, message, "fix the line, or what is above it") from None
+        if self.root is None:
+            begin = point(self.path, *self.begins)
+            raise _yaml_error(begin, "the file is empty", "give a file with content")
+        return self.root, self.repeated
 
     def read(self, events: Iterator[yaml.Event]) -> None:
         """Read the documents of events.
