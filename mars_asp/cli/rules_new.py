@@ -11,7 +11,7 @@ from mars_asp.diagnostic import refusal
 from mars_asp.reasoning.findings import consequence_kinds
 
 _TOPIC = re.compile(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*")
-#: The files of a pack, in the order in which they are written. Their templates are in `new_pack`.
+#: The files of a pack, in the order in which they are written. Each has a template.
 _FILES = (
     "pack.toml",
     "consequences/$topic.lp",
@@ -42,7 +42,8 @@ def new_pack(topic: str, rulebook: Rulebook) -> tuple[str, ...]:
     written = []
     try:
         for path in _FILES:
-            template = files(__package__) / "new_pack" / f"{path.replace('$', '')}.txt"
+            name = path.replace("/", ".").replace("$", "")
+            template = files(__package__) / f"rules_new.{name}.txt"
             place = folder / Template(path).substitute(names)
             place.parent.mkdir(parents=True, exist_ok=True)
             text = template.read_text(encoding="utf-8")
