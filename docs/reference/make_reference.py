@@ -12,17 +12,16 @@ import sys
 import textwrap
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import chdir, redirect_stderr, redirect_stdout, suppress
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from functools import partial
 from pathlib import Path
-from unittest.mock import patch
 
 import mars_asp
 from mars_asp.asp.lint.catalogue import PAGES
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli import run_here
-from mars_asp.cli.arguments import VERBS
+from mars_asp.cli.arguments import VERBS, help_texts, parser_of
 from mars_asp.cli.rules_document import PURPOSES, documents, open_predicates, safe, with_names
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 
@@ -80,29 +79,18 @@ def _text(yields: Callable[[], Iterator[str]]) -> str:
 def _commands() -> Iterator[str]:
     yield "# Commands and their options\n"
     yield "`mars-asp COMMAND ...`; each command also prints this as `mars-asp COMMAND --help`.\n"
-    for name, command in VERBS.items():
+    for name in VERBS:
+        _, parser = parser_of(name)
+        parser.fill_help(name, "shared")
         yield f"## {name}\n"
-        yield f"`mars-asp {name}`: {command.summary}.\n"
-        yield f"Example: `mars-asp {command.example}`.\n"
+        yield f"`mars-asp {name}`: {help_texts()[name]['summary']}.\n"
+        yield f"Example: `mars-asp {help_texts()[name]['example']}`.\n"
         yield "| argument | meaning |"
         yield "|---|---|"
-        for action in _parser(name)._actions:
+        for action in parser._actions:
             if action.help != argparse.SUPPRESS and action.dest not in ("help", "version"):
                 yield f"| {_written(action)} | {_cell(_meaning(action))} |"
         yield ""
-
-
-def _parser(command: str) -> argparse.ArgumentParser:
-    """Return the parser of a command, as it is when it prints its help."""
-    found: list[argparse.ArgumentParser] = []
-    with (
-        patch.object(
-            argparse.ArgumentParser, "print_help", lambda parser, *_: found.append(parser)
-        ),
-        suppress(SystemExit),
-    ):
-        run_here([command, "--help"])
-    return found[0]
 
 
 def _written(action: argparse.Action) -> str:

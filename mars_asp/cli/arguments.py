@@ -9,8 +9,10 @@ import textwrap
 import time
 from collections.abc import Mapping, Sequence
 from copy import copy
+from functools import cache
+from importlib.resources import files
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from mars_asp import __version__
 from mars_asp.exchange.recognise import FORMATS as FOREIGN
@@ -31,83 +33,30 @@ _ALIKE = 0.7
 FORMATS = ("text", "json")
 
 
-class Verb(NamedTuple):
-    """The summary of a command, and an example call."""
-
-    summary: str
-    example: str
-
-
-#: The commands by purpose.
-GROUPS: Mapping[str, Mapping[str, Verb]] = {
-    "Check a robot": {
-        "check": Verb("report errors and warnings", "check my_ws/"),
-        "analyse": Verb("list the consequences of a configuration", "analyse config.mars"),
-        "extract": Verb("list the modules in annotated sources", "extract src/"),
-        "can": Verb(
-            "is the robot able to do something, or several things at one time",
-            "can config.mars 'Rotn_Y of Camera while Rotn_Z of Arm'",
-        ),
-    },
-    "Specify it": {
-        "synthesise": Verb(
-            "find the minimal specification", "synthesise config.mars -o specification.mars"
-        ),
-        "verify": Verb(
-            "does a specification realise a configuration, and is it minimal",
-            "verify specification.mars config.mars",
-        ),
-        "run": Verb(
-            "execute a specification on the simulator and judge the run",
-            "run specification.mars --scenario scenario.toml",
-        ),
-        "campaign": Verb(
-            "run it in many worlds, and show what holds in how many",
-            "campaign robot.mars --scenario s.toml --seeds 1-200",
-        ),
-    },
-    "Understand and change it": {
-        "explain": Verb(
-            "why each consequence and node is there, down to lines",
-            "explain config.mars DataSplitter1",
-        ),
-        "diff": Verb(
-            "what changed between two configurations, and the lines that caused it",
-            "diff old.mars new.mars",
-        ),
-        "draw": Verb("draw it: svg, png, dot or mmd", "draw config.mars -o config.svg"),
-        "fmt": Verb("format `.mars` files, comments kept", "fmt config.mars"),
-    },
-    "Exchange it": {
-        "import": Verb(
-            "read a robot from URDF, ROS, twist_mux or dora files",
-            "import urdf robot.urdf -o robot.mars",
-        ),
-        "export": Verb("write the mount tree as `urdf`", "export urdf config.mars -o robot.urdf"),
-        "facts": Verb("print the facts as input of clingo", "facts config.mars"),
-    },
-    "Work on rules": {
-        "rules": Verb(
-            "list, show, check or begin rules, and what a pack of them changes",
-            "rules show data/divergence",
-        ),
-        "test": Verb(
-            "run cases of rules: facts or robots, and what is expected of them", "test tests/rules"
-        ),
-    },
-    "Set up the command": {
-        "completion": Verb(
-            "print what completes words of this command in bash, zsh or fish", "completion bash"
-        ),
-        "lsp": Verb("answer editors: the language server, over stdio", "lsp"),
-    },
+#: The commands by purpose. `help.toml` has their texts.
+GROUPS: Mapping[str, Sequence[str]] = {
+    "Check a robot": ("check", "analyse", "extract", "can"),
+    "Specify it": ("synthesise", "verify", "run", "campaign"),
+    "Understand and change it": ("explain", "diff", "draw", "fmt"),
+    "Exchange it": ("import", "export", "facts"),
+    "Work on rules": ("rules", "test"),
+    "Set up the command": ("completion", "lsp"),
 }
-VERBS: Mapping[str, Verb] = {name: verb for of in GROUPS.values() for name, verb in of.items()}
+VERBS = tuple(name for names in GROUPS.values() for name in names)
 ALIASES = {"analyze": "analyse", "synthesize": "synthesise"}
 #: Commands of other tools, with the equivalent commands of this one.
 MEANT = {"format": "fmt", "lint": "check", "plot": "draw", "simulate": "run"}
 #: The modules of commands whose names are keywords of Python.
 _MODULES = {"import": "import_robot"}
+
+
+@cache
+def help_texts() -> Mapping[str, Mapping[str, str]]:
+    """Return the texts of `help.toml`: of each command, and those that commands share."""
+    # Most calls show no help.
+    import tomllib
+
+    return tomllib.loads((files(__package__) / "help.toml").read_text(encoding="utf-8"))
 
 
 def help_text() -> str:
@@ -121,18 +70,20 @@ def help_text() -> str:
         "smallest fix, and shows the lines that cause each. It reads ROS workspaces,\n"
         "twist_mux files, dora dataflows, URDF and `.mars` files.\n",
     ]
-    for heading, verbs in GROUPS.items():
+    for heading, names in GROUPS.items():
         parts.append(f"{heading}:")
-        for name, verb in verbs.items():
-            parts += _beside(f"  {name:<12}", verb.summary, width)
-            parts.append(f"{'':<14}$ mars-asp {verb.example}")
+        for name in names:
+            texts = help_texts()[name]
+            parts += _beside(f"  {name:<12}", texts["summary"], width)
+            parts.append(f"{'':<14}$ mars-asp {texts['example']}")
         parts.append("")
     common = Parser(prog="mars-asp", add_help=False)
     common_options(common)
+    common.fill_help("common")
     parts.append("Options of every command:")
     for action in common.options():
-        names = ", ".join(action.option_strings)
-        parts += _beside(f"  {names} {_value_name(action)}", action.help or "", width, 25)
+        head = f"  {', '.join(action.option_strings)} {_value_name(action)}"
+        parts += _beside(head, action.help or "", width, 25)
     parts += ["", "`mars-asp COMMAND --help` describes a command and the options of its own.", ""]
     return "\n".join(parts)
 
@@ -161,6 +112,31 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         """Take the settings of argparse."""
         super().__init__(**settings, allow_abbrev=False)
+        #: The command of which help is shown, and the names of its common options.
+        self.command: str | None = None
+        self.common = ""
+
+    def fill_help(self, *tables: str) -> None:
+        """Set the help of each argument from tables of `help.toml`, unless it has one."""
+        for action in self._actions:
+            name = action.option_strings[-1] if action.option_strings else str(action.metavar)
+            texts = (help_texts()[table].get(name) for table in tables)
+            action.help = action.help or next(filter(None, texts), None)
+
+    def format_help(self) -> str:
+        """Return the help of a command, with an example and the names of common options."""
+        if self.command is not None:
+            texts = help_texts()[self.command]
+            self.fill_help(self.command, "shared")
+            parts = (
+                texts.get("epilog"),
+                f"Example: mars-asp {texts['example']}",
+                f"Options of every command, described by `mars-asp --help`: {self.common}. "
+                "Without --memory-limit a command may take half of the memory that the container "
+                "or the machine has.",
+            )
+            self.epilog = "\n\n".join(filter(None, parts))
+        return super().format_help()
 
     def options(self) -> list[argparse.Action]:
         """Return the options."""
@@ -219,25 +195,15 @@ def parser_of(word: str) -> tuple[ModuleType, Parser]:
     module = importlib.import_module(f"mars_asp.cli.{_MODULES.get(verb, verb)}")
     description = (module.__doc__ or "").partition("\n")[0]
     parser = Parser(prog=f"mars-asp {word}", description=description, formatter_class=_Formatter)
+    parser.command = verb
     module.configure(parser)
     own = len(parser.options())
     common_options(parser, getattr(module, "RESULT_FORMATS", FORMATS))
     common = parser.options()[own:]
-    names = [f"{option.option_strings[0]} {_value_name(option)}".rstrip() for option in common]
+    names = (f"{option.option_strings[0]} {_value_name(option)}".rstrip() for option in common)
+    parser.common = ", ".join(names)
     for option in common:
         option.help = argparse.SUPPRESS
-    parser.epilog = "\n\n".join(
-        filter(
-            None,
-            (
-                parser.epilog,
-                f"Example: mars-asp {VERBS[verb].example}",
-                f"Options of every command, described by `mars-asp --help`: {', '.join(names)}. "
-                "Without --memory-limit a command may take half of the memory that the container "
-                "or the machine has.",
-            ),
-        )
-    )
     return module, parser
 
 
@@ -297,64 +263,18 @@ def ordered(words: Sequence[str]) -> list[str]:
 def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FORMATS) -> None:
     """Add the options of every command; `formats` are the formats of the command's result."""
     add = parser.add_argument
-    add(
-        "--rules",
-        metavar="DIR|NAME",
-        action="append",
-        default=[],
-        type=rule_pack,
-        help="a rule pack, a path or one that is installed; repeatable",
-    )
-    add("--trust", action="store_true", help="a rule pack may rank its costs above built-in ones")
-    add(
-        "--sources",
-        metavar="PATH",
-        action="append",
-        default=[],
-        help="more annotated sources; repeatable",
-    )
-    add(
-        "--from",
-        dest="from_format",
-        choices=FOREIGN,
-        help="the format of FILE, where its content does not show it",
-    )
-    add("--format", choices=formats, default="text", help="of the output (default text)")
-    add(
-        "--time-limit",
-        metavar="SECONDS",
-        type=positive,
-        help="stop after this long, with status 3 (default: no limit)",
-    )
-    add(
-        "--memory-limit",
-        metavar="MB",
-        type=positive,
-        help="stop beyond this much, with status 3 "
-        "(default: half of what the container or the machine has)",
-    )
-    add(
-        "--color",
-        choices=("auto", "always", "never"),
-        default="auto",
-        help="of text; auto obeys NO_COLOR, FORCE_COLOR and TERM=dumb, and else colours what goes "
-        "to a terminal",
-    )
-    add("--config", metavar="SETTINGS", help="the settings, instead of the nearest mars.toml")
-    add("--isolated", action="store_true", help="take no settings")
-    add(
-        "-q",
-        "--quiet",
-        action="store_true",
-        help="no progress, no notes, no summary; JSON still names what was not read",
-    )
-    add(
-        "-v",
-        "--verbose",
-        action="store_true",
-        help="list on standard error the settings, robots and launch files that count, and how "
-        "long each step takes",
-    )
+    add("--rules", metavar="DIR|NAME", action="append", default=[], type=rule_pack)
+    add("--trust", action="store_true")
+    add("--sources", metavar="PATH", action="append", default=[])
+    add("--from", dest="from_format", choices=FOREIGN)
+    add("--format", choices=formats, default="text")
+    add("--time-limit", metavar="SECONDS", type=positive)
+    add("--memory-limit", metavar="MB", type=positive)
+    add("--color", choices=("auto", "always", "never"), default="auto")
+    add("--config", metavar="SETTINGS")
+    add("--isolated", action="store_true")
+    add("-q", "--quiet", action="store_true")
+    add("-v", "--verbose", action="store_true")
     add(
         "-V",
         "--version",
@@ -364,17 +284,15 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
     )
 
 
-def add_flags(parser: argparse.ArgumentParser, texts: Mapping[str, str]) -> None:
-    """Add options without a value; `texts` has the help of each."""
-    for option, text in texts.items():
-        parser.add_argument(option, action="store_true", help=text)
+def add_flags(parser: argparse.ArgumentParser, *options: str) -> None:
+    """Add options without a value."""
+    for option in options:
+        parser.add_argument(option, action="store_true")
 
 
-def add_output(
-    parser: argparse.ArgumentParser, text: str = "where to write it", metavar: str = "OUT"
-) -> None:
+def add_output(parser: argparse.ArgumentParser, metavar: str = "OUT") -> None:
     """Add the option that names the file of the result; the default is standard output."""
-    parser.add_argument("-o", "--output", metavar=metavar, default="-", help=text)
+    parser.add_argument("-o", "--output", metavar=metavar, default="-")
 
 
 def misuse(command: str, problem: str) -> int:

@@ -33,46 +33,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add = parser.add_argument
     add_file(parser)
-    add("--scenario", metavar="S.toml", required=True, help="world and robot")
-    add("--seeds", metavar="SEEDS", type=_seeds, required=True, help="such as 1-200 or 1,5,9-12")
-    add(
-        "--vary",
-        metavar="KEY=VALUE,...",
-        action="append",
-        default=[],
-        help="a key of the scenario and its values, as in `robot.radius=150,200`; "
-        "`modules.NAME=off` has a module send nothing; several make a grid",
-    )
-    text = (
-        "write a JSON line for each run as it ends; runs that the file has are not repeated "
-        "(default: the lines go to standard output, and the table to standard error)"
-    )
-    add_output(parser, text, "OUT.jsonl")
-    add("--fresh", action="store_true", help="begin OUT.jsonl anew")
-    add(
-        "--workers",
-        metavar="N",
-        type=_positive_integer,
-        default=1,
-        help="carry out N runs at a time, each in a process of its own",
-    )
-    add(
-        "--cluster",
-        metavar="ADDRESS",
-        help="carry out runs on the workers of a Dask scheduler; needs `mars-asp[campaign]`",
-    )
-    add(
-        "--run-limit",
-        metavar="SECONDS",
-        type=positive,
-        help="end a run that takes longer (default: 60 s and ten times its simulated time)",
-    )
-    add(
-        "--plot",
-        metavar="OUT.svg",
-        type=ending(".svg"),
-        help="draw how many runs passed over a key with several values",
-    )
+    add("--scenario", metavar="S.toml", required=True)
+    add("--seeds", metavar="SEEDS", type=_seeds, required=True)
+    add("--vary", metavar="KEY=VALUE,...", action="append", default=[])
+    add_output(parser, "OUT.jsonl")
+    add("--fresh", action="store_true")
+    add("--workers", metavar="N", type=_positive_integer, default=1)
+    add("--cluster", metavar="ADDRESS")
+    add("--run-limit", metavar="SECONDS", type=positive)
+    add("--plot", metavar="OUT.svg", type=ending(".svg"))
     add_schema(parser, "a line of OUT.jsonl", partial(schema_text, "campaign"))
 
 

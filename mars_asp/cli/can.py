@@ -18,9 +18,7 @@ from mars_asp.reasoning.questions.capability import CapabilityAnswer, capability
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_file(parser)
-    parser.add_argument(
-        "query", metavar="QUERY", help='such as "Rotn_Y of Camera while Trans_Z of Platform"'
-    )
+    parser.add_argument("query", metavar="QUERY")
 
 
 def run(arguments: argparse.Namespace) -> int:

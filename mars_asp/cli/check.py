@@ -70,40 +70,13 @@ _MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument(
-        "files",
-        metavar="PATH",
-        nargs="*",
-        default=["."],
-        help="a folder, whose robots are judged each by itself; `.mars` files, each a robot of its "
-        "own; other files, which are one robot; `-` is standard input (default: this folder)",
-    )
-    text = (
-        "apply the repair of each finding that has exactly one, and check again; "
-        "the text of standard input goes to the output"
-    )
-    add_flags(parser, {"--fix": text})
-    parser.add_argument(
-        "--fail-on",
-        choices=tuple(_FAILING),
-        default="error",
-        help="the least severity of a reported finding that makes the exit status 1",
-    )
-    add_flags(
-        parser,
-        {
-            "--exit-zero": "status 0 whatever is found, as --fail-on never; bad input still ends "
-            "with 2",
-            "--statistics": "print how many findings of each kind there are, instead of the "
-            "findings",
-        },
-    )
-    parser.add_argument(
-        "-o", "--output", metavar="OUT", help="write the findings to a file, in any format"
-    )
+    parser.add_argument("files", metavar="PATH", nargs="*", default=["."])
+    add_flags(parser, "--fix")
+    parser.add_argument("--fail-on", choices=tuple(_FAILING), default="error")
+    add_flags(parser, "--exit-zero", "--statistics")
+    parser.add_argument("-o", "--output", metavar="OUT")
     add_schema(parser, "the document of --format json", partial(schema_text, "check"))
-    text = "write nothing; print the changes of --fix as a unified diff; status 1 if there are any"
-    add_flags(parser, {"--diff": text})
+    add_flags(parser, "--diff")
     add_stdin_filename(parser)
     add_launch(parser)
     add_exclusion(parser)

@@ -6,7 +6,7 @@ from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
 
-from mars_asp.cli.arguments import ALIASES, VERBS, Parser, parser_of
+from mars_asp.cli.arguments import ALIASES, VERBS, Parser, help_texts, parser_of
 
 #: The options that take kinds of findings, with commas between them.
 _LISTS = frozenset({"--select", "--ignore"})
@@ -38,11 +38,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     shells = tuple(_SCRIPTS)
     parser.add_argument("shell", nargs="?", choices=shells, metavar="SHELL", help=", ".join(shells))
-    parser.epilog = (
-        "bash: source <(mars-asp completion bash), in ~/.bashrc. zsh: mars-asp completion zsh > "
-        "_mars-asp, in a folder of $fpath. fish: mars-asp completion fish > "
-        "~/.config/fish/completions/mars-asp.fish"
-    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -55,12 +50,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _verbs() -> Iterator[_CommandWords]:
-    for name, verb in VERBS.items():
+    for name in VERBS:
         _, parser = parser_of(name)
+        parser.fill_help(name, "shared")
+        summary = help_texts()[name]["summary"]
         aliases = tuple(alias for alias, of in ALIASES.items() if of == name)
         words = [str(choice) for action in parser.positionals() for choice in action.choices or ()]
         yield _CommandWords(
-            (name, *aliases), verb.summary, tuple(_options_of(parser.options())), tuple(words)
+            (name, *aliases), summary, tuple(_options_of(parser.options())), tuple(words)
         )
 
 
@@ -91,6 +88,7 @@ def _common_options() -> list[argparse.Action]:
 
     parser = Parser(add_help=False)
     common_options(parser)
+    parser.fill_help("common")
     return parser.options()
 
 

@@ -22,9 +22,8 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("old", metavar="OLD", help="a `.mars` file, or a foreign file or folder")
-    parser.add_argument("new", metavar="NEW", help="the same robot as it is now")
-    parser.epilog = "exit status: 1 where an error appeared, else 0, whether or not they differ"
+    parser.add_argument("old", metavar="OLD")
+    parser.add_argument("new", metavar="NEW")
 
 
 def run(arguments: argparse.Namespace) -> int:

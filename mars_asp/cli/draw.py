@@ -37,20 +37,9 @@ _DEPTH = 1
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_file(parser)
-    suffixes = f".{', .'.join(FORMATS)}"
-    text = f"where to write it, if not to the output; its suffix chooses the form: {suffixes}"
-    add_output(parser, text)
-    parser.add_argument(
-        "--as",
-        dest="kind",
-        choices=FORMATS,
-        help="what to write, if not by the suffix of OUT",
-    )
-    parser.add_argument(
-        "--about",
-        metavar="NAME",
-        help="draw what is near a module, or near a port of one, as in `Camera.image`",
-    )
+    add_output(parser)
+    parser.add_argument("--as", dest="kind", choices=FORMATS)
+    parser.add_argument("--about", metavar="NAME")
     parser.add_argument(
         "--depth",
         metavar="N",
@@ -63,26 +52,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=relationship_kinds,
         help=f"draw relationships of these kinds alone: {', '.join(_KINDS)}",
     )
-    add_flags(
-        parser,
-        {
-            "--whole": "draw all of it; else of a large system what a screen has room for",
-            "--classes": "add the classes of the paper that each module has",
-        },
-    )
-    parser.add_argument(
-        "--layout",
-        choices=("own", "dot"),
-        default="own",
-        help="lay SVG and PNG out as mars-asp does, or as `dot` of Graphviz, which has to be "
-        "installed",
-    )
+    add_flags(parser, "--whole", "--classes")
+    parser.add_argument("--layout", choices=("own", "dot"), default="own")
     add_selection(parser, writes=False)
-    parser.epilog = (
-        "What `check` finds is marked and numbered. A configuration "
-        "is drawn as it is written. To see the nodes that resolve it, draw its "
-        "specification: mars-asp synthesise FILE | mars-asp draw - -o OUT"
-    )
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -120,16 +120,5 @@ def _anchored(pattern: str) -> str:
 
 def add_exclusion(parser: argparse.ArgumentParser) -> None:
     """Add the options of commands that search folders."""
-    parser.add_argument(
-        "--exclude",
-        metavar="PATTERN",
-        action="append",
-        default=[],
-        help="pass over these paths in folders, besides those of `.gitignore` files and of "
-        "`exclude` of mars.toml; repeatable",
-    )
-    parser.add_argument(
-        "--force-exclude",
-        action="store_true",
-        help="pass over them where they are named as well",
-    )
+    parser.add_argument("--exclude", metavar="PATTERN", action="append", default=[])
+    parser.add_argument("--force-exclude", action="store_true")

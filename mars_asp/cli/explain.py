@@ -84,40 +84,16 @@ _TOO_MANY_TRACES = (
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_file(parser)
-    parser.add_argument(
-        "subject",
-        nargs="?",
-        metavar="SUBJECT",
-        help="a module, node, consequence kind, rule or atom, or a line: `A uses_data_from B`, "
-        "FILE:LINE (which also names FILE)",
-    )
+    parser.add_argument("subject", nargs="?", metavar="SUBJECT")
     question = parser.add_mutually_exclusive_group()
+    question.add_argument("--all", dest="every", action="store_true")
+    question.add_argument("--repair", action="store_true")
     question.add_argument(
-        "--all",
-        dest="every",
-        action="store_true",
-        help="every derivation of each step, not only the shortest, each numbered `1 of 2`",
+        "--alternatives", nargs="?", const=5, type=_alternatives_count, metavar="N"
     )
-    question.add_argument(
-        "--repair", action="store_true", help="the smallest edits that remove each error"
-    )
-    question.add_argument(
-        "--alternatives",
-        nargs="?",
-        const=5,
-        type=_alternatives_count,
-        metavar="N",
-        help="other realisations, in the order of their cost (default 5), and why none costs less",
-    )
-    question.add_argument(
-        "--why-not", metavar="ATOM", help="why there is no ATOM, and what would give one"
-    )
-    parser.add_argument(
-        "--only",
-        choices=("consequences", "nodes"),
-        help="only these, of everything or of a module; consequences alone need no resolution",
-    )
-    parser.add_argument("--about", metavar="NAME", help="the same as SUBJECT")
+    question.add_argument("--why-not", metavar="ATOM")
+    parser.add_argument("--only", choices=("consequences", "nodes"))
+    parser.add_argument("--about", metavar="NAME")
     parser.add_argument(
         "--depth",
         metavar="N|all",
@@ -125,15 +101,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=_depth,
         help=f"how deep (default {DEPTH}, of what is absent {ABSENCE_DEPTH})",
     )
-    parser.add_argument("--places", action="store_true", help="add the file and line of each rule")
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="OUT.html",
-        type=ending(".html", "-"),
-        help="write a page: the findings, the picture, the traces and their lines; "
-        "`-` is standard output",
-    )
+    parser.add_argument("--places", action="store_true")
+    parser.add_argument("-o", "--output", metavar="OUT.html", type=ending(".html", "-"))
     add_selection(parser, writes=False)
     text = partial(schema_text, "explain")
     add_schema(parser, "that format, of `jsonl` of one line", text, *FORMATS)

@@ -9,7 +9,7 @@ from mars_asp.cli.inputs import add_file, read_project
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("to", metavar="FORMAT", choices=("urdf",), help="`urdf`")
+    parser.add_argument("to", metavar="FORMAT", choices=("urdf",))
     add_file(parser)
     add_output(parser)
 

@@ -24,7 +24,7 @@ from mars_asp.output import visible
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("paths", nargs="+", metavar="PATH", help="files, folders or globs")
+    parser.add_argument("paths", nargs="+", metavar="PATH")
 
 
 def run(arguments: argparse.Namespace) -> int:

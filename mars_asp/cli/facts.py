@@ -10,7 +10,6 @@ from mars_asp.reasoning.project import project_facts
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_file(parser)
-    parser.epilog = "clingo rules/*.lp rules/resolve/*.lp <(mars-asp facts config.mars)"
 
 
 def run(arguments: argparse.Namespace) -> int:

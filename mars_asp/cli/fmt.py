@@ -31,27 +31,10 @@ _NO_END = "\\ No newline at end of file"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument(
-        "files",
-        metavar="PATH",
-        nargs="*",
-        default=["."],
-        help="a `.mars` file, or a folder, of which each is taken (default: this folder); "
-        "`-` is standard input, to output",
-    )
+    parser.add_argument("files", metavar="PATH", nargs="*", default=["."])
     add_stdin_filename(parser)
     add_exclusion(parser)
-    add_flags(
-        parser,
-        {
-            "--check": "write nothing; list the files that would change",
-            "--diff": "write nothing; print the changes as a unified diff",
-        },
-    )
-    parser.epilog = (
-        "A file with syntax errors is left alone, and the others are formatted all the same. "
-        "Files are written whole or not at all, as UTF-8 with line feeds."
-    )
+    add_flags(parser, "--check", "--diff")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -29,16 +29,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=_FORMATS,
         help=f"{', '.join(f'`{each}`' for each in _FORMATS[:-1])} or `{_FORMATS[-1]}`",
     )
-    parser.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="*",
-        help="what to read, `-` for standard input; several are one robot",
-    )
+    parser.add_argument("files", metavar="FILE", nargs="*")
     add_launch(parser, default="the only launch file")
     add_output(parser)
-    text = "print the configuration that muxes and relays realise, without them as nodes"
-    add_flags(parser, {"--contract": text})
+    add_flags(parser, "--contract")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -75,12 +75,7 @@ def shown_input(arguments: argparse.Namespace) -> str:
 
 def add_stdin_filename(parser: argparse.ArgumentParser) -> None:
     """Add the option that names standard input."""
-    parser.add_argument(
-        "--stdin-filename",
-        metavar="NAME",
-        help="read standard input as the file NAME, which need not exist: locations and settings "
-        "are those of NAME",
-    )
+    parser.add_argument("--stdin-filename", metavar="NAME")
 
 
 def check_inputs(*paths: str) -> None:
@@ -485,13 +480,7 @@ def unapplied_packs(project: Project, rulebook: Rulebook) -> Iterator[Diagnostic
 
 def add_file(parser: argparse.ArgumentParser) -> None:
     """Add the argument of the files of a robot."""
-    parser.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="+",
-        help="a `.mars` file, or several files of one robot: URDF, ROS, muxes, graphs, "
-        "dataflows; `-` for standard input",
-    )
+    parser.add_argument("files", metavar="FILE", nargs="+")
     add_launch(parser)
 
 

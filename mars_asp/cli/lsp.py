@@ -22,11 +22,7 @@ _AT_A_TIME = 2
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     # Clients in editors add this option, as some servers have several transports.
-    add_flags(parser, {"--stdio": "over standard input and output, as always"})
-    parser.epilog = (
-        "It needs the extra `lsp`: pip install 'mars-asp[lsp]'. Limits are those of each answer, "
-        "which may take 60 s by default."
-    )
+    add_flags(parser, "--stdio")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -21,14 +21,14 @@ _NEEDED = {".mcap": ("mcap", "mcap"), ".png": ("resvg_py", "png")}
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
     """Add the options that name files to write."""
-    for option, endings, text in (
-        ("--plot", (".svg", ".png"), "draw the way and who held control"),
-        ("--replay", (".html",), "write a page that plays the run"),
-        ("--report", (".html",), "write a page with the verdict, and who won and why"),
-        ("--record", (".jsonl", ".mcap"), "write every event, one a line or for Foxglove"),
+    for option, endings in (
+        ("--plot", (".svg", ".png")),
+        ("--replay", (".html",)),
+        ("--report", (".html",)),
+        ("--record", (".jsonl", ".mcap")),
     ):
         metavar = f"OUT{'|'.join(endings)}"
-        parser.add_argument(option, metavar=metavar, type=ending(*endings), help=text)
+        parser.add_argument(option, metavar=metavar, type=ending(*endings))
 
 
 def ending(*endings: str) -> Callable[[str], str]:

@@ -51,33 +51,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action", nargs="?", default="list", choices=("list", "show", "lint", "doc", "new", "diff")
     )
-    parser.add_argument(
-        "what",
-        nargs="?",
-        metavar="ID|PREDICATE|KIND|PATH|NAME",
-        help="of `show`: a rule's id, a predicate, a kind of finding or node, or a file of rules;"
-        " of `lint`: files to check (default: the pack of this folder, else the built-in rules);"
-        " of `doc` and `diff`: a pack; of `new`: the name of a pack,"
-        " which is written to a new folder here",
-    )
-    parser.add_argument(
-        "files",
-        nargs="*",
-        metavar="FILE",
-        help="of `diff`: configurations to compare, without any our examples",
-    )
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", help="of `doc`: write a page for each file of rules there"
-    )
-    add_flags(
-        parser,
-        {
-            "--fix": "of `lint`: correct what has one safe fix, in the files of packs",
-            "--predicates": "of `list`: the predicates that rules of packs may read or derive, "
-            "instead of rules",
-            "--source": "of `show`: the rule itself and all that is above it",
-        },
-    )
+    parser.add_argument("what", nargs="?", metavar="ID|PREDICATE|KIND|PATH|NAME")
+    parser.add_argument("files", nargs="*", metavar="FILE")
+    parser.add_argument("-o", "--output", metavar="DIR")
+    add_flags(parser, "--fix", "--predicates", "--source")
     parser.add_argument(
         "--stage",
         metavar="STAGE",

@@ -42,31 +42,12 @@ if TYPE_CHECKING:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_file(parser)
-    parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
-    parser.add_argument("--seed", type=int, help="instead of the scenario's")
-    parser.add_argument("--duration", metavar="SECONDS", type=positive, help="simulated time")
-    parser.add_argument(
-        "--speed",
-        metavar="FACTOR",
-        type=positive,
-        help="pace the run, 1 is real time, and show it in a page whose address is printed",
-    )
-    parser.add_argument(
-        "--vary",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="give a key of the scenario another value, as in `robot.radius=150`; "
-        "`modules.NAME=off` has a module send nothing; repeatable",
-    )
-    add_flags(
-        parser,
-        {
-            "--explain": "show why each requirement was violated",
-            "--why": "list who won at each arbiter, when and why",
-            "--dry-run": "list whose code would run and what is simulated; import and run nothing",
-        },
-    )
+    parser.add_argument("--scenario", metavar="S.toml", required=True)
+    parser.add_argument("--seed", type=int)
+    parser.add_argument("--duration", metavar="SECONDS", type=positive)
+    parser.add_argument("--speed", metavar="FACTOR", type=positive)
+    parser.add_argument("--vary", metavar="KEY=VALUE", action="append", default=[])
+    add_flags(parser, "--explain", "--why", "--dry-run")
     add_schema(parser, "scenarios", _scenario_schema)
     add_outputs(parser)
 

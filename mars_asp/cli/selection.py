@@ -88,29 +88,11 @@ def hidden_text(hidden: Mapping[str, int]) -> str:
 
 def add_selection(parser: argparse.ArgumentParser, writes: bool = True) -> None:
     """Add the options that select the reported findings; with `writes`, also `--write-baseline`."""
-    add = parser.add_argument
-    for option, text in (
-        ("--select", "report findings of these kinds or rules alone"),
-        ("--ignore", "report no findings of these kinds or rules"),
-    ):
-        add(
-            option,
-            metavar="NAME,...",
-            type=_kinds,
-            action="extend",
-            help=f"{text}; repeatable (default: `{option[2:]}` of mars.toml)",
-        )
-    add(
-        "--baseline",
-        metavar="BASELINE",
-        help="report no findings that this file lists (default: `baseline` of mars.toml)",
-    )
+    for option in ("--select", "--ignore"):
+        parser.add_argument(option, metavar="NAME,...", type=_kinds, action="extend")
+    parser.add_argument("--baseline", metavar="BASELINE")
     if writes:
-        add(
-            "--write-baseline",
-            metavar="BASELINE",
-            help="write a file that lists all findings, instead of reporting them",
-        )
+        parser.add_argument("--write-baseline", metavar="BASELINE")
     else:
         parser.set_defaults(write_baseline=None)
 

@@ -44,9 +44,7 @@ from mars_asp.reasoning.verification import Violation, verify
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_file(parser)
-    add_output(
-        parser, "where to write it; `@sources` are relative to there, without it to this folder"
-    )
+    add_output(parser)
     add_selection(parser, writes=False)
 
 

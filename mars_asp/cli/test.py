@@ -32,37 +32,11 @@ _HEADER = re.compile(r"(?m)^\s*@(configuration|specification)\b")
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument(
-        "paths",
-        nargs="*",
-        default=["."],
-        metavar="PATH",
-        help="files of cases, `.lp` or `.mars`, or folders of them (default: this folder); those"
-        " of a pack, in its folder `cases` or `tests`, have its rules without --rules; `-` is"
-        " standard input",
-    )
-    add_flags(
-        parser,
-        {
-            "--update": "write what was found into the files as what is expected; facts stay, and"
-            " so does what must be there or must not",
-            "--snapshot": "of robots, `.mars`: write their warnings and errors, nodes, cost and"
-            " order of priorities into them as what is expected from now on",
-        },
-    )
-    parser.add_argument("--junit", metavar="FILE", help="also write the outcomes as JUnit XML")
-    add_flags(
-        parser,
-        {
-            "--watch": "run again whenever a file changes, until Ctrl-C; prints to standard error",
-            "--coverage": "list the rules of the packs (of mars-asp, where there are none) that"
-            " fire in no case (status 1), and those that never fail by one premise alone",
-            "--mutate": "change one thing of a rule at a time, and list the changes that no case"
-            " notices (status 1)",
-        },
-    )
-    parser.add_argument("--jobs", type=_jobs, metavar="N", help="of --mutate: so many at a time")
-    parser.epilog = "exit status: 1 where a case fails or there is none"
+    parser.add_argument("paths", nargs="*", default=["."], metavar="PATH")
+    add_flags(parser, "--update", "--snapshot")
+    parser.add_argument("--junit", metavar="FILE")
+    add_flags(parser, "--watch", "--coverage", "--mutate")
+    parser.add_argument("--jobs", type=_jobs, metavar="N")
 
 
 def _jobs(text: str) -> int:

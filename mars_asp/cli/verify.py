@@ -66,24 +66,9 @@ class SpecificationComparison:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument(
-        "specification",
-        metavar="SPEC",
-        nargs="?",
-        help="a `.mars` specification; without it, and without --without, CONFIG is a file or "
-        "folder of other tools, whose own wiring is judged",
-    )
-    parser.add_argument("file", metavar="CONFIG", help="the configuration it is to realise")
-    parser.add_argument(
-        "--without",
-        metavar="NODE",
-        help="show what breaks when NODE is taken out of the minimal specification of CONFIG",
-    )
-    parser.epilog = (
-        "Clauses: 1 wiring, 2 the same relationships, 3 data as required, 4 arbitration, 5 "
-        "inherited functions; docs/reference/clauses.md describes them, and "
-        "`mars-asp rules doc --stage verify` prints their rules."
-    )
+    parser.add_argument("specification", metavar="SPEC", nargs="?")
+    parser.add_argument("file", metavar="CONFIG")
+    parser.add_argument("--without", metavar="NODE")
 
 
 def run(arguments: argparse.Namespace) -> int:
