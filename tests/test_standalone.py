@@ -72,7 +72,7 @@ def stands_alone(configuration: Path, folder: Path, capsys: Captured) -> None:
     assert (folder / "again.mars").read_text() == specification.read_text()
 
 
-@pytest.mark.parametrize("path", sample(EXAMPLES, 5), ids=lambda path: str(path.relative_to(ROOT)))
+@pytest.mark.parametrize("path", sample(EXAMPLES, 10), ids=lambda path: str(path.relative_to(ROOT)))
 def test_examples(path: Path, tmp_path: Path, capsys: Captured, monkeypatch: Patch) -> None:
     (tmp_path / "third").mkdir()
     monkeypatch.chdir(tmp_path / "third")
@@ -83,7 +83,7 @@ def test_examples(path: Path, tmp_path: Path, capsys: Captured, monkeypatch: Pat
     assert run_here(["draw", spec, "-o", "picture.svg"]) == 0
 
 
-@pytest.mark.parametrize("seed", seeds(3, 8))
+@pytest.mark.parametrize("seed", seeds(2, 8))
 def test_random_configurations(seed: int, tmp_path: Path, capsys: Captured) -> None:
     path = tmp_path / "config.mars"
     path.write_text(random_configuration(seed))

@@ -110,7 +110,7 @@ def judged(text: str, folder: Path) -> Analysis:
     return analyse(launch_facts(parsed.trees), RULES, point("tree", 1, 1))
 
 
-@pytest.mark.parametrize("seed", seeds(60, 300))
+@pytest.mark.parametrize("seed", seeds(30, 300))
 def test_nodes_of_one_name_are_found_where_some_arguments_start_both(
     seed: int, tmp_path: Path
 ) -> None:

@@ -72,7 +72,7 @@ def test_robots_of_each_format_are_tried() -> None:
     assert {path.parent.name for path in ROBOTS} == set(FOLDERS)
 
 
-@pytest.mark.parametrize("path", sample(ROBOTS, 2), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", sample(ROBOTS, 4), ids=lambda path: path.name)
 def test_a_saved_import_has_the_same_findings(path: Path) -> None:
     found = imported(path)
     assert findings(saved(found)) == findings(found, found.origin)

@@ -227,7 +227,7 @@ def difference(case: Case) -> str:
     return ""
 
 
-@pytest.mark.parametrize("seed", seeds(4, 8))
+@pytest.mark.parametrize("seed", seeds(2, 8))
 def test_the_judge_agrees_with_fine_samples_of_two_robots(seed: int) -> None:
     assert difference(random_case(Random(seed))) == ""
 

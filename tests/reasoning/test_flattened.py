@@ -14,6 +14,7 @@ from mars_asp.model.declarations import Data
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
+from tests.support.campaigns import seeds
 
 TYPES = ("Image", "Depth", "Map")
 RATES = ("NotifyWhenReady", "NotifyAtFrequency 50", "NotifyAtFrequency every 30 ms")
@@ -105,7 +106,7 @@ def apart(drawn: Robot) -> str:
     )
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(4, 16))
 def test_ports_cost_as_much_as_separate_modules(seed: int) -> None:
     rulebook = load_rulebook(stages=("resolve", "verify"))
     entries: list[tuple[object, ...] | None] = []
@@ -122,7 +123,7 @@ def test_ports_cost_as_much_as_separate_modules(seed: int) -> None:
     assert entries[0] == entries[1]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", seeds(2, 6))
 def test_a_port_of_a_specification_is_not_taken_for_another(seed: int) -> None:
     drawn = robot(seed)
     rulebook = load_rulebook(stages=("resolve", "verify"))

