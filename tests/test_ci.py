@@ -16,6 +16,7 @@ import yaml
 from mars_asp.cli import run_here
 from mars_asp.cli.settings import settings_for
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 
 ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
 HOOKS = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
@@ -109,9 +110,7 @@ def test_the_documented_workflow_uses_inputs_of_the_action() -> None:
         assert "${{" not in step.get("run", ""), "values must reach scripts as text"
 
 
-def test_the_hooks_work_as_documented(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_hooks_work_as_documented(tmp_path: Path, monkeypatch: Patch, capsys: Captured) -> None:
     (text,) = (block for block in blocks("yaml") if "hooks:" in block)
     (repository,) = yaml.safe_load(text)["repos"]
     known = {hook["id"]: hook for hook in HOOKS}
@@ -156,7 +155,7 @@ def test_the_hook_of_a_ros_repository_runs_when_its_files_change(path: str, runs
 
 
 def test_the_settings_of_the_page_are_settings(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (text,) = blocks("toml")

@@ -12,6 +12,7 @@ import pytest
 from mars_asp.cli.limits import run_plain
 from tests.support.configurations import IMPOSSIBLE
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 from tests.support.processes import mars
 
 LEVEL0 = "examples/level0/config.mars"
@@ -278,7 +279,7 @@ def test_extraction_prints_only_the_content_of_annotations(tmp_path: Path) -> No
     ]
 
 
-def test_a_command_that_runs_out_of_time_reports_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_command_that_runs_out_of_time_reports_it(capsys: Captured) -> None:
     def late(arguments: argparse.Namespace) -> int:
         raise TimeoutError
 

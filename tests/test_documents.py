@@ -11,6 +11,7 @@ import pytest
 from docs.reference.make_reference import EXAMPLES, pages
 from mars_asp.annotations.languages import LANGUAGES
 from tests.support.documents import JSON, ROOT, commands, json_block, refresh, refresh_json, run
+from tests.support.fixtures import Patch
 
 #: Its commands are run in an empty folder, step by step.
 TUTORIAL = ROOT / "docs/tutorial/packs.md"
@@ -240,7 +241,7 @@ def test_every_language_has_an_example() -> None:
 
 
 def test_examples_of_annotated_sources(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
+    tmp_path: Path, monkeypatch: Patch, update_golden: bool
 ) -> None:
     """The output of each source is the one shown below it."""
     monkeypatch.chdir(tmp_path)

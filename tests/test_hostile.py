@@ -9,6 +9,7 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.exchange.ros2.launch_python import read_python
 from tests.support import hostile
 from tests.support.campaigns import seeds
+from tests.support.fixtures import Captured, Patch
 
 DIGITS = "9" * 5000
 HEX = "0x" + "f" * 4000
@@ -37,7 +38,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_an_odd_number_or_depth_is_refused_where_it_is(
-    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    case: str, tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     name, text, expected = REFUSED[case]
     words = {
@@ -66,7 +67,7 @@ def test_an_odd_number_or_depth_is_refused_where_it_is(
     ],
 )
 def test_an_odd_value_of_vary_is_refused(
-    vary: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    vary: str, tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "500")
@@ -86,9 +87,7 @@ def test_doubling_lists_of_launch_files_are_bounded(body: str) -> None:
 
 
 @pytest.mark.parametrize("verb", ["check", "analyse", "synthesise", "explain", "facts", "draw"])
-def test_paths_of_any_bytes_are_read(
-    verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_paths_of_any_bytes_are_read(verb: str, tmp_path: Path, monkeypatch: Patch) -> None:
     folder = tmp_path / 'd\udcff"\\n\n%*'
     folder.mkdir()
     monkeypatch.chdir(folder)

@@ -13,6 +13,7 @@ from tests.mutate.python_mutants import compiled_mutants, python_mutants
 from tests.mutate.rules import judge_rules, rule_files
 from tests.support.campaigns import IS_CAMPAIGN, sample
 from tests.support.documents import ROOT
+from tests.support.fixtures import Patch
 
 #: How many mutants are known to be equivalent: lower it when there are fewer.
 MOST_SURVIVORS = 86
@@ -77,7 +78,7 @@ def test_a_mutated_file_keeps_its_lines(tmp_path: Path) -> None:
         assert lines[3] == "%! id: x/most"
 
 
-def test_mutants_of_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mutants_of_python(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.setattr("tests.mutate.python_mutants.ROOT", tmp_path)
     (tmp_path / "m.py").write_text(
         "def f(a, b):\n"

@@ -9,6 +9,7 @@ import pytest
 from mars_asp.annotations import files
 from mars_asp.cli import run_here
 from mars_asp.reading import WallError, is_outside, read_file
+from tests.support.fixtures import Captured, Patch
 
 SECRET = "TOKEN=hunter2 is the secret\n"
 FLAT = "@configuration flat\n@modules A\n"
@@ -100,7 +101,7 @@ def lay_out(folder: Path, texts: Mapping[str, str]) -> None:
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_a_file_outside_is_refused_without_an_excerpt(
-    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    case: str, tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     texts, expected = REFUSED[case]
     outside = {"secret": SECRET, "wrong.cpp": ANNOTATED, "pack/x.lp": "hunter2(secret) x.\n"}
@@ -128,7 +129,7 @@ def test_a_file_outside_is_refused_without_an_excerpt(
     ],
 )
 def test_a_file_inside_is_read(
-    named: str, mark: str, folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    named: str, mark: str, folder: str, tmp_path: Path, monkeypatch: Patch
 ) -> None:
     robot = tmp_path / "robot"
     texts = {named: "@configuration flat\n@modules B\n"}
@@ -139,7 +140,7 @@ def test_a_file_inside_is_read(
 
 
 def test_sources_beside_the_configuration_are_read_from_anywhere(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     source = ANNOTATED.replace("hunter2", "NotifyWhenReady")
     lay_out(
@@ -155,9 +156,7 @@ def test_sources_beside_the_configuration_are_read_from_anywhere(
     assert '"unchecked": []' in capsys.readouterr().out
 
 
-def test_options_name_files_anywhere(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_options_name_files_anywhere(tmp_path: Path, monkeypatch: Patch, capsys: Captured) -> None:
     baseline = '{"format": "mars-baseline", "version": 1, "findings": []}\n'
     lay_out(tmp_path, {"b.json": baseline, "pack/x.lp": "p(1).\n", "wrong.cpp": ANNOTATED})
     lay_out(tmp_path / "robot", {"a.mars": FLAT})
@@ -168,7 +167,7 @@ def test_options_name_files_anywhere(
     assert "@Sense hunter2" in capsys.readouterr().out
 
 
-def test_no_project_holds_a_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_project_holds_a_home_folder(tmp_path: Path, monkeypatch: Patch) -> None:
     lay_out(tmp_path, {".git/HEAD": "", "secret": SECRET, "stranger/a.mars": ""})
     monkeypatch.chdir(tmp_path / "stranger")
     assert not is_outside(tmp_path / "secret", str(tmp_path / "stranger" / "a.mars"))
@@ -179,9 +178,7 @@ def test_no_project_holds_a_home_folder(tmp_path: Path, monkeypatch: pytest.Monk
     assert is_outside(home / "secret", str(home / "stranger" / "a.mars"))
 
 
-def test_a_pipe_without_a_writer_is_not_waited_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_pipe_without_a_writer_is_not_waited_for(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.setattr("mars_asp.reading._PIPE_SECONDS", 0.1)
     os.mkfifo(tmp_path / "fifo")
     with pytest.raises(WallError, match="a pipe that no process writes into"):
@@ -196,7 +193,7 @@ def test_a_pipe_without_a_writer_is_not_waited_for(
 
 
 def test_folders_are_listed_up_to_a_bound(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.setattr(files, "MOST_ENTRIES", 20)
     lay_out(tmp_path, {f"s/{number}.txt": "" for number in range(15)})

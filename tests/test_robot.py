@@ -16,6 +16,7 @@ from mars_asp import Budget, MarsError, Reasoner, Robot, load, load_project, loa
 from mars_asp.cli import run_here
 from tests.support.configurations import IMPOSSIBLE
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 
 LEVEL0 = "examples/level0/config.mars"
 WORKSPACE = "examples/ros2_workspace"
@@ -49,7 +50,7 @@ ANSWERS: dict[str, tuple[Callable[[Robot], Any], str]] = {
 
 
 @pytest.fixture(autouse=True)
-def _in_the_repository(monkeypatch: pytest.MonkeyPatch) -> None:
+def _in_the_repository(monkeypatch: Patch) -> None:
     monkeypatch.chdir(ROOT)
 
 
@@ -58,7 +59,7 @@ def level0() -> Robot:
     return load(ROOT / LEVEL0)
 
 
-def printed(words: str, capsys: pytest.CaptureFixture[str]) -> str:
+def printed(words: str, capsys: Captured) -> str:
     """Return the output of a command."""
     parts = re.findall(r"'[^']*'|\S+", words)
     names = {"FILE": LEVEL0, "FLAT": "examples/level0/flat.mars"}
@@ -67,7 +68,7 @@ def printed(words: str, capsys: pytest.CaptureFixture[str]) -> str:
 
 
 @pytest.mark.parametrize("name", ANSWERS)
-def test_answers_are_those_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_answers_are_those_of_the_command(name: str, capsys: Captured) -> None:
     ask, words = ANSWERS[name]
     answer = ask(load(LEVEL0))
     assert str(answer) == answer.text == printed(words, capsys)
@@ -78,7 +79,7 @@ def test_answers_are_those_of_the_command(name: str, capsys: pytest.CaptureFixtu
     )
 
 
-def test_findings_are_those_of_check(capsys: pytest.CaptureFixture[str]) -> None:
+def test_findings_are_those_of_check(capsys: Captured) -> None:
     found = load(WORKSPACE).check()
     document = json.loads(printed(f"check {WORKSPACE} --format json", capsys))
     assert [each.to_dict() for each in found] == document["findings"]
@@ -100,7 +101,7 @@ def test_findings_are_selected_by_kind_or_rule(tmp_path: Path) -> None:
     assert robot.check(baseline=baseline) == ()
 
 
-def test_a_picture_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_picture_is_that_of_the_command(capsys: Captured) -> None:
     assert load(LEVEL0).draw() == printed("draw FILE", capsys) == load(LEVEL0)._repr_svg_()
     assert load(LEVEL0).draw(about="Turn", only="data") == printed(
         "draw FILE --about Turn --only data", capsys
@@ -108,7 +109,7 @@ def test_a_picture_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) ->
     assert load(LEVEL0).specification._repr_svg_().startswith("<svg")
 
 
-def test_text_and_facts_are_those_of_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
+def test_text_and_facts_are_those_of_the_commands(capsys: Captured) -> None:
     robot, workspace = load(LEVEL0), load(WORKSPACE)
     assert robot.text == (ROOT / LEVEL0).read_text()
     assert robot.facts == printed("facts FILE", capsys)
@@ -137,7 +138,7 @@ def test_a_specification_is_verified(tmp_path: Path, level0: Robot) -> None:
     assert load(WORKSPACE).verify().realises
 
 
-def test_repairs_have_a_title_and_lines(capsys: pytest.CaptureFixture[str]) -> None:
+def test_repairs_have_a_title_and_lines(capsys: Captured) -> None:
     robot = load("examples/module-conflict/config.mars")
     words = "explain examples/module-conflict/config.mars --repair --format json"
     document = json.loads(printed(words, capsys))

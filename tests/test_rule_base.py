@@ -20,6 +20,7 @@ from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook, seal
 from tests.support.campaigns import sample
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.refusals import refusals
 
 #: The id after the sentence of a rule, in a trace or in the list of a repair; not a link.
@@ -62,7 +63,7 @@ def test_whatever_a_trace_cites_can_be_shown(rulebook: Rulebook) -> None:
 @pytest.mark.parametrize("speaks", [True, False])
 @pytest.mark.parametrize("stage", ["base", *STAGES])
 def test_a_rule_of_any_stage_is_shown(
-    stage: str, speaks: bool, rulebook: Rulebook, capsys: pytest.CaptureFixture[str]
+    stage: str, speaks: bool, rulebook: Rulebook, capsys: Captured
 ) -> None:
     rules = [r for r in rulebook.rules if r.stage == stage and (r.because is not None) == speaks]
     assert bool(rules) == ((stage, speaks) != ("cost", True))
@@ -91,7 +92,7 @@ def test_a_misspelt_id_is_reported_with_a_suggestion(
     assert refusals(shown, rulebook, name)[0].help == f"did you mean `{meant}`?"
 
 
-def test_rules_are_listed_by_stage(rulebook: Rulebook, capsys: pytest.CaptureFixture[str]) -> None:
+def test_rules_are_listed_by_stage(rulebook: Rulebook, capsys: Captured) -> None:
     assert run_here(["rules", "list"]) == 0
     whole = capsys.readouterr().out
     sections = {part.partition(":")[0]: part.split("\n") for part in whole.split("\n\n")}
@@ -108,7 +109,7 @@ def test_rules_are_listed_by_stage(rulebook: Rulebook, capsys: pytest.CaptureFix
 
 
 def test_predicates_that_packs_may_read_are_listed_by_stage(
-    rulebook: Rulebook, capsys: pytest.CaptureFixture[str]
+    rulebook: Rulebook, capsys: Captured
 ) -> None:
     packs = ["--rules", str(ROOT / "examples" / "own-rules" / "rules")]
     assert run_here(["rules", "list", "--predicates", *packs]) == 0
@@ -131,7 +132,7 @@ def test_predicates_that_packs_may_read_are_listed_by_stage(
 
 
 def test_rules_of_a_pack_are_listed_with_those_of_the_base(
-    capsys: pytest.CaptureFixture[str],
+    capsys: Captured,
 ) -> None:
     packs = ["--rules", str(ROOT / "examples" / "own-rules" / "rules")]
     assert run_here(["rules", "list", "--stage", "base", *packs]) == 0
@@ -139,7 +140,7 @@ def test_rules_of_a_pack_are_listed_with_those_of_the_base(
 
 
 @pytest.mark.parametrize("action", ["show", "lint"])
-def test_a_stage_without_effect_is_refused(action: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_stage_without_effect_is_refused(action: str, capsys: Captured) -> None:
     assert run_here(["rules", action, "data/link", "--stage", "can"]) == 2
     assert f"--stage has no effect on `{action}`" in capsys.readouterr().err
 
@@ -150,7 +151,7 @@ def _stage(path: Path) -> str:
 
 
 def test_the_document_has_each_file_and_each_rule_that_speaks(
-    rulebook: Rulebook, capsys: pytest.CaptureFixture[str]
+    rulebook: Rulebook, capsys: Captured
 ) -> None:
     assert run_here(["rules", "doc"]) == 0
     output = capsys.readouterr().out
@@ -236,7 +237,7 @@ def test_few_stages_read_predicates_of_another_stage(rulebook: Rulebook) -> None
 
 @pytest.mark.parametrize("words", [["list"], ["show", "e/x", "--source"], ["show", "e"], ["doc"]])
 def test_text_of_a_pack_is_escaped_on_a_terminal(
-    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    words: list[str], tmp_path: Path, capsys: Captured
 ) -> None:
     pack = tmp_path / "e.lp"
     pack.write_text(
@@ -255,10 +256,7 @@ LINTED = sorted((ROOT / "tests/lint").glob("*.lp"))
 
 @pytest.mark.parametrize("path", LINTED, ids=lambda path: path.stem)
 def test_lint_findings_are_not_part_of_an_analysis(
-    path: Path,
-    update_golden: bool,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    path: Path, update_golden: bool, capsys: Captured, monkeypatch: Patch
 ) -> None:
     """The expected lint output of each pack in `tests/lint` is beside it."""
     monkeypatch.chdir(ROOT)

@@ -4,6 +4,7 @@ import pytest
 
 from mars_asp import spelling
 from mars_asp.spelling import nearest, resemblances
+from tests.support.fixtures import Patch
 
 
 @pytest.mark.parametrize(
@@ -19,7 +20,7 @@ def test_the_nearest_word(word: str, known: list[str], expected: str | None) -> 
     assert nearest(word, known) == expected
 
 
-def test_of_very_many_names_only_the_first_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_very_many_names_only_the_first_are_compared(monkeypatch: Patch) -> None:
     names, known = ["Camra", "Sonr", "Odometri"], ["Camera", "Sonar", "Odometry"]
     assert dict(resemblances(names, known, 0.75)) == dict(zip(names, known, strict=True))
     monkeypatch.setattr(spelling, "_MOST_COMPARED", 6)

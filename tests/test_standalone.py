@@ -16,6 +16,7 @@ from mars_asp.language.relocate import relocated, sources_seen_from
 from mars_asp.reasoning.project import load_project
 from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.random_configurations import random_configuration
 
 EXAMPLES = [
@@ -36,9 +37,6 @@ RESOLVED = {
     "control_convergence",
     "control_divergence",
 }
-
-Captured = pytest.CaptureFixture[str]
-Patch = pytest.MonkeyPatch
 
 
 def synthesised(configuration: Path, folder: Path) -> Path:

@@ -12,6 +12,7 @@ from mars_asp.diagnostic import Diagnostic
 from mars_asp.model.declarations import Module
 from tests.support.campaigns import seeds
 from tests.support.documents import ROOT
+from tests.support.fixtures import Patch
 
 BLOCK = (
     "@module_start\n@module_name {name}\n@Sense NotifyAtFrequency 25\nRaw grab();\n@module_end\n"
@@ -78,7 +79,7 @@ def test_files_are_read_as_all_blocks_together() -> None:
             assert found == blocks_together("a.mars", text), path
 
 
-def test_a_block_with_another_name_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_block_with_another_name_is_not_read_again(monkeypatch: Patch) -> None:
     words = ("A", "B_1", "/robot/front-left", "Ä")
     names = [name for word in words for name in (word, f"{word}2")]
     blocks = zip(names, (BLOCK, FULL) * 4, strict=True)

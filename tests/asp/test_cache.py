@@ -13,6 +13,7 @@ from mars_asp.asp.rules.dependencies import dependencies_of
 from mars_asp.asp.rules.statements import Statement, constants_of, statements_of
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, point
+from tests.support.fixtures import Patch
 
 FACT = "reach(X) :- start(X)."
 
@@ -119,7 +120,7 @@ def test_values_made_of_rules_survive_a_table(make: object, tables: Path) -> Non
 
 
 def test_a_value_of_a_class_that_is_gone_is_made_again(
-    tables: Path, squares: Counted, monkeypatch: pytest.MonkeyPatch
+    tables: Path, squares: Counted, monkeypatch: Patch
 ) -> None:
     squares.of(2)
     cache._known["squares"][2] = Outside(1)
@@ -128,7 +129,7 @@ def test_a_value_of_a_class_that_is_gone_is_made_again(
     assert squares.of(2) == [4]
 
 
-def test_more_rules_than_are_remembered_are_all_read(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_rules_than_are_remembered_are_all_read(monkeypatch: Patch) -> None:
     monkeypatch.setattr(statements, "_MOST", 20)
     texts = [f"p{n}(X) :- q(X)." for n in (*range(40), *range(5))]
     for count in (10, 30, 45):

@@ -18,6 +18,7 @@ from mars_asp import MarsError, asp
 from mars_asp.asp.solve import optimum
 from mars_asp.asp.trace.tree import Derived, Underivable
 from tests.support.documents import ROOT
+from tests.support.fixtures import Patch
 from tests.support.random_programs import ATOMS, random_program
 from tests.support.refusals import refusal
 from tests.support.trace_checker import faults
@@ -202,7 +203,7 @@ def test_a_choice_is_compared_with_the_answers_that_lack_its_atom(
     assert [each["text"] for each in shown] == reasons
 
 
-def test_optima_are_counted_on_request_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_optima_are_counted_on_request_alone(monkeypatch: Patch) -> None:
     program = asp.Program.from_text("{ p(1..10) } 4.")
     models = []
     solve_again = optimum._models
@@ -447,7 +448,7 @@ def test_a_program_includes_files_relative_to_the_including_one(tmp_path: Path) 
     ],
 )
 def test_an_unreadable_file_is_reported_at_its_include(
-    text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    text: str, message: str, tmp_path: Path, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("circle.lp").write_text('b.\n  #include "circle.lp".')

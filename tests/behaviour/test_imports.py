@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from mars_asp.behaviour.imports import Folder, folder_of, place_of
+from tests.support.fixtures import Patch
 
 
 @pytest.fixture
@@ -53,7 +54,7 @@ def test_each_run_imports_afresh(write: Any) -> None:
 
 
 def test_a_module_of_the_host_with_the_same_name_is_set_aside(
-    write: Any, monkeypatch: pytest.MonkeyPatch
+    write: Any, monkeypatch: Patch
 ) -> None:
     host, below = ModuleType("shape"), ModuleType("shape.round")
     monkeypatch.setitem(sys.modules, "shape", host)

@@ -10,6 +10,7 @@ from mars_asp.cli import run_command, run_here
 from mars_asp.cli.arguments import VERBS, help_texts, parser_of
 from mars_asp.cli.check_output import FORMATS
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 from tests.support.processes import mars
 
 FIGURE = str(ROOT / "examples" / "figure04-divergence" / "config.mars")
@@ -17,7 +18,7 @@ FIGURE = str(ROOT / "examples" / "figure04-divergence" / "config.mars")
 
 @pytest.mark.parametrize("words", [[], ["--help"], ["-h"]])
 def test_the_help_names_each_verb_with_an_example_and_the_common_options_once(
-    words: list[str], capsys: pytest.CaptureFixture[str]
+    words: list[str], capsys: Captured
 ) -> None:
     assert run_command(words) == 0
     shown = capsys.readouterr().out
@@ -36,9 +37,7 @@ def test_the_help_names_each_verb_with_an_example_and_the_common_options_once(
 
 
 @pytest.mark.parametrize("name", VERBS)
-def test_the_help_of_a_verb_shows_its_example(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> None:
     assert run_command([name, "--help"]) == 0
     words = capsys.readouterr().out.split()
     assert {"verb", "verbs"}.isdisjoint(words)
@@ -79,9 +78,7 @@ def test_the_help_of_a_verb_shows_its_example(
         (["import", FIGURE, "ros2"], "FORMAT comes before the files"),
     ],
 )
-def test_suggestions_for_misspelt_words(
-    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_suggestions_for_misspelt_words(words: list[str], message: str, capsys: Captured) -> None:
     assert run_command(words) == 2
     shown = capsys.readouterr()
     assert shown.out == ""
@@ -104,9 +101,7 @@ def test_suggestions_for_misspelt_words(
         (["draw", FIGURE], ["draw", FIGURE, "-o", "-"]),
     ],
 )
-def test_two_ways_to_write_a_command(
-    words: list[str], same: list[str], capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_two_ways_to_write_a_command(words: list[str], same: list[str], capfd: Captured) -> None:
     outcomes = []
     for each in (words, same):
         outcomes.append((run_command(each), *capfd.readouterr()))
@@ -114,15 +109,13 @@ def test_two_ways_to_write_a_command(
     assert outcomes[0][0] == 0 and outcomes[0][1]
 
 
-def test_a_format_alone_has_no_file_to_read(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_format_alone_has_no_file_to_read(capsys: Captured) -> None:
     assert run_here(["import", "urdf"]) == 2
     assert capsys.readouterr().err == "mars-asp import: name the files: mars-asp import urdf FILE\n"
 
 
 @pytest.mark.parametrize(("command", "first"), [("import", "urdf"), ("completion", "bash")])
-def test_a_command_alone_lists_its_choices(
-    command: str, first: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_command_alone_lists_its_choices(command: str, first: str, capfd: Captured) -> None:
     assert run_command([command]) == 0
     assert capfd.readouterr().out.splitlines()[0] == first
 
@@ -179,9 +172,7 @@ def test_bash_completes(completion: str, words: list[str], expected: list[str]) 
 
 
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
-def test_other_shells_have_each_command_and_option(
-    shell: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_other_shells_have_each_command_and_option(shell: str, capsys: Captured) -> None:
     assert run_here(["completion", shell]) == 0
     shown = capsys.readouterr().out
     assert all(name in shown for name in (*VERBS, "analyze", "why-not", "memory-limit"))

@@ -21,6 +21,7 @@ from mars_asp.cli.schemas import schema_text
 from mars_asp.execution.campaign.grid import Grid, Run
 from mars_asp.execution.campaign.journal import ended_run
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.processes import HANGING, PLAIN
 from tests.support.processes import await_true as await_in_time
 from tests.support.trials import DRIVE
@@ -53,8 +54,6 @@ def go():
     time.sleep({pause})
     return "Trans_Z", 400
 """
-
-Captured = pytest.CaptureFixture[str]
 
 
 _OF_LINE = jsonschema_rs.validator_for(json.loads(schema_text("campaign")))
@@ -99,7 +98,7 @@ class Campaign:
 
 
 @pytest.fixture
-def campaign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Campaign:
+def campaign(tmp_path: Path, monkeypatch: Patch) -> Campaign:
     monkeypatch.chdir(tmp_path)
     return Campaign(tmp_path)
 
@@ -262,7 +261,7 @@ def test_a_run_that_cannot_begin_ends_the_campaign_and_is_named(
 
 
 def test_a_cluster_needs_dask_and_several_workers_do_not(
-    campaign: Campaign, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+    campaign: Campaign, capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr("mars_asp.cli.campaign_dask.find_spec", lambda name: None)

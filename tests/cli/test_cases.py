@@ -15,6 +15,7 @@ from mars_asp.cli import run_here
 from mars_asp.cli.cases_report import CaseFileResult, junit
 from mars_asp.diagnostic import Diagnostic, point
 from tests.support.documents import ROOT, answered, questions
+from tests.support.fixtures import Captured, Patch
 from tests.support.processes import HANGING, mars
 
 QUESTIONS = ROOT / "tests" / "cases" / "questions.txt"
@@ -29,7 +30,7 @@ def test_the_output_of_each_command_is_as_expected(
 
 
 @pytest.fixture
-def odd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def odd(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     return copytree(ODD, tmp_path / "odd")
 
@@ -86,7 +87,7 @@ def test_a_case_comes_from_standard_input(
     assert printed in done.stdout + done.stderr
 
 
-def test_junit_holds_each_case(odd: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_junit_holds_each_case(odd: Path, capsys: Captured) -> None:
     assert run_here(["test", "odd", "--junit", "out.xml"]) == 1
     (suite,) = ElementTree.parse("out.xml").getroot()
     assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("7", "6", "0")
@@ -104,7 +105,7 @@ def test_junit_is_xml_whatever_a_name_holds() -> None:
 
 
 def test_a_template_passes_its_lint_and_its_cases(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert run_here(["rules", "new", "wheel-slip"]) == 0
@@ -144,7 +145,7 @@ consequence(hungry, warning, M, P) :- draws(M, P), P > 1500.
 
 
 def test_robots_among_the_cases_state_attributes_of_the_pack(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert run_here(["rules", "new", "battery"]) == 0
@@ -166,9 +167,7 @@ def test_robots_among_the_cases_state_attributes_of_the_pack(
     assert output.endswith("  appeared warning hungry(A): `A` draws 1.501 W\n")
 
 
-def test_a_mutant_survives_where_no_case_is_near(
-    odd: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_mutant_survives_where_no_case_is_near(odd: Path, capsys: Captured) -> None:
     case = odd / "cases" / "facts.lp"
     case.write_text('module("A").\n%has: consequence(odd_idle,_,"A",_)\n')
     (odd / "cases" / "robot.mars").unlink()
@@ -195,7 +194,7 @@ Base is_controlled_by Avoid 2
 
 
 def test_a_snapshot_of_a_robot_fails_when_its_order_of_priorities_changes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     robot = Path("robot.mars")
@@ -273,7 +272,7 @@ def test_arguments_of_a_watch_name_its_files(odd: Path) -> None:
 
 
 def test_a_missing_case_hides_no_other(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.lp").write_text('%= module("A")\nmodule("A").\n#show module/1.\n')
@@ -285,9 +284,7 @@ def test_a_missing_case_hides_no_other(
     assert "mars-asp: a.lp: 0." in output.err
 
 
-def test_a_continuation_of_nothing_is_an_error(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_continuation_of_nothing_is_an_error(tmp_path: Path, capsys: Captured) -> None:
     case = tmp_path / "a.lp"
     case.write_text('module("A").\n%+ module("B")\n')
     assert run_here(["test", str(case)]) == 2

@@ -16,6 +16,7 @@ from mars_asp.cli.deliver import replace_files
 from mars_asp.cli.schemas import schema_text
 from mars_asp.robot import load
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.processes import HANGING, mars
 
 DOCUMENT = jsonschema_rs.validator_for(json.loads(schema_text("check")))
@@ -38,7 +39,7 @@ CLEAN = "@configuration\n@modules A, B\nA uses_data_from B\n"
 
 
 @pytest.fixture
-def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def robots(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "200")
     texts = {"twice": TWICE, "choice": CHOICE, "bad": BAD, "clean": CLEAN}
@@ -52,7 +53,7 @@ FINDINGS = sorted((ROOT / "tests/findings").glob("*.mars"))
 
 @pytest.mark.parametrize("path", FINDINGS, ids=lambda path: path.stem)
 def test_findings_are_the_expected_ones_beside_their_files(
-    path: Path, update_golden: bool, capsys: pytest.CaptureFixture[str]
+    path: Path, update_golden: bool, capsys: Captured
 ) -> None:
     run_here(["check", str(path.relative_to(ROOT)), "--format", "full"])
     output = "".join(capsys.readouterr())
@@ -61,7 +62,7 @@ def test_findings_are_the_expected_ones_beside_their_files(
     assert output == path.with_suffix(".txt").read_text(encoding="utf-8")
 
 
-def test_json_keeps_each_finding_of_instances(capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_keeps_each_finding_of_instances(capsys: Captured) -> None:
     run_here(["check", "tests/findings/instances.mars", "--format", "json"])
     findings = json.loads(capsys.readouterr().out)["findings"]
     unused = [each["message"] for each in findings if each["code"] == "checks/unused"]
@@ -77,7 +78,7 @@ def heads(text: str) -> list[str]:
 
 
 def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
-    robots: Path, capsys: pytest.CaptureFixture[str]
+    robots: Path, capsys: Captured
 ) -> None:
     (robots / "empty").mkdir()
     names = ("bad.mars", "missing.mars", "twice.mars", "empty", "choice.mars", "clean.mars")
@@ -109,7 +110,7 @@ def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
     ],
 )
 def test_the_summary_counts_the_findings(
-    words: list[str], status: int, summary: str, robots: Path, capsys: pytest.CaptureFixture[str]
+    words: list[str], status: int, summary: str, robots: Path, capsys: Captured
 ) -> None:
     assert run_here(["check", *words]) == status
     shown = capsys.readouterr()
@@ -117,9 +118,7 @@ def test_the_summary_counts_the_findings(
     assert (shown.out == "") is (words[0] == "clean.mars" and status == 0)
 
 
-def test_a_finding_with_one_repair_shows_it(
-    robots: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_finding_with_one_repair_shows_it(robots: Path, capsys: Captured) -> None:
     assert run_here(["check", "twice.mars", "--format", "full"]) == 0
     assert capsys.readouterr().out.splitlines()[:8] == [
         "twice.mars:4:1: warning: `B` controls `Base` twice [duplicate_relationship]",
@@ -135,7 +134,7 @@ def test_a_finding_with_one_repair_shows_it(
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_fix_applies_the_printed_edits_and_keeps_line_ends(
-    end: str, robots: Path, capsys: pytest.CaptureFixture[str]
+    end: str, robots: Path, capsys: Captured
 ) -> None:
     path = robots / "twice.mars"
     path.write_bytes(b"\xef\xbb\xbf" + TWICE.removesuffix("\n").replace("\n", end).encode())
@@ -156,7 +155,7 @@ def test_fix_applies_the_printed_edits_and_keeps_line_ends(
 
 
 def test_fix_writes_an_included_file_once_for_all_its_instances(
-    robots: Path, capsys: pytest.CaptureFixture[str]
+    robots: Path, capsys: Captured
 ) -> None:
     main = "@configuration hierarchical\n@include part.mars as a\n@include part.mars as b\n"
     (robots / "main.mars").write_text(main)
@@ -173,7 +172,7 @@ def test_fix_writes_an_included_file_once_for_all_its_instances(
 
 @pytest.mark.parametrize("equal", [True, False])
 def test_robots_that_share_a_file_fix_it_as_one(
-    equal: bool, robots: Path, capsys: pytest.CaptureFixture[str]
+    equal: bool, robots: Path, capsys: Captured
 ) -> None:
     spare = "@modules Spare, A, B, C, Base"
     part = TWICE.replace(" hierarchical", "").replace("@modules A, B, C, Base", spare)
@@ -189,7 +188,7 @@ def test_robots_that_share_a_file_fix_it_as_one(
     assert (robots / "part.mars").read_text() == ONCE.replace(" hierarchical", "")
 
 
-def test_applied_fixes_are_listed_in_json(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_applied_fixes_are_listed_in_json(robots: Path, capsys: Captured) -> None:
     assert run_here(["check", "--fix", "--format", "json", "twice.mars", "choice.mars"]) == 1
     shown = capsys.readouterr()
     found = json.loads(shown.out)
@@ -202,7 +201,7 @@ def test_applied_fixes_are_listed_in_json(robots: Path, capsys: pytest.CaptureFi
     assert (finding["code"], finding["line"], finding["fix"]) == ("checks/misspelt", 3, None)
 
 
-def test_a_read_only_file_is_left_alone(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_read_only_file_is_left_alone(robots: Path, capsys: Captured) -> None:
     (robots / "twice.mars").chmod(0o444)
     assert run_here(["check", "--fix", "twice.mars"]) == 2
     shown = capsys.readouterr()
@@ -222,7 +221,7 @@ def test_the_text_of_standard_input_goes_to_the_output(
     assert (done.returncode, done.stdout) == (status, expected)
 
 
-def test_a_repair_that_adds_a_warning_announces_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_repair_that_adds_a_warning_announces_it(capsys: Captured) -> None:
     assert run_here(["check", "examples/module-conflict/two-cameras.mars", "--format", "full"]) == 0
     assert "then warns: `FollowBall` and `WatchDoor`" in capsys.readouterr().out
 
@@ -242,9 +241,7 @@ def test_files_are_replaced_together_or_not_at_all(fault: str, tmp_path: Path) -
     assert {path.name for path in tmp_path.iterdir()} <= {"a", "b"}
 
 
-def test_a_rename_that_fails_restores_replaced_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_rename_that_fails_restores_replaced_files(tmp_path: Path, monkeypatch: Patch) -> None:
     first, second = tmp_path / "a", tmp_path / "b"
     first.write_bytes(b"1")
     second.write_bytes(b"2")
@@ -273,7 +270,7 @@ def test_a_rename_that_fails_restores_replaced_files(
     ],
 )
 def test_options_make_warnings_fail(
-    words: list[str], status: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    words: list[str], status: int, tmp_path: Path, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     robot = str(ROOT / "examples/level0/turn-priority-0.mars")
@@ -281,9 +278,7 @@ def test_options_make_warnings_fail(
     assert run_here(["check", robot, *words]) == status
 
 
-def test_changes_by_hand_name_the_other_files(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_changes_by_hand_name_the_other_files(monkeypatch: Patch, capsys: Captured) -> None:
     monkeypatch.chdir(ROOT)
     monkeypatch.setenv("COLUMNS", "400")
     run_here(["explain", "examples/ros2_workspace", "--repair", "loose_end", "--quiet"])
@@ -295,7 +290,7 @@ def test_changes_by_hand_name_the_other_files(
 
 @pytest.mark.parametrize("command", ["synthesise", "explain --repair"])
 def test_findings_of_a_workspace_are_the_same_in_every_command(
-    command: str, capsys: pytest.CaptureFixture[str]
+    command: str, capsys: Captured
 ) -> None:
     workspace = str(ROOT / "examples" / "ros2_workspace")
     run_here([*command.split(), workspace])
@@ -310,7 +305,7 @@ def test_findings_of_a_workspace_are_the_same_in_every_command(
 
 
 def test_findings_go_to_standard_output_and_notes_to_standard_error(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     done = mars("check", "examples/ros2_workspace")
     findings, notes = done.stdout.splitlines(), done.stderr.splitlines()
@@ -336,7 +331,7 @@ def test_a_clean_run_prints_nothing_but_documents(form: str, robots: Path) -> No
 
 
 def test_concise_lines_and_heads_of_full_text_are_never_wrapped(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "40")
     robot = "examples/level0/turn-priority-0.mars"
@@ -352,7 +347,7 @@ def test_concise_lines_and_heads_of_full_text_are_never_wrapped(
     assert len(further) > 5 and max(map(len, further)) <= 60
 
 
-def test_text_is_full_and_wrapped_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+def test_text_is_full_and_wrapped_on_a_terminal(capsys: Captured) -> None:
     pty = pytest.importorskip("pty")
     ours, theirs = pty.openpty()
     words = ["check", "examples/level0/turn-priority-0.mars", "--color", "never"]
@@ -371,9 +366,7 @@ def test_text_is_full_and_wrapped_on_a_terminal(capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.parametrize("form", ["text", *FORMATS[3:]])
-def test_any_format_is_written_to_a_file(
-    form: str, robots: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_any_format_is_written_to_a_file(form: str, robots: Path, capsys: Captured) -> None:
     words = ["check", "twice.mars", "--format", form]
     assert run_here(words) == 0
     printed = capsys.readouterr()
@@ -423,7 +416,7 @@ def test_one_document_has_findings_notes_and_each_robot(robots: Path) -> None:
 
 @pytest.mark.parametrize("wrong", ["baseline", "settings", "option", "rules"])
 def test_errors_of_the_selection_are_in_the_document(
-    wrong: str, robots: Path, capsys: pytest.CaptureFixture[str]
+    wrong: str, robots: Path, capsys: Captured
 ) -> None:
     if wrong == "settings":
         (robots / "mars.toml").write_text("selct = []\n")
@@ -455,7 +448,7 @@ def test_errors_of_the_selection_are_in_the_document(
     ],
 )
 def test_findings_need_not_count_but_bad_input_does(
-    words: list[str], status: int, robots: Path, capsys: pytest.CaptureFixture[str]
+    words: list[str], status: int, robots: Path, capsys: Captured
 ) -> None:
     assert run_here(["check", *words]) == status
     output = capsys.readouterr()
@@ -463,9 +456,7 @@ def test_findings_need_not_count_but_bad_input_does(
     assert output.err.startswith("mars-asp: error: --select") if "no" in words else output.out
 
 
-def test_a_baseline_replaces_no_other_file(
-    robots: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_baseline_replaces_no_other_file(robots: Path, capsys: Captured) -> None:
     words = ["check", "twice.mars", "--write-baseline"]
     assert run_here([*words, "clean.mars"]) == 2
     assert "clean.mars: the file is not a baseline" in capsys.readouterr().err
@@ -486,7 +477,7 @@ def test_a_baseline_to_a_pipe_waits_for_no_writer(robots: Path) -> None:
 
 
 def test_an_error_of_settings_is_reported_once_for_all_robots(
-    robots: Path, capsys: pytest.CaptureFixture[str]
+    robots: Path, capsys: Captured
 ) -> None:
     (robots / "mars.toml").write_text('ignore = ["modul_conflict"]\n')
     assert run_here(["check", "clean.mars", "twice.mars"]) == 2
@@ -505,7 +496,7 @@ def test_a_word_after_two_dashes_is_a_path(robots: Path) -> None:
     assert run_here(["check", "-vq", "--", "-odd.mars", "clean.mars"]) == 0
 
 
-def test_an_empty_path_is_refused(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_empty_path_is_refused(robots: Path, capsys: Captured) -> None:
     assert run_here(["check", ""]) == 2
     assert "a path is empty" in capsys.readouterr().err
 
@@ -519,7 +510,7 @@ def test_findings_go_to_a_pipe_that_is_named(robots: Path) -> None:
 
 
 def test_a_package_has_a_note_about_its_workspace(
-    capsys: pytest.CaptureFixture[str],
+    capsys: Captured,
 ) -> None:
     workspace = ROOT / "examples" / "ros2_workspace"
     assert run_here(["check", str(workspace / "src" / "scout_drive")]) == 0
@@ -529,7 +520,7 @@ def test_a_package_has_a_note_about_its_workspace(
 
 
 def test_a_folder_inside_a_package_is_read_like_its_launch_files(
-    capsys: pytest.CaptureFixture[str],
+    capsys: Captured,
 ) -> None:
     launch = ROOT / "examples" / "ros2_workspace" / "src" / "scout_drive" / "launch"
     assert run_here(["check", str(launch), "-q"]) == 0
@@ -539,7 +530,7 @@ def test_a_folder_inside_a_package_is_read_like_its_launch_files(
     assert "[guard_bypass]" in of_folder
 
 
-def test_statistics_are_a_line_a_kind(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_statistics_are_a_line_a_kind(robots: Path, capsys: Captured) -> None:
     (robots / "many.mars").write_text(TWICE + "A uses_data_from C\n" * 8)
     words = ["check", "bad.mars", "choice.mars", "many.mars", "--statistics"]
     assert run_here(words) == 2
@@ -556,7 +547,7 @@ def test_statistics_are_a_line_a_kind(robots: Path, capsys: pytest.CaptureFixtur
 
 
 def test_standard_input_has_the_locations_and_settings_of_a_name(
-    robots: Path, capsys: pytest.CaptureFixture[str]
+    robots: Path, capsys: Captured
 ) -> None:
     (robots / "sub").mkdir()
     (robots / "sub" / "mars.toml").write_text('ignore = ["duplicate_relationship"]\n')
@@ -573,9 +564,7 @@ def test_standard_input_has_the_locations_and_settings_of_a_name(
     assert "add `-`" in capsys.readouterr().err
 
 
-def test_a_difference_shows_repairs_and_writes_nothing(
-    robots: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_difference_shows_repairs_and_writes_nothing(robots: Path, capsys: Captured) -> None:
     assert run_here(["check", "--diff", "twice.mars", "clean.mars"]) == 1
     output = capsys.readouterr()
     assert output.out.startswith("--- twice.mars\n+++ twice.mars\n@@ ")
@@ -599,7 +588,7 @@ def test_a_difference_shows_repairs_and_writes_nothing(
     assert "--diff prints a unified diff" in capsys.readouterr().err
 
 
-def test_repairs_left_out_are_counted(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_repairs_left_out_are_counted(robots: Path, capsys: Captured) -> None:
     (robots / "unused.mars").write_text("@configuration\n@modules Screen, Camera\n")
     left_out = "1 repair was left out, as it does not go together with the others\n"
     run_here(["check", "--diff", "unused.mars"])
@@ -610,7 +599,7 @@ def test_repairs_left_out_are_counted(robots: Path, capsys: pytest.CaptureFixtur
 
 @pytest.mark.parametrize("form", ["github", "sarif", "json"])
 def test_quiet_leaves_out_notes_except_the_unread_in_json(
-    form: str, robots: Path, capsys: pytest.CaptureFixture[str]
+    form: str, robots: Path, capsys: Captured
 ) -> None:
     node = '<node pkg="{}" exec="x" name="x"/>'
     launch = f"<launch>{node.format('nav2_planner')}{node.format('nowhere')}</launch>"
@@ -628,17 +617,13 @@ def test_quiet_leaves_out_notes_except_the_unread_in_json(
     "words",
     [["--baseline", "gone"], ["--rules", "gone"], ["--select", "no"], ["--launch", "gone"]],
 )
-def test_wrong_values_of_options_go_to_standard_error(
-    words: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_values_of_options_go_to_standard_error(words: list[str], capsys: Captured) -> None:
     assert run_here(["check", str(ROOT / "examples" / "ros2_workspace"), *words]) == 2
     output = capsys.readouterr()
     assert output.out == "" and output.err.startswith("mars-asp: error: ")
 
 
-def test_an_error_without_a_line_names_its_file_once(
-    robots: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_error_without_a_line_names_its_file_once(robots: Path, capsys: Captured) -> None:
     assert run_here(["check", "nope.mars"]) == 2
     assert capsys.readouterr().out == "mars-asp: error: nope.mars: no such file\n"
     assert run_here(["check", "nope.mars", "--format", "full"]) == 2
@@ -651,7 +636,7 @@ def test_an_error_without_a_line_names_its_file_once(
         assert ":1:1" not in capsys.readouterr().out
 
 
-def test_a_printed_location_is_explained(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_printed_location_is_explained(robots: Path, capsys: Captured) -> None:
     run_here(["check", "twice.mars"])
     location = capsys.readouterr().out.partition(": ")[0]
     assert location == "twice.mars:4:1"
@@ -663,9 +648,7 @@ def test_a_printed_location_is_explained(robots: Path, capsys: pytest.CaptureFix
     assert "twice.mars:4" in pasted
 
 
-def test_a_module_may_be_named_like_a_location(
-    robots: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_module_may_be_named_like_a_location(robots: Path, capsys: Captured) -> None:
     name = '"v1.x:2:3"'
     lines = f"B uses_data_from {name}\nC uses_data_from {name}\n"
     (robots / "named.mars").write_text(f"@configuration\n@modules {name}, B, C\n{lines}")
@@ -673,8 +656,6 @@ def test_a_module_may_be_named_like_a_location(
     assert "DataSplitter1: `v1.x:2:3` feeds 2 modules" in capsys.readouterr().out
 
 
-def test_excluded_paths_are_named_with_verbose(
-    robots: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_excluded_paths_are_named_with_verbose(robots: Path, capsys: Captured) -> None:
     assert run_here(["check", "--exclude", "[bct]*.mars", "--exclude", "twice.mars", "-v"]) == 2
     assert "mars-asp: excluded bad.mars\n" in capsys.readouterr().err

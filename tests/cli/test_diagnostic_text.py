@@ -9,6 +9,7 @@ import pytest
 from mars_asp.cli.diagnostic_text import colours, diagnostic_text
 from mars_asp.cli.wrapping import cells, columns, wrapped
 from mars_asp.diagnostic import Diagnostic, Span
+from tests.support.fixtures import Patch
 
 
 def shown(tmp_path: Path, text: str, *places: tuple[int, int, int], width: int = 80) -> list[str]:
@@ -118,11 +119,7 @@ class Terminal(io.StringIO):
     ],
 )
 def test_colours_follow_option_environment_and_terminal(
-    option: str,
-    environment: dict[str, str],
-    terminal: bool,
-    expected: bool,
-    monkeypatch: pytest.MonkeyPatch,
+    option: str, environment: dict[str, str], terminal: bool, expected: bool, monkeypatch: Patch
 ) -> None:
     monkeypatch.setenv("TERM", "xterm")
     for name, value in environment.items():
@@ -136,7 +133,7 @@ def test_colours_follow_option_environment_and_terminal(
     [("120", 120), ("", 80), ("wide", 80), ("0", 80), ("-3", 80), ("5", 20)],
 )
 def test_columns_come_from_the_environment_or_are_80(
-    value: str, expected: int, monkeypatch: pytest.MonkeyPatch
+    value: str, expected: int, monkeypatch: Patch
 ) -> None:
     monkeypatch.setenv("COLUMNS", value)
     assert columns(io.StringIO()) == expected

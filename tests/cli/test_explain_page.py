@@ -16,6 +16,7 @@ from mars_asp.cli import explain
 from tests.support.browser import Browser, in_a_browser
 from tests.support.configurations import IMPOSSIBLE
 from tests.support.documents import ROOT, run
+from tests.support.fixtures import Patch
 from tests.support.pages import Page
 
 HOSTILE = """\
@@ -281,9 +282,7 @@ def test_an_atom_has_its_trace(tmp_path: Path) -> None:
     assert json.loads(page.by_id()["traces"].text)["why"][0]
 
 
-def test_files_that_are_too_large_are_left_out(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_files_that_are_too_large_are_left_out(tmp_path: Path, monkeypatch: Patch) -> None:
     names = [f"M{number}" for number in range(501)]
     uses = [f"{name} uses_data_from M0" for name in names[1:3]]
     written = "\n".join(["@configuration", f"@modules {', '.join(names)}", *uses, ""])

@@ -14,6 +14,7 @@ from mars_asp.cli import run_here
 from tests.support.campaigns import sample
 from tests.support.configurations import FINDINGS as ROBOT
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.packages import write_package
 
 SCHEMA = json.loads((ROOT / "tests/sarif/sarif-schema-2.1.0.json").read_text(encoding="utf-8"))
@@ -27,13 +28,13 @@ consequence(crowded, error, M, here) :- module(M).
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a b.mars").write_text(ROBOT)
     return tmp_path
 
 
-def sarif(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, Any]]:
+def sarif(capsys: Captured, *words: str) -> tuple[int, dict[str, Any]]:
     """Return the status of a command and the one run of its log, which the schema allows."""
     status = run_here([*words, "--format", "sarif"])
     shown = capsys.readouterr()
@@ -73,9 +74,7 @@ def test_a_schema_that_refuses_nothing_would_be_no_check() -> None:
         ("analyse", [("warning", 3), ("note", 3), ("error", 5), ("note", 6)]),
     ],
 )
-def test_findings_are_results(
-    verb: str, expected: list[tuple[str, int]], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_findings_are_results(verb: str, expected: list[tuple[str, int]], capsys: Captured) -> None:
     status, run = sarif(capsys, verb, "a b.mars")
     assert status == 1
     assert placed(run) == [(level, "a b.mars", line) for level, line in expected]
@@ -95,9 +94,7 @@ def test_findings_are_results(
     assert capsys.readouterr().out.startswith("## ambiguous_priority\n")
 
 
-def test_each_finding_of_the_examples_makes_a_log(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_each_finding_of_the_examples_makes_a_log(capsys: Captured, monkeypatch: Patch) -> None:
     monkeypatch.chdir(ROOT)
     files = sorted((ROOT / "tests/findings").glob("*.mars"))
     names = [str(path.relative_to(ROOT)) for path in files]
@@ -112,9 +109,7 @@ def test_each_finding_of_the_examples_makes_a_log(
 
 
 @pytest.mark.parametrize("verb", ["check", "analyse"])
-def test_wrong_input_is_a_result_too(
-    verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_input_is_a_result_too(verb: str, folder: Path, capsys: Captured) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,, B\nA uses_data_from\n")
     (folder / "own.lp").write_text("consequence(x, error, M, here) :- \n")
     status, run = sarif(capsys, verb, "bad.mars")
@@ -154,9 +149,7 @@ FIXABLE = ("conversion", "left-over", "listed", "ports", "twice", "unused")
 
 
 @pytest.mark.parametrize("name", sample(FIXABLE, 2))
-def test_fixes_equal_the_edits_of_fix(
-    name: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_fixes_equal_the_edits_of_fix(name: str, folder: Path, capsys: Captured) -> None:
     text = (ROOT / "tests/repair" / name / "config.mars").read_text(encoding="utf-8")
     (folder / "r.mars").write_text(text)
     _, run = sarif(capsys, "check", "r.mars")
@@ -165,9 +158,7 @@ def test_fixes_equal_the_edits_of_fix(
     assert made == (folder / "r.mars").read_text(encoding="utf-8") != text
 
 
-def test_hidden_findings_are_marked_as_suppressed(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_hidden_findings_are_marked_as_suppressed(folder: Path, capsys: Captured) -> None:
     path = folder / "a b.mars"
     assert (
         run_here(["check", path.name, "--select", "ambiguous_priority", "--write-baseline", "k"])
@@ -192,9 +183,7 @@ def test_hidden_findings_are_marked_as_suppressed(
     }
 
 
-def test_fingerprints_stay_when_lines_move(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_fingerprints_stay_when_lines_move(folder: Path, capsys: Captured) -> None:
     def prints() -> list[str]:
         _, run = sarif(capsys, "check", "a b.mars")
         return [each["partialFingerprints"]["marsFinding/v1"] for each in run["results"]]
@@ -206,7 +195,7 @@ def test_fingerprints_stay_when_lines_move(
 
 
 def test_paths_are_those_of_the_repository(
-    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    folder: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:
     (folder / "repo/sub").mkdir(parents=True)
     (folder / "repo/.git").write_text("gitdir: elsewhere")
@@ -222,7 +211,7 @@ def test_paths_are_those_of_the_repository(
 # ---- GitHub --------------------------------------------------------------------------------------
 
 
-def github(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, list[list[str]]]:
+def github(capsys: Captured, *words: str) -> tuple[int, list[list[str]]]:
     """Return the status of a command, and the parts of each line as a runner reads them."""
     status = run_here([*words, "--format", "github"])
     lines = capsys.readouterr().out.splitlines()
@@ -237,7 +226,7 @@ def github(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, list[l
     return status, [[m[1], *map(plain, m[2].split(",")), plain(m[3])] for m in read if m]
 
 
-def test_findings_are_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_findings_are_commands(folder: Path, capsys: Captured) -> None:
     (folder / "a b.mars").rename(folder / "a, 100%:b.mars")
     status, result = github(capsys, "check", "a, 100%:b.mars")
     assert status == 1
@@ -260,9 +249,7 @@ def test_findings_are_commands(folder: Path, capsys: pytest.CaptureFixture[str])
     ]
 
 
-def test_nothing_that_a_message_holds_ends_a_command(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_nothing_that_a_message_holds_ends_a_command(folder: Path, capsys: Captured) -> None:
     (folder / "own.lp").write_text(PACK)
     words = ("a b.mars", "--rules", "own.lp", "--select", "crowded")
     status, result = github(capsys, "analyse", *words)
@@ -273,7 +260,7 @@ def test_nothing_that_a_message_holds_ends_a_command(
     assert r"100% of `A` :: crowded, \[no\](x)" in run["results"][0]["message"]["text"]
 
 
-def test_wrong_input_is_a_command_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_input_is_a_command_too(folder: Path, capsys: Captured) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,, B\n")
     for verb in ("check", "analyse"):
         status, (result,) = github(capsys, verb, "bad.mars")
@@ -291,7 +278,7 @@ def test_wrong_input_is_a_command_too(folder: Path, capsys: pytest.CaptureFixtur
     )
 
 
-def test_a_repair_is_not_mixed_into_results(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_repair_is_not_mixed_into_results(capsys: Captured) -> None:
     assert run_here(["check", "a b.mars", "--fix", "--format", "sarif"]) == 2
     assert "leave out" in capsys.readouterr().err
 
@@ -299,7 +286,7 @@ def test_a_repair_is_not_mixed_into_results(capsys: pytest.CaptureFixture[str]) 
 # ---- GitLab and JUnit ----------------------------------------------------------------------------
 
 
-def gitlab(capsys: pytest.CaptureFixture[str], *words: str) -> list[dict[str, Any]]:
+def gitlab(capsys: Captured, *words: str) -> list[dict[str, Any]]:
     """Return the entries of a code quality report."""
     run_here(["check", *words, "--format", "gitlab"])
     entries: list[dict[str, Any]] = json.loads(capsys.readouterr().out)
@@ -311,9 +298,7 @@ def gitlab(capsys: pytest.CaptureFixture[str], *words: str) -> list[dict[str, An
     return entries
 
 
-def test_findings_are_entries_of_a_code_quality_report(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_findings_are_entries_of_a_code_quality_report(folder: Path, capsys: Captured) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,, B\n")
     found = [
         (each["check_name"], each["severity"], each["location"]["path"])
@@ -331,7 +316,7 @@ def test_findings_are_entries_of_a_code_quality_report(
 
 
 def test_no_two_entries_share_a_fingerprint_and_lines_do_not_change_it(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: Captured
 ) -> None:
     twice = ROBOT + "A uses_data_from Camera\nBase is_controlled_by B 1\n"
     twice += "A uses_data_from Camera\nA uses_data_from Camera\n"
@@ -345,7 +330,7 @@ def test_no_two_entries_share_a_fingerprint_and_lines_do_not_change_it(
 
 
 def test_each_robot_is_a_suite_and_each_finding_a_failed_case(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: Captured
 ) -> None:
     (folder / "clean.mars").write_text("@configuration\n@modules A, B\nA uses_data_from B\n")
     assert run_here(["check", "a b.mars", "clean.mars", "--format", "junit"]) == 1
@@ -373,15 +358,13 @@ def test_each_robot_is_a_suite_and_each_finding_a_failed_case(
     assert (case.get("file"), case[0].get("type")) == ("gone", "unreadable")
 
 
-def test_a_path_that_a_terminal_would_obey_is_shown_escaped(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_path_that_a_terminal_would_obey_is_shown_escaped(folder: Path, capsys: Captured) -> None:
     (folder / "a\x1b[2J.mars").write_text("@configuration\n@modules A\nA uses_data_from B\n")
     run_here(["check", "a\x1b[2J.mars", "--format", "github"])
     assert "::error file=a\\x1b[2J.mars,line=3," in capsys.readouterr().out
 
 
-def test_a_message_is_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_message_is_a_sentence(folder: Path, capsys: Captured) -> None:
     write_package({"launch/robot.launch.py": "\n"}, folder / "package")
     _, run = sarif(capsys, "check", "package")
     [text] = [each["message"]["text"] for each in run["results"] if each["level"] == "warning"]

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.fixtures import Captured, Patch
 
 MARS = "@configuration\n@modules A, B\nA uses_data_from B\n"
 WRONG = "@configuration\n@modules A\nA uses_data_from Missing\n"
@@ -34,12 +35,12 @@ def package(name: str) -> dict[str, str]:
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def here(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-def judged(capsys: pytest.CaptureFixture[str], *words: str) -> list[str]:
+def judged(capsys: Captured, *words: str) -> list[str]:
     """Return the robots that `check` judges."""
     run_here(["check", "--format", "json", *words])
     document = json.loads(capsys.readouterr().out)
@@ -95,32 +96,28 @@ FOLDERS = {
 
 @pytest.mark.parametrize(("files", "robots"), FOLDERS.values(), ids=FOLDERS)
 def test_the_robots_of_a_folder(
-    files: dict[str, str], robots: list[str], here: Path, capsys: pytest.CaptureFixture[str]
+    files: dict[str, str], robots: list[str], here: Path, capsys: Captured
 ) -> None:
     write(here, files)
     assert judged(capsys) == robots
     assert judged(capsys, str(here)) == [os.path.normpath(here / each) for each in robots]
 
 
-def test_links_to_folders_are_passed_over(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_links_to_folders_are_passed_over(here: Path, capsys: Captured) -> None:
     write(here, {"a/x.mars": MARS, "b.mars": MARS})
     (here / "link").symlink_to(here / "a")
     assert judged(capsys) == ["a/x.mars", "b.mars"]
     assert judged(capsys, "link") == ["link/x.mars"]
 
 
-def test_a_package_that_git_ignores_is_not_read(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_package_that_git_ignores_is_not_read(here: Path, capsys: Captured) -> None:
     write(here, package("src/a") | package("src/b") | {".gitignore": "src/b\n"})
     run_here(["check", "--format", "json"])
     [robot] = json.loads(capsys.readouterr().out)["files"]
     assert robot["launch_files"] == ["src/a/launch/r.launch.xml"]
 
 
-def test_options_exclude_paths_that_are_not_named(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_options_exclude_paths_that_are_not_named(here: Path, capsys: Captured) -> None:
     write(here, {"a.mars": MARS, "w/b.mars": MARS})
     assert judged(capsys, "--exclude", "w") == ["a.mars"]
     assert judged(capsys, "--exclude", "w", ".", "w/b.mars") == ["a.mars", "w/b.mars"]
@@ -130,7 +127,7 @@ def test_options_exclude_paths_that_are_not_named(
 
 
 def test_git_ignores_paths_below_the_folder_with_its_repository(
-    here: Path, capsys: pytest.CaptureFixture[str]
+    here: Path, capsys: Captured
 ) -> None:
     write(here, {"r/s/a.mars": MARS, "r/s/b.mars": MARS, "r/.gitignore": "b.mars", "r/.git/x": ""})
     write(here, {"r/.git/info/exclude": "c.mars", "r/s/c.mars": MARS})
@@ -142,16 +139,14 @@ def test_git_ignores_paths_below_the_folder_with_its_repository(
 
 @pytest.mark.parametrize("pattern", ["a*" * 30 + "b", "**/a/" * 30 + "b", "?" * 600])
 def test_a_pattern_that_takes_very_long_is_left_out(
-    pattern: str, here: Path, capsys: pytest.CaptureFixture[str]
+    pattern: str, here: Path, capsys: Captured
 ) -> None:
     deep = "a/" * 40 + "a" * 200 + ".mars"
     write(here, {deep: MARS, "x.mars": MARS, ".gitignore": f"{pattern}\nx.mars\n"})
     assert judged(capsys) == [deep]
 
 
-def test_a_folder_without_a_robot_is_refused(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_without_a_robot_is_refused(here: Path, capsys: Captured) -> None:
     write(here, {"empty/x.yaml": "a: 1", "a.mars": WRONG})
     assert run_here(["check", "empty", "a.mars"]) == 2
     output = " ".join("".join(capsys.readouterr()).split())
@@ -159,9 +154,7 @@ def test_a_folder_without_a_robot_is_refused(
 
 
 @pytest.mark.parametrize("command", ["explain", "analyse", "synthesise", "facts"])
-def test_other_commands_take_one_robot(
-    command: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_other_commands_take_one_robot(command: str, here: Path, capsys: Captured) -> None:
     write(here, {"a/b.mars": MARS})
     assert run_here([command, "a"]) == 0
     write(here, {"a/c.mars": MARS})
@@ -172,9 +165,7 @@ def test_other_commands_take_one_robot(
     assert "name one of them: `a/b.mars`, `a/c.mars`; `mars-asp check a` judges all" in output
 
 
-def test_a_workspace_beside_a_configuration_can_be_named(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_workspace_beside_a_configuration_can_be_named(here: Path, capsys: Captured) -> None:
     write(here, package("w/src/a") | {"w/r.mars": MARS})
     assert run_here(["facts", "w"]) == 2
     assert "`--from ros2` takes `w`" in " ".join(capsys.readouterr().err.split())
@@ -184,9 +175,7 @@ def test_a_workspace_beside_a_configuration_can_be_named(
 LOOSE = "@configuration\n@modules B,A\nA   uses_data_from B\n"
 
 
-def test_each_configuration_of_a_folder_is_laid_out(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_each_configuration_of_a_folder_is_laid_out(here: Path, capsys: Captured) -> None:
     write(here, {"a/x.mars": LOOSE, "y.mars": MARS, "mux.yaml": MUX})
     assert run_here(["fmt", "--check"]) == 1
     assert capsys.readouterr().out == "a/x.mars\n"
@@ -200,17 +189,13 @@ def test_each_configuration_of_a_folder_is_laid_out(
     assert run_here(["fmt", "--check", "--exclude", "a", "."]) == 0
 
 
-def test_a_folder_without_a_configuration_is_not_laid_out(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_without_a_configuration_is_not_laid_out(here: Path, capsys: Captured) -> None:
     write(here, {"a/mux.yaml": MUX})
     assert run_here(["fmt", "a"]) == 2
     assert "the folder has no `.mars` file" in capsys.readouterr().err
 
 
-def test_in_a_folder_files_with_an_expectation_are_cases(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_in_a_folder_files_with_an_expectation_are_cases(here: Path, capsys: Captured) -> None:
     write(
         here, {"notes.lp": "a.\n", "case.lp": 'module("A").\n%not: consequence(_, error, _, _)\n'}
     )
@@ -219,9 +204,7 @@ def test_in_a_folder_files_with_an_expectation_are_cases(
     assert run_here(["test", "notes.lp"]) == 1
 
 
-def test_settings_are_those_of_a_file_that_is_named_or_none(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_settings_are_those_of_a_file_that_is_named_or_none(here: Path, capsys: Captured) -> None:
     write(here, {"a.mars": MARS, "b.mars": MARS, "mars.toml": 'exclude = ["a.mars"]\n'})
     write(here, {"ci/mars.toml": 'exclude = ["../b.mars", "b.mars"]\n'})
     write(here, {"pyproject.toml": '[tool.mars-asp]\nexclude = ["*.mars"]\n'})
@@ -232,9 +215,7 @@ def test_settings_are_those_of_a_file_that_is_named_or_none(
     assert run_here(["check", "--config", "nowhere.toml"]) == 2
 
 
-def test_verbose_lists_settings_robots_and_steps(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_verbose_lists_settings_robots_and_steps(here: Path, capsys: Captured) -> None:
     write(here, package("w/src/a") | {"b.mars": MARS, "x.yaml": "a: 1", "mars.toml": "ignore = []"})
     assert run_here(["check", "-v"]) == 0
     lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("mars-asp: ")]
@@ -276,16 +257,14 @@ def test_verbose_lists_settings_robots_and_steps(
     ],
 )
 def test_paths_without_anything_to_read_are_named(
-    command: str, message: str, here: Path, capsys: pytest.CaptureFixture[str]
+    command: str, message: str, here: Path, capsys: Captured
 ) -> None:
     write(here, {"b.mars": MARS, "empty/x.txt": "", "a.md": f"# Robots\n{MARS}"})
     run_here(command.split())
     assert message in " ".join("".join(capsys.readouterr()).split())
 
 
-def test_fmt_refuses_documents_and_sources(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_fmt_refuses_documents_and_sources(tmp_path: Path, capsys: Captured) -> None:
     for name, text in (("a.md", "# Robots\n"), ("b.cpp", "int main() {}\n")):
         (tmp_path / name).write_text(text)
         assert run_here(["fmt", str(tmp_path / name)]) == 2
@@ -293,15 +272,13 @@ def test_fmt_refuses_documents_and_sources(
         assert message.endswith(f"{name}` is not a `.mars` file")
 
 
-def test_invalid_patterns_are_passed_over(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_invalid_patterns_are_passed_over(here: Path, capsys: Captured) -> None:
     write(here, {".gitignore": "!\nb\n", "a/x.mars": MARS, "b/y.mars": MARS})
     assert judged(capsys, "--exclude", "!") == ["a/x.mars"]
 
 
 @pytest.mark.parametrize("pattern", ["a", "./a", "{here}/a", "./a/"])
-def test_a_pattern_may_be_a_path(
-    pattern: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_pattern_may_be_a_path(pattern: str, here: Path, capsys: Captured) -> None:
     write(here, {"a/x.mars": MARS, "b/a.mars": MARS})
     assert judged(capsys, "--exclude", pattern.format(here=here)) == ["b/a.mars"]
 
@@ -310,7 +287,7 @@ def test_a_pattern_may_be_a_path(
     "command", ["fmt a.mars", "fmt a.mars --format json", "test --snapshot a.mars"]
 )
 def test_a_read_only_file_is_not_reported_as_written(
-    command: str, here: Path, capsys: pytest.CaptureFixture[str]
+    command: str, here: Path, capsys: Captured
 ) -> None:
     text = MARS.replace("\n", "   \n")
     write(here, {"a.mars": text})
@@ -322,16 +299,12 @@ def test_a_read_only_file_is_not_reported_as_written(
     assert (here / "a.mars").read_text(encoding="utf-8") == text
 
 
-def test_a_name_that_is_too_long_is_a_finding(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_name_that_is_too_long_is_a_finding(here: Path, capsys: Captured) -> None:
     assert run_here(["check", "a" * 300, "--format", "json"]) == 2
     assert "file name too long" in str(json.loads(capsys.readouterr().out))
 
 
-def test_a_closed_folder_is_named(
-    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_closed_folder_is_named(here: Path, monkeypatch: Patch, capsys: Captured) -> None:
     write(here, {"closed/b.mars": MARS})
     # The tests may run as root, who can read each folder.
     monkeypatch.setattr("mars_asp.cli.inputs.os.access", lambda path, mode: path != "closed")

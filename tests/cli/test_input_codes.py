@@ -8,10 +8,11 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.cli.input_codes import input_codes
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.processes import mars
 
 
-def test_each_code_has_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_code_has_a_meaning(capsys: Captured) -> None:
     assert run_here(["rules", "show", "catalogue"]) == 0
     output = capsys.readouterr().out
     assert output.startswith("## catalogue\n\nA node is described by the catalogue")
@@ -25,14 +26,12 @@ def test_each_code_has_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
     assert "did you mean `catalogue`?" in capsys.readouterr().err
 
 
-def test_ids_of_older_versions_are_accepted(capsys: pytest.CaptureFixture[str]) -> None:
+def test_ids_of_older_versions_are_accepted(capsys: Captured) -> None:
     assert run_here(["rules", "show", "run/run/collision"]) == 0
     assert capsys.readouterr().out.startswith("## run/collision\n")
 
 
-def test_the_rule_base_is_linted_as_itself(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_the_rule_base_is_linted_as_itself(capsys: Captured, tmp_path: Path) -> None:
     assert run_here(["rules", "lint", str(ROOT / "rules")]) == 0
     assert capsys.readouterr().out == "no problems found in the built-in rules\n"
     assert run_here(["rules", "lint", str(tmp_path)]) == 2
@@ -50,16 +49,14 @@ def test_the_rule_base_is_linted_as_itself(
     ],
 )
 def test_an_answer_without_topics_has_status_zero(
-    words: str, answer: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    words: str, answer: str, capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(ROOT)
     assert run_here(["explain", *words.split(), "-q"]) == 0
     assert answer in capsys.readouterr().out
 
 
-def test_a_subject_before_the_file_is_an_error(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_subject_before_the_file_is_an_error(capsys: Captured, monkeypatch: Patch) -> None:
     monkeypatch.chdir(ROOT / "examples" / "level0")
     assert run_here(["explain", "Sonar", "config.mars"]) == 2
     assert "mars-asp explain config.mars Sonar" in capsys.readouterr().err
@@ -69,9 +66,7 @@ def test_a_subject_before_the_file_is_an_error(
     assert "gone.mars: no such file" in capsys.readouterr().err
 
 
-def test_a_subject_may_be_a_rule(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_subject_may_be_a_rule(capsys: Captured, monkeypatch: Patch) -> None:
     monkeypatch.chdir(ROOT)
     assert run_here(["explain", "examples/level0/config.mars", "data/divergence"]) == 0
     output = capsys.readouterr().out
@@ -82,7 +77,7 @@ def test_a_subject_may_be_a_rule(
 
 
 def test_a_consequence_and_the_node_that_resolves_it_are_one_paragraph(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(ROOT)
     assert run_here(["explain", "examples/level0/config.mars"]) == 0
@@ -125,7 +120,7 @@ def test_words_that_users_type(
     assert "internal error" not in output and "Traceback" not in output
 
 
-def test_a_kind_is_shown_in_the_words_of_its_examples(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_kind_is_shown_in_the_words_of_its_examples(capsys: Captured) -> None:
     assert run_here(["rules", "show", "guard_bypass"]) == 0
     output = capsys.readouterr().out
     assert "`Joy` commands `Base` past the guard `Monitor`" in output

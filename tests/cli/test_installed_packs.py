@@ -12,6 +12,7 @@ from mars_asp.cli import run_here
 from mars_asp.cli.ament import check_words
 from mars_asp.reasoning.packs import installed_pack, installed_packs
 from mars_asp.reasoning.rules import load_rulebook
+from tests.support.fixtures import Captured, Patch
 from tests.support.refusals import refusals
 
 FINDING = """\
@@ -23,7 +24,7 @@ consequence(idle, warning, M, none) :- module(M).
 ROBOT = "@configuration\n@modules A, B\nA uses_data_from B\n"
 
 
-def output(capsys: pytest.CaptureFixture[str]) -> str:
+def output(capsys: Captured) -> str:
     return "".join(capsys.readouterr())
 
 
@@ -43,7 +44,7 @@ def install(folder: Path, name: str, package: str, rules: str) -> Path:
 
 
 @pytest.fixture
-def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def site(tmp_path: Path, monkeypatch: Patch) -> Path:
     """Return a folder on the path of modules; the working folder has a robot."""
     folder = tmp_path / "site"
     folder.mkdir()
@@ -54,7 +55,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def test_a_pack_is_found_by_its_name(site: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_pack_is_found_by_its_name(site: Path, capsys: Captured) -> None:
     inner = install(site, "inner-pack", "some.packs.inner", FINDING)
     pack = install(site, "idle", "idle_pack", FINDING)
     assert installed_packs() == {"idle": pack, "inner-pack": inner}
@@ -71,7 +72,7 @@ def test_a_pack_is_found_by_its_name(site: Path, capsys: pytest.CaptureFixture[s
     assert "`A` is there [idle]" in output(capsys)
 
 
-def test_a_path_counts_before_a_name(site: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_path_counts_before_a_name(site: Path, capsys: Captured) -> None:
     install(site, "idle", "idle_pack", FINDING)
     Path("idle").mkdir()
     Path("idle/here.lp").write_text(
@@ -81,7 +82,7 @@ def test_a_path_counts_before_a_name(site: Path, capsys: pytest.CaptureFixture[s
     assert "`A` is here [idle]" in output(capsys)
 
 
-def test_packs_are_listed_and_proposed(site: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_packs_are_listed_and_proposed(site: Path, capsys: Captured) -> None:
     assert run_here(["rules", "list"]) == 0
     assert "installed packs" not in output(capsys)
     pack = install(site, "idle", "idle_pack", FINDING)
@@ -100,9 +101,7 @@ def test_packs_are_listed_and_proposed(site: Path, capsys: pytest.CaptureFixture
         '#include "/etc/passwd".\n',
     ],
 )
-def test_an_installed_pack_passes_the_gates(
-    rules: str, site: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_installed_pack_passes_the_gates(rules: str, site: Path, capsys: Captured) -> None:
     install(site, "idle", "idle_pack", rules)
     assert run_here(["check", "robot.mars", "--rules", "idle"]) == 2
     error = output(capsys)
@@ -112,9 +111,7 @@ def test_an_installed_pack_passes_the_gates(
         assert f"[{problem.code}]" in error
 
 
-def test_a_new_pack_builds_a_wheel(
-    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_new_pack_builds_a_wheel(site: Path, tmp_path: Path, capsys: Captured) -> None:
     Path("blind.mars").write_text("@configuration\n@modules A, B\nA is_controlled_by B\n")
     run_here(["rules", "new", "no-eyes"])
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]

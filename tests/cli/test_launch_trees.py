@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.fixtures import Captured, Patch
 
 SENDER = """\
 import rclpy
@@ -34,7 +35,7 @@ LAUNCH = """\
 
 
 @pytest.fixture
-def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def workspace(tmp_path: Path, monkeypatch: Patch) -> Path:
     """Return a package with two launch files, whose senders meet by default in one of them."""
     package = tmp_path / "ws" / "src" / "drive"
     files = {
@@ -60,7 +61,7 @@ def findings(text: str) -> list[dict[str, object]]:
 
 
 def test_a_finding_names_its_launch_files_and_its_condition(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
+    workspace: Path, capsys: Captured
 ) -> None:
     assert run_here(["check", str(workspace), "--format", "json"]) == 0
     output = capsys.readouterr()
@@ -72,9 +73,7 @@ def test_a_finding_names_its_launch_files_and_its_condition(
     assert json.loads(output.out)["files"][0]["launch_files"] == trees
 
 
-def test_launch_takes_some_of_the_trees(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_launch_takes_some_of_the_trees(workspace: Path, capsys: Captured) -> None:
     run_here(["check", str(workspace), "--launch", "one.launch.xml", "--format", "json"])
     [finding] = findings(capsys.readouterr().out)
     assert finding["launch_files"] == ["ws/src/drive/launch/one.launch.xml"]
@@ -89,15 +88,13 @@ def test_launch_takes_some_of_the_trees(
     ],
 )
 def test_a_launch_file_that_is_not_there_is_an_error(
-    workspace: Path, capsys: pytest.CaptureFixture[str], name: str, message: str
+    workspace: Path, capsys: Captured, name: str, message: str
 ) -> None:
     assert run_here(["check", str(workspace), "--launch", name, "--format", "full"]) == 2
     assert message in capsys.readouterr().err
 
 
-def test_import_lists_several_trees_and_takes_one(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_import_lists_several_trees_and_takes_one(workspace: Path, capsys: Captured) -> None:
     assert run_here(["import", "ros2", str(workspace), "--format", "json"]) == 2
     error = json.loads(capsys.readouterr().err.splitlines()[-1])
     assert "both.launch.xml" in error["help"] and "one.launch.xml" in error["help"]
@@ -106,21 +103,21 @@ def test_import_lists_several_trees_and_takes_one(
 
 
 def test_other_verbs_report_that_they_took_all_trees_for_one_robot(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
+    workspace: Path, capsys: Captured
 ) -> None:
     run_here(["facts", str(workspace)])
     message = " ".join(capsys.readouterr().err.split())
     assert "2 launch files were taken for one robot" in message and ":1:1" not in message
 
 
-def test_verbose_lists_the_trees(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_verbose_lists_the_trees(workspace: Path, capsys: Captured) -> None:
     run_here(["check", "-v", str(workspace)])
     assert "launch file ws/src/drive/launch/one.launch.xml" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("subject", ["ambiguous_priority", "/cmd_vel", "/two", "sender.py:9"])
 def test_a_finding_of_check_can_be_explained(
-    workspace: Path, capsys: pytest.CaptureFixture[str], subject: str
+    workspace: Path, capsys: Captured, subject: str
 ) -> None:
     assert run_here(["explain", str(workspace), subject]) == 0
     lines = [line.strip() for line in capsys.readouterr().out.splitlines()]
@@ -146,7 +143,7 @@ def test_a_finding_of_check_can_be_explained(
     ],
 )
 def test_why_not_knows_the_findings_in_launch_files(
-    workspace: Path, capsys: pytest.CaptureFixture[str], atom: str, status: int, text: str
+    workspace: Path, capsys: Captured, atom: str, status: int, text: str
 ) -> None:
     words = ["explain", str(workspace), "--quiet", "--why-not", atom]
     assert run_here(words) == status
@@ -171,7 +168,7 @@ def test_why_not_knows_the_findings_in_launch_files(
     ],
 )
 def test_subjects_of_launch_files(
-    workspace: Path, capsys: pytest.CaptureFixture[str], subject: str, status: int, text: str
+    workspace: Path, capsys: Captured, subject: str, status: int, text: str
 ) -> None:
     subject = subject.format(here=Path.cwd())
     assert run_here(["explain", str(workspace), subject, "--quiet"]) == status
@@ -179,9 +176,7 @@ def test_subjects_of_launch_files(
     assert text in " ".join((output.err if status else output.out).split())
 
 
-def test_the_order_of_launch_files_changes_no_finding(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_order_of_launch_files_changes_no_finding(workspace: Path, capsys: Captured) -> None:
     other = workspace / "src" / "base"
     (other / "launch").mkdir(parents=True)
     (other / "package.xml").write_text("<package><name>base</name></package>")
@@ -202,7 +197,7 @@ def test_the_order_of_launch_files_changes_no_finding(
 
 
 def test_a_difference_of_workspaces_has_the_findings_of_check(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
+    workspace: Path, capsys: Captured
 ) -> None:
     shutil.copytree(workspace, "two")
     assert run_here(["diff", "ws", "two", "--quiet"]) == 0
@@ -214,9 +209,7 @@ def test_a_difference_of_workspaces_has_the_findings_of_check(
         assert f"{how} missing_file: the package `drive` has no" in capsys.readouterr().out
 
 
-def test_folders_are_judged_each_by_itself(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_folders_are_judged_each_by_itself(workspace: Path, capsys: Captured) -> None:
     shutil.copytree(workspace, "two")
     run_here(["check", str(workspace), "two", "--format", "json"])
     places = [str(each["path"]).partition("/")[0] for each in findings(capsys.readouterr().out)]
@@ -230,7 +223,7 @@ def test_folders_are_judged_each_by_itself(
     assert [each["path"] for each in document["files"]] == ["stray.launch.xml", "two", "ws"]
 
 
-def test_analyse_judges_as_check_does(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_analyse_judges_as_check_does(workspace: Path, capsys: Captured) -> None:
     assert run_here(["analyse", str(workspace), "--format", "json"]) == 0
     [finding] = json.loads(capsys.readouterr().out)["consequences"]
     assert finding["kind"] == "ambiguous_priority"
@@ -240,7 +233,7 @@ def test_analyse_judges_as_check_does(workspace: Path, capsys: pytest.CaptureFix
 
 @pytest.mark.parametrize("option", [["--ignore", "launch"], ["--select", "ambiguous_priority"]])
 def test_messages_on_reading_are_selected_as_findings_are(
-    workspace: Path, capsys: pytest.CaptureFixture[str], option: list[str]
+    workspace: Path, capsys: Captured, option: list[str]
 ) -> None:
     run_here(["check", str(workspace)])
     assert "on conditions, of" in capsys.readouterr().err
@@ -249,9 +242,7 @@ def test_messages_on_reading_are_selected_as_findings_are(
         assert "on conditions, of" not in capsys.readouterr().err
 
 
-def test_a_comment_hides_a_message_on_reading(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_comment_hides_a_message_on_reading(workspace: Path, capsys: Captured) -> None:
     file = workspace / "src" / "drive" / "launch" / "both.launch.xml"
     lines = file.read_text().splitlines()
     lines[3] += " <!-- mars: ignore[launch] both branches are known -->"
@@ -263,7 +254,7 @@ def test_a_comment_hides_a_message_on_reading(
 
 
 def test_packs_are_not_applied_in_silence(
-    workspace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    workspace: Path, tmp_path: Path, capsys: Captured
 ) -> None:
     (tmp_path / "pack").mkdir()
     (tmp_path / "pack" / "own.lp").write_text(
@@ -302,7 +293,7 @@ READS, SENDS = 'subscription(LaserScan, "{}", print, 10)', 'publisher(LaserScan,
     ],
 )
 def test_a_program_that_no_launch_file_starts_may_be_the_other_end(
-    hand: str, kinds: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    hand: str, kinds: list[str], tmp_path: Path, capsys: Captured
 ) -> None:
     programs = {"reader": READS.format("scan"), "sender": SENDS.format("base/scan"), "hand": hand}
     scripts = [f"{name} = drive.{name}:main" for name in programs]

@@ -7,6 +7,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 
 KINDS = ROOT / "tests" / "node_kinds"
 WATCHDOG = ROOT / "examples" / "packs" / "watchdog"
@@ -28,7 +29,7 @@ def written(folder: Path, text: str = SPECIFICATION) -> Path:
 
 @pytest.mark.parametrize("verb", ["analyse", "synthesise", "explain", "facts", "check"])
 def test_a_node_of_a_pack_that_is_not_given_is_an_error_everywhere(
-    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    verb: str, tmp_path: Path, capsys: Captured
 ) -> None:
     assert run_here([verb, str(written(tmp_path))]) == 2
     output = capsys.readouterr()
@@ -38,7 +39,7 @@ def test_a_node_of_a_pack_that_is_not_given_is_an_error_everywhere(
 
 
 def test_the_specification_that_is_judged_names_its_packs_too(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     configuration = tmp_path / "c.mars"
     configuration.write_text("@configuration\n@modules Drive, Base\nBase is_controlled_by Drive\n")
@@ -63,7 +64,7 @@ def test_the_specification_that_is_judged_names_its_packs_too(
     ],
 )
 def test_comments_name_the_pack_of_a_node(
-    comment: str, status: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    comment: str, status: int, tmp_path: Path, capsys: Captured
 ) -> None:
     text = SPECIFICATION.replace("// Watchdog1: node of the pack watchdog", comment)
     packs = [word for each in (WATCHDOG, WITNESS) for word in ("--rules", str(each))]
@@ -71,16 +72,14 @@ def test_comments_name_the_pack_of_a_node(
     assert ("has no nodes named as" in " ".join(capsys.readouterr().err.split())) == (status == 2)
 
 
-def test_packs_of_the_settings_bring_their_nodes(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_packs_of_the_settings_bring_their_nodes(tmp_path: Path, capsys: Captured) -> None:
     (tmp_path / "mars.toml").write_text(f'rules = ["{WATCHDOG}"]\n', encoding="utf-8")
     assert run_here(["facts", str(written(tmp_path))]) == 0
     assert 'node("Watchdog1",watchdog).' in capsys.readouterr().out
 
 
 def test_nodes_that_need_no_behaviour_forward_their_inputs(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     specification = written(
         tmp_path,
@@ -140,7 +139,7 @@ void go(Twist t);
 
 @pytest.mark.parametrize("behaviour", ["needed", "none"])
 def test_an_inheritance_node_leads_through_nodes_of_packs(
-    behaviour: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    behaviour: str, tmp_path: Path, capsys: Captured
 ) -> None:
     pack = tmp_path / "watchdog"
     pack.mkdir()
@@ -196,7 +195,7 @@ Screen uses_data_from Merger2
     ],
 )
 def test_repairs_keep_inputs_and_outputs_of_nodes_of_packs(
-    finding: str, edits: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    finding: str, edits: list[str], tmp_path: Path, capsys: Captured
 ) -> None:
     specification = str(written(tmp_path, REPAIRED))
     options = ["--repair", "--rules", str(SHAPES), "--format", "json"]
@@ -207,7 +206,7 @@ def test_repairs_keep_inputs_and_outputs_of_nodes_of_packs(
 
 
 def test_nodes_that_no_rule_of_verify_asks_for_are_a_fault_of_packs(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     pack = tmp_path / "filters"
     (pack / "resolve").mkdir(parents=True)
@@ -224,9 +223,7 @@ def test_nodes_that_no_rule_of_verify_asks_for_are_a_fault_of_packs(
     assert "no rule in `verify` asks for nodes that packs introduce, such as Limiter1" in output
 
 
-def test_packs_that_refuse_their_own_nodes_are_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_packs_that_refuse_their_own_nodes_are_named(tmp_path: Path, capsys: Captured) -> None:
     (tmp_path / "pack.toml").write_text('name = "mine"\nversion = "1"\n', encoding="utf-8")
     (tmp_path / "verify").mkdir()
     rules = tmp_path / "verify" / "mine.lp"
@@ -244,7 +241,7 @@ def test_packs_that_refuse_their_own_nodes_are_named(
 
 @pytest.mark.parametrize("behaviour", ["needed", "none"])
 def test_a_node_that_only_listens_hears_each_message_and_changes_nothing(
-    behaviour: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    behaviour: str, tmp_path: Path, capsys: Captured
 ) -> None:
     (tmp_path / "ears").mkdir()
     manifest = (EARS / "pack.toml").read_text(encoding="utf-8")

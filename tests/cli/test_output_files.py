@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import deliver, run_here
+from tests.support.fixtures import Captured, Patch
 
 ROBOT = "@configuration flat\n@include b.mars\n@modules A\n"
 SCENARIO = '[robot]\nmodule = "A"\n'
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     Path("a.mars").write_text(ROBOT)
     Path("b.mars").write_text("@configuration flat\n@modules B\n")
@@ -38,7 +39,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ],
 )
 def test_an_output_that_is_an_input_or_another_output_is_refused(
-    words: Sequence[str], folder: Path, capsys: pytest.CaptureFixture[str]
+    words: Sequence[str], folder: Path, capsys: Captured
 ) -> None:
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     assert run_here(words) == 2

@@ -7,6 +7,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 
 PACK = ROOT / "examples" / "packs" / "single-point-of-failure"
 ROBOT = ROOT / "tests" / "preferences" / "one_converter.mars"
@@ -19,16 +20,14 @@ Grid lift(Image image);
 """
 
 
-def synthesised(
-    robot: Path, pack: Path, capsys: pytest.CaptureFixture[str]
-) -> tuple[dict[str, object], str]:
+def synthesised(robot: Path, pack: Path, capsys: Captured) -> tuple[dict[str, object], str]:
     assert run_here(["synthesise", str(robot), "--rules", str(pack), "--format", "json"]) == 0
     out, err = capsys.readouterr()
     return json.loads(out), " ".join(err.split())
 
 
 def test_an_unmet_preference_is_printed_with_its_cost(
-    capsys: pytest.CaptureFixture[str],
+    capsys: Captured,
 ) -> None:
     found, printed = synthesised(ROBOT, PACK, capsys)
     message = "all that `Map` gets comes through the converter `Flatten`"
@@ -39,7 +38,7 @@ def test_an_unmet_preference_is_printed_with_its_cost(
 
 @pytest.mark.parametrize(("cost", "paid"), [("", 0), ("2", 1)])
 def test_a_preference_decides_among_equal_costs(
-    cost: str, paid: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    cost: str, paid: int, tmp_path: Path, capsys: Captured
 ) -> None:
     robot = tmp_path / "robot.mars"
     robot.write_text(ROBOT.read_text() + CONVERTER.format(cost=cost))
@@ -50,7 +49,7 @@ def test_a_preference_decides_among_equal_costs(
 
 @pytest.mark.parametrize("level", ["0", "10", "30", "L"])
 def test_a_level_that_is_not_below_that_of_lines_is_an_error(
-    level: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    level: str, tmp_path: Path, capsys: Captured
 ) -> None:
     (tmp_path / "pack" / "resolve").mkdir(parents=True)
     rule = f"preference({level}, 1, few(M)) :- module(M), L = 3.\n"

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from mars_asp.cli import progress
+from tests.support.fixtures import Patch
 
 
 class Terminal(io.StringIO):
@@ -17,7 +18,7 @@ class Terminal(io.StringIO):
 
 
 @pytest.fixture
-def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+def impatient(monkeypatch: Patch) -> None:
     monkeypatch.setattr(progress, "_PATIENCE", 0.0)
 
 
@@ -28,7 +29,7 @@ def wait_for(text: str) -> None:
 
 
 @pytest.mark.usefixtures("impatient")
-def test_the_name_of_a_stage_is_shown_and_removed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_name_of_a_stage_is_shown_and_removed(monkeypatch: Patch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     with progress.stage(argparse.Namespace(quiet=False), "reading " + "x" * 100):
@@ -39,7 +40,7 @@ def test_the_name_of_a_stage_is_shown_and_removed(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.usefixtures("impatient")
-def test_a_bar_shows_the_share_of_results(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bar_shows_the_share_of_results(monkeypatch: Patch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     with progress.progress_bar(argparse.Namespace(quiet=False), "components") as result:
@@ -50,7 +51,7 @@ def test_a_bar_shows_the_share_of_results(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 @pytest.mark.usefixtures("impatient")
-def test_files_and_quiet_commands_get_no_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_and_quiet_commands_get_no_line(monkeypatch: Patch) -> None:
     for quiet, stream in ((False, io.StringIO()), (True, Terminal())):
         monkeypatch.setattr(sys, "stderr", stream)
         arguments = argparse.Namespace(quiet=quiet)

@@ -5,6 +5,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.language.text_edits import LineEdit, apply_lines
+from tests.support.fixtures import Captured, Patch
 
 PACK = """\
 %*! ours(M: module)
@@ -19,12 +20,12 @@ both(P) :- ours(P), output(_, _, P).
 
 
 @pytest.fixture(autouse=True)
-def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+def wide(monkeypatch: Patch) -> None:
     """Print each message in one line."""
     monkeypatch.setenv("COLUMNS", "1000")
 
 
-def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_lint_hands_sorts_on(tmp_path: Path, capsys: Captured) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text(PACK)
     assert run_here(["rules", "lint", str(pack)]) == 0
@@ -38,13 +39,13 @@ def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     ]
 
 
-def test_lint_has_nothing_against_our_own_rules(capsys: pytest.CaptureFixture[str]) -> None:
+def test_lint_has_nothing_against_our_own_rules(capsys: Captured) -> None:
     assert run_here(["rules", "lint"]) == 0
     assert capsys.readouterr().out == "no problems found in the built-in rules\n"
 
 
 def test_lint_without_a_path_takes_the_pack_of_the_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert run_here(["rules", "new", "ours"]) == 0
@@ -55,9 +56,7 @@ def test_lint_without_a_path_takes_the_pack_of_the_folder(
     assert "syntax error" in capsys.readouterr().err
 
 
-def test_a_wrong_declaration_is_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrong_declaration_is_reported(tmp_path: Path, capsys: Captured) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text(PACK.replace("ours.\n", "ours.\nfron: stated\n"))
     assert run_here(["rules", "lint", str(pack)]) == 0
@@ -66,7 +65,7 @@ def test_a_wrong_declaration_is_reported(
     assert run_here(["analyse", "examples/level0/config.mars", "--rules", str(pack)]) == 0
 
 
-def test_packs_may_read_the_old_names_of_predicates(capsys: pytest.CaptureFixture[str]) -> None:
+def test_packs_may_read_the_old_names_of_predicates(capsys: Captured) -> None:
     assert run_here(["rules", "list", "--predicates", "--format", "json"]) == 0
     names = {each["predicate"] for each in json.loads(capsys.readouterr().out)}
     old = {
@@ -76,12 +75,12 @@ def test_packs_may_read_the_old_names_of_predicates(capsys: pytest.CaptureFixtur
     assert old <= names
 
 
-def test_predicates_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+def test_predicates_are_shown(capsys: Captured) -> None:
     assert run_here(["rules", "show", "architecture/1"]) == 0
     assert "architecture(K: {flat, hierarchical})" in capsys.readouterr().out
 
 
-def test_fixes_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_fixes_are_written(tmp_path: Path, capsys: Captured) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text("% größer\nodd(M) :- class(M, sensr), guard(M), guard(M). #show odd/1.\n")
     assert run_here(["rules", "lint", "--fix", str(pack)]) == 0
@@ -91,9 +90,7 @@ def test_fixes_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert "`--fix` has an effect only on `lint` with a pack" in capsys.readouterr().err
 
 
-def test_refusals_of_an_analysis_come_with_the_lints(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_refusals_of_an_analysis_come_with_the_lints(tmp_path: Path, capsys: Captured) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text(
         "odd(M) :- missing_here(M, sensr).\nsees(M) :- class(M, sensr). #show sees/1.\n"
@@ -104,7 +101,7 @@ def test_refusals_of_an_analysis_come_with_the_lints(
     assert "[rule-value]" in output
 
 
-def test_json_has_the_fix_of_each_lint(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_has_the_fix_of_each_lint(tmp_path: Path, capsys: Captured) -> None:
     pack = tmp_path / "pack.lp"
     text = "odd(M) :- class(M, sensr),\n  guard(M), guard(M). #show odd/1.\nx(M) :- module(M).\n"
     pack.write_text(text)
@@ -132,9 +129,7 @@ def pack_in(folder: Path, name: str, needs: str, rule: str) -> Path:
     return folder / name
 
 
-def test_a_required_pack_is_found_beside_its_user(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_required_pack_is_found_beside_its_user(tmp_path: Path, capsys: Captured) -> None:
     shared = "%*! far(M: module)\nM is far.\npacks: read\n*%\nfar(M) :- class(M, sensr).\n"
     pack_in(tmp_path, "base", "", shared)
     top = pack_in(tmp_path, "top", '"base"', "near(M) :- module(M), not far(M).\n#show near/1.\n")

@@ -6,18 +6,15 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from mars_asp.cli import run_command, run_here
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 from tests.support.trials import BASE, DRIVE, HAND
 
 LEVEL0 = ROOT / "examples" / "level0"
 
 
-def test_blocks_of_a_configuration_describe_its_modules(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_blocks_of_a_configuration_describe_its_modules(tmp_path: Path, capsys: Captured) -> None:
     blocks = {
         "Eye": "@Sense NotifyAtFrequency 20, RequestWhenReady\nScan look();",
         "Log": "@DataIn\nvoid log(Scan scan);",
@@ -55,7 +52,7 @@ def test_blocks_of_a_configuration_describe_its_modules(
     assert found["verdict"] == "pass"
 
 
-def test_dropped_messages_are_shown(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_dropped_messages_are_shown(capfd: Captured, tmp_path: Path) -> None:
     (tmp_path / "c.mars").write_text(
         "@specification\n@modules P, C, D\nP is_controlled_by C\nP is_controlled_by D\n"
     )
@@ -69,7 +66,7 @@ def test_dropped_messages_are_shown(capfd: pytest.CaptureFixture[str], tmp_path:
     assert [link["dropped"] for link in links] == [{"overtaken": 31}, {}]
 
 
-def test_analysis_runs_no_behaviour(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_analysis_runs_no_behaviour(capfd: Captured, tmp_path: Path) -> None:
     """A source is text to analysis; only a run imports it."""
     ran = tmp_path / "ran"
     (tmp_path / "b.py").write_text(
@@ -87,7 +84,7 @@ def test_analysis_runs_no_behaviour(capfd: pytest.CaptureFixture[str], tmp_path:
     assert "100.0 %" in capfd.readouterr().out
 
 
-def test_the_first_failure_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_first_failure_is_printed(tmp_path: Path, capsys: Captured) -> None:
     (tmp_path / "b.py").write_text("def go():\n    raise ValueError('no\\x1b[31m map')\n")
     text = BASE + '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
     (tmp_path / "s.toml").write_text(text)
@@ -98,7 +95,7 @@ def test_the_first_failure_is_printed(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def test_a_run_cut_short_warns_of_faults_that_it_does_not_come_to(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     (tmp_path / "s.toml").write_text(f"{BASE}{HAND}[faults.C]\nfrom = 2\n")
     (tmp_path / "d.mars").write_text(DRIVE)
@@ -118,7 +115,7 @@ def _run(*words: str) -> int:
 
 
 def test_level_0_runs_and_same_seed_is_same_trace_to_the_byte(
-    capfd: pytest.CaptureFixture[str], tmp_path: Path
+    capfd: Captured, tmp_path: Path
 ) -> None:
     traces = []
     for name in ("a", "b"):
@@ -135,7 +132,7 @@ def test_level_0_runs_and_same_seed_is_same_trace_to_the_byte(
 
 
 def test_each_winner_of_an_arbiter_is_listed_with_instant_and_reason(
-    capfd: pytest.CaptureFixture[str],
+    capfd: Captured,
 ) -> None:
     assert _run("--duration", "5", "--why") == 0
     output = capfd.readouterr().out.split("\nArbitrationNode\n")[1].splitlines()
@@ -145,9 +142,7 @@ def test_each_winner_of_an_arbiter_is_listed_with_instant_and_reason(
     assert instants == sorted(instants)
 
 
-def test_a_violated_requirement_is_status_1(
-    capfd: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_violated_requirement_is_status_1(capfd: Captured, tmp_path: Path) -> None:
     text = (LEVEL0 / "scenario.toml").read_text() + "clearance = 3000\n"
     text = text.replace('"sources/', f'"{LEVEL0.as_posix()}/sources/')
     (tmp_path / "s.toml").write_text(text)
@@ -168,7 +163,7 @@ def test_a_violated_requirement_is_status_1(
 
 
 def test_annotated_functions_run_without_another_line_of_glue(
-    capfd: pytest.CaptureFixture[str], tmp_path: Path
+    capfd: Captured, tmp_path: Path
 ) -> None:
     text = (LEVEL0 / "scenario.toml").read_text()
     bare = text[: text.index("[bindings]")] + text[text.index("[requirements]") :]
@@ -198,7 +193,7 @@ def test_a_closed_output_ends_a_run_quietly() -> None:
 
 
 def test_a_plan_of_a_scenario_for_another_robot_is_refused(
-    capsys: pytest.CaptureFixture[str],
+    capsys: Captured,
 ) -> None:
     scenario = str(ROOT / "examples" / "patrol" / "scenario.toml")
     words = ["run", f"{LEVEL0}/config.mars", "--scenario", scenario, "--dry-run"]

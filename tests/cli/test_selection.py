@@ -13,6 +13,7 @@ from mars_asp.cli.settings import settings_for
 from mars_asp.language import toml_text
 from tests.support.configurations import FINDINGS as ROBOT
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.processes import mars
 from tests.support.refusals import refusals
 
@@ -21,14 +22,14 @@ PACK = 'consequence(crowded, error, M, here) :- module(M), M = "Camera".\n'
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "300")
     (tmp_path / "a.mars").write_text(ROBOT)
     return tmp_path
 
 
-def analysed(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, set[str], list[str]]:
+def analysed(capsys: Captured, *words: str) -> tuple[int, set[str], list[str]]:
     """Return the status of `analyse`, the kinds that it reports, and its remarks."""
     status = run_here(["analyse", *words, "--format", "json"])
     shown = capsys.readouterr()
@@ -38,14 +39,14 @@ def analysed(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, set[
     return status, kinds, lines
 
 
-def test_selected_notes_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+def test_selected_notes_are_named(capsys: Captured) -> None:
     path = ROOT / "examples/figure04-divergence/config.mars"
     assert run_here(["check", str(path), "--select", "data_divergence"]) == 0
     message = "1 finding of `data_divergence` not reported, as `check` leaves out notes"
     assert message in capsys.readouterr().err
 
 
-def test_the_robot_of_these_tests(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_robot_of_these_tests(capsys: Captured) -> None:
     status, kinds, result = analysed(capsys, "a.mars")
     assert (status, result) == (1, [])
     assert {ERROR, WARNING, *NOTES} < kinds
@@ -67,7 +68,7 @@ def test_the_robot_of_these_tests(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_kinds_are_selected_and_ignored(
-    options: list[str], status: int, kinds: set[str] | None, capsys: pytest.CaptureFixture[str]
+    options: list[str], status: int, kinds: set[str] | None, capsys: Captured
 ) -> None:
     kinds = {WARNING} if kinds is None else kinds
     assert analysed(capsys, "a.mars", *options) == (status, kinds, [])
@@ -75,7 +76,7 @@ def test_kinds_are_selected_and_ignored(
     assert (f"[{WARNING}]" in capsys.readouterr().out) == (WARNING in kinds)
 
 
-def test_ignored_kinds_are_all_but_the_others(capsys: pytest.CaptureFixture[str]) -> None:
+def test_ignored_kinds_are_all_but_the_others(capsys: Captured) -> None:
     _, everything, _ = analysed(capsys, "a.mars")
     assert analysed(capsys, "a.mars", "--ignore", ERROR) == (0, everything - {ERROR}, [])
 
@@ -93,25 +94,21 @@ def test_ignored_kinds_are_all_but_the_others(capsys: pytest.CaptureFixture[str]
         ("zzz", "no rule finds `zzz`|`mars-asp rules list` names"),
     ],
 )
-def test_unknown_kinds_are_errors(
-    option: str, message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_unknown_kinds_are_errors(option: str, message: str, capsys: Captured) -> None:
     for name in ("--select", "--ignore"):
         status, _, remarks = analysed(capsys, "a.mars", name, option)
         assert status == 2
         assert message in remarks[0]
 
 
-def test_kinds_of_packs_are_known_where_the_pack_is(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_kinds_of_packs_are_known_where_the_pack_is(folder: Path, capsys: Captured) -> None:
     (folder / "own.lp").write_text(PACK)
     words = ("a.mars", "--select", "crowded")
     assert analysed(capsys, *words)[0] == 2
     assert analysed(capsys, *words, "--rules", "own.lp") == (1, {"crowded"}, [])
 
 
-def test_settings_take_kinds_and_rules(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_settings_take_kinds_and_rules(folder: Path, capsys: Captured) -> None:
     _, everything, _ = analysed(capsys, "a.mars")
     (folder / "mars.toml").write_text('ignore = ["mounts/cycle", "ambiguous_priority"]\n')
     assert analysed(capsys, "a.mars") == (0, everything - {ERROR, WARNING}, [])
@@ -121,9 +118,7 @@ def test_settings_take_kinds_and_rules(folder: Path, capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize("name", [WARNING, "control/ambiguous-priority"])
-def test_kinds_and_rules_name_findings_to_explain(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_kinds_and_rules_name_findings_to_explain(name: str, capsys: Captured) -> None:
     assert run_here(["explain", "a.mars", name]) == 1
     output = capsys.readouterr().out
     assert "ambiguous_priority(Base)" in output and ERROR not in output
@@ -138,7 +133,7 @@ READ = [
 
 @pytest.mark.parametrize(("name", "text"), READ)
 def test_names_in_brackets_are_ignored(
-    name: str, text: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    name: str, text: str, folder: Path, capsys: Captured
 ) -> None:
     (folder / "r").write_text(text)
     run_here(["check", "r"])
@@ -203,8 +198,8 @@ def test_the_nearest_settings_count(
     files: dict[str, str],
     kinds: set[str] | None,
     folder: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    capsys: Captured,
+    monkeypatch: Patch,
 ) -> None:
     (folder / "robots").mkdir()
     (folder / "robots/a.mars").write_text(ROBOT)
@@ -235,7 +230,7 @@ def test_the_nearest_settings_count(
 )
 @pytest.mark.parametrize("verb", ["analyse", "check"])
 def test_errors_of_settings_have_a_location(
-    verb: str, text: str, message: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    verb: str, text: str, message: str, folder: Path, capsys: Captured
 ) -> None:
     (folder / "mars.toml").write_text(text)
     assert run_here([verb, "a.mars", "--format", "json"]) == 2
@@ -282,12 +277,7 @@ def commented(line: int, comment: str) -> str:
     ],
 )
 def test_comments_hide_findings_of_their_line(
-    line: int,
-    comment: str,
-    hidden: set[str],
-    messages: list[str],
-    folder: Path,
-    capsys: pytest.CaptureFixture[str],
+    line: int, comment: str, hidden: set[str], messages: list[str], folder: Path, capsys: Captured
 ) -> None:
     _, everything, _ = analysed(capsys, "a.mars")
     (folder / "a.mars").write_bytes(commented(line, comment).replace("\n", "\r\n").encode())
@@ -300,17 +290,13 @@ def test_comments_hide_findings_of_their_line(
     )
 
 
-def test_a_comment_belongs_to_the_first_place(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_comment_belongs_to_the_first_place(folder: Path, capsys: Captured) -> None:
     (folder / "a.mars").write_text(commented(4, f"// mars: ignore[{WARNING}]"))
     _, _, (result,) = analysed(capsys, "a.mars")
     assert result.endswith("|move it to the end of line 3 of a.mars, its first place")
 
 
-def test_a_finding_without_a_line_is_at_the_first(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_finding_without_a_line_is_at_the_first(folder: Path, capsys: Captured) -> None:
     (folder / "own.lp").write_text(PACK)
     (folder / "a.mars").write_text(commented(1, "// mars: ignore[crowded] so it is"))
     words = ("a.mars", "--select", "crowded", "--rules", "own.lp")
@@ -347,7 +333,7 @@ def test_comments_are_those_of_the_language(
     assert found == expected
 
 
-def test_comments_of_sources_count_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_comments_of_sources_count_too(folder: Path, capsys: Captured) -> None:
     source = """\
 # @module_start
 # @module_name Camera
@@ -379,7 +365,7 @@ def look() -> Pose: ...
 
 
 def test_a_baseline_hides_listed_findings_wherever_they_move(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: Captured
 ) -> None:
     assert run_here(["check", "a.mars", "--write-baseline", "known.json"]) == 0
     assert capsys.readouterr().err.startswith(
@@ -412,7 +398,7 @@ def test_a_baseline_hides_listed_findings_wherever_they_move(
 
 
 def test_a_note_counts_entries_of_a_baseline_that_match_nothing(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: Captured
 ) -> None:
     (folder / "b.mars").write_text(ROBOT)
     assert run_here(["analyse", "a.mars", "--write-baseline", "known.json"]) == 0
@@ -436,9 +422,7 @@ def test_a_note_counts_entries_of_a_baseline_that_match_nothing(
     assert "3 findings of the baseline match nothing" in capsys.readouterr().err
 
 
-def test_a_baseline_lists_each_of_two_that_are_alike(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_baseline_lists_each_of_two_that_are_alike(folder: Path, capsys: Captured) -> None:
     twice = ROBOT + "A uses_data_from Camera\n"
     (folder / "a.mars").write_text(twice)
     run_here(["check", "a.mars", "--select", "duplicate_relationship", "--write-baseline", "k"])
@@ -474,7 +458,7 @@ def test_a_baseline_lists_each_of_two_that_are_alike(
     ],
 )
 def test_an_invalid_baseline_is_refused(
-    raw: bytes | None, message: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    raw: bytes | None, message: str, folder: Path, capsys: Captured
 ) -> None:
     if raw is not None:
         (folder / "k.json").write_bytes(raw)
@@ -482,18 +466,14 @@ def test_an_invalid_baseline_is_refused(
     assert capsys.readouterr().err.startswith((f"k.json:{message}", message))
 
 
-def test_no_baseline_is_written_if_a_file_cannot_be_read(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_baseline_is_written_if_a_file_cannot_be_read(folder: Path, capsys: Captured) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,,\n")
     assert run_here(["check", "a.mars", "bad.mars", "--write-baseline", "k.json"]) == 2
     assert "no baseline was written" in capsys.readouterr().out
     assert not (folder / "k.json").exists()
 
 
-def test_findings_hidden_by_comments_are_in_no_baseline(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_findings_hidden_by_comments_are_in_no_baseline(folder: Path, capsys: Captured) -> None:
     (folder / "a.mars").write_text(commented(5, f"// mars: ignore[{ERROR}]"))
     assert run_here(["check", "a.mars", "--write-baseline", "-"]) == 0
     (listed,) = json.loads(capsys.readouterr().out)["findings"]
@@ -534,7 +514,7 @@ def test_fix_ignores_hidden_findings(folder: Path) -> None:
     ],
 )
 def test_verbs_that_find_something_on_their_way_hide_it_too(
-    verb: str, more: list[str], hidden_by: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    verb: str, more: list[str], hidden_by: str, folder: Path, capsys: Captured
 ) -> None:
     assert run_here([verb, "a.mars", *more]) == 1
     shown = capsys.readouterr()
@@ -557,14 +537,12 @@ def test_verbs_that_find_something_on_their_way_hide_it_too(
     assert "mounts form a cycle" not in shown.out + shown.err
 
 
-def test_a_hidden_finding_can_be_explained(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_hidden_finding_can_be_explained(capsys: Captured) -> None:
     assert run_here(["explain", "a.mars", f"{ERROR}(Arm)", "--ignore", ERROR]) == 0
     assert "mounts form a cycle" in capsys.readouterr().out
 
 
-def test_verbs_agree_on_the_first_place_of_a_finding(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_verbs_agree_on_the_first_place_of_a_finding(folder: Path, capsys: Captured) -> None:
     """All commands match a finding of a baseline by the file of its first location."""
     robot = str(ROOT / "tests/repair/left-over/config.mars")
     run_here(["check", robot, "--write-baseline", "k"])
@@ -580,7 +558,7 @@ def test_verbs_agree_on_the_first_place_of_a_finding(
 
 
 def test_comments_at_the_first_place_hide_from_explanations_too(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: Captured
 ) -> None:
     text = (ROOT / "tests/repair/left-over/config.mars").read_text(encoding="utf-8")
     hidden = text.replace("@ControlOut\n", "@ControlOut // mars: ignore[loose_end] later\n")
@@ -596,7 +574,7 @@ def test_comments_at_the_first_place_hide_from_explanations_too(
 
 
 def test_each_of_many_wrong_settings_has_its_place_and_the_file_is_read_once_for_all(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+    folder: Path, monkeypatch: Patch
 ) -> None:
     places = Mock(wraps=toml_text.Places)
     monkeypatch.setattr(toml_text, "Places", places)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.fixtures import Captured, Patch
 
 ROBOT = """\
 @configuration
@@ -27,7 +28,7 @@ Spare uses_data_from Nowhere
     ],
 )
 def test_a_suggested_command_works(
-    words: list[str], before: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    words: list[str], before: str, tmp_path: Path, capsys: Captured
 ) -> None:
     file = tmp_path / "it's a robot.mars"
     file.write_text(ROBOT)
@@ -43,9 +44,7 @@ def test_a_suggested_command_works(
     assert capsys.readouterr().out.strip()
 
 
-def test_programs_read_each_line_of_standard_error(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_programs_read_each_line_of_standard_error(tmp_path: Path, capsys: Captured) -> None:
     file = tmp_path / "fast.mars"
     file.write_text(
         "@configuration\n@modules A, B\nA uses_data_from B 400\n@module_start\n@module_name B\n"
@@ -64,7 +63,7 @@ def test_programs_read_each_line_of_standard_error(
 
 
 def test_lines_are_shown_without_escapes_and_within_the_width(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "60")
     file = tmp_path / "t.mars"

@@ -16,6 +16,7 @@ from mars_asp.reasoning.questions.explain import Explanation, explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT, run
+from tests.support.fixtures import Captured
 
 EXAMPLES = sorted(ROOT.glob("examples/*/config.mars"))
 _RULEBOOK = load_rulebook()
@@ -68,7 +69,7 @@ def test_both_forms_fit_their_schemas_and_tell_the_same(path: Any, every: bool) 
     ],
 )
 def test_why_there_is_none_fits_the_schema_of_explanations(
-    name: str, query: str, capsys: pytest.CaptureFixture[str]
+    name: str, query: str, capsys: Captured
 ) -> None:
     file = str(ROOT / "examples" / name / "config.mars")
     assert run_here(["explain", file, "--why-not", query, "--format", "json"]) == 0

@@ -16,6 +16,7 @@ import pytest
 from mars_asp.cli import run_here
 from tests.support.browser import Browser, in_a_browser
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 from tests.support.processes import HANGING
 
 MARS = (sys.executable, "-m", "mars_asp")
@@ -114,7 +115,7 @@ def test_nothing_is_answered_without_the_path_or_to_other_sites() -> None:
             fetched(address)
 
 
-def test_a_paced_run_is_the_run_that_it_is_without(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_paced_run_is_the_run_that_it_is_without(capsys: Captured) -> None:
     entries = []
     for speed in ([], ["--speed", "40"]):
         words = [*WORDS, "--duration", "12", "--format", "json", "--quiet"]
@@ -126,7 +127,7 @@ def test_a_paced_run_is_the_run_that_it_is_without(capsys: pytest.CaptureFixture
 
 
 @pytest.mark.parametrize("speed", ["0", "-1", "nan", "inf", "fast"])
-def test_an_invalid_speed_is_refused(speed: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_invalid_speed_is_refused(speed: str, capsys: Captured) -> None:
     with pytest.raises(SystemExit) as raised:
         run_here([*WORDS, "--speed", speed])
     assert raised.value.code == 2

@@ -13,6 +13,7 @@ from mars_asp.draw.part import SCREEN, about, fitting, left_out, of_kinds
 from mars_asp.draw.picture import Box, Line, LineKind, Picture
 from mars_asp.draw.svg import drawn_width, svg_text
 from tests.support.campaigns import examples, sample
+from tests.support.fixtures import Captured, Patch
 
 KINDS: tuple[LineKind, ...] = ("mount", "data", "control")
 ROBOT = """\
@@ -151,12 +152,7 @@ def test_a_small_picture_is_drawn_as_it_is() -> None:
     ],
 )
 def test_a_part_is_drawn_or_refused(
-    words: list[str],
-    shown: str,
-    message: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    words: list[str], shown: str, message: str, tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "300")

@@ -26,6 +26,7 @@ from mars_asp.language.print import print_relationship
 from mars_asp.reasoning.project import load_project
 from tests.support.campaigns import examples
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 
 PICTURES = ROOT / "docs" / "pictures"
 #: Pictures that were looked at, with what they show.
@@ -249,7 +250,7 @@ def test_png_is_twice_the_size_and_shows_the_names(tmp_path: Path) -> None:
 
 
 def test_without_the_extra_a_png_is_refused_and_all_else_works(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.setitem(sys.modules, "resvg_py", None)
     config, target = str(ROOT / "examples/level0/config.mars"), tmp_path / "a.png"

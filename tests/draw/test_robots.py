@@ -9,6 +9,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from tests.support.documents import run
+from tests.support.fixtures import Captured, Patch
 
 SVG = "{http://www.w3.org/2000/svg}"
 MUX = """\
@@ -195,7 +196,7 @@ def test_dot_lays_out_the_same_parts(tmp_path: Path) -> None:
 
 
 def test_without_graphviz_its_layout_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     robot = tmp_path / "robot.mars"
     robot.write_text(RANKED, encoding="utf-8")

@@ -14,6 +14,7 @@ from mars_asp.exchange.recognise import recognised
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.print import print_relationship
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.imported import findings_of, golden_lines, meaning, place
 
 FILES = sorted((ROOT / "tests" / "dora").glob("*.yml"))
@@ -106,15 +107,13 @@ def test_an_output_of_a_module_is_taken_outside_of_its_file() -> None:
     assert [service.port for service in module.services if service.port] == ["state"]
 
 
-def test_more_ports_than_any_robot_has_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_ports_than_any_robot_has_are_refused(monkeypatch: Patch) -> None:
     monkeypatch.setattr(ports, "MOST", 2)
     with pytest.raises(MarsError, match=r"d\.yml:3:19: there are more than 2 inputs and outputs"):
         import_dora([(NODE + "outputs: [x, y, z]\n", "d.yml")])
 
 
-def test_a_wire_to_nothing_is_found_at_its_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wire_to_nothing_is_found_at_its_line(tmp_path: Path, capsys: Captured) -> None:
     path = tmp_path / "d.yml"
     path.write_text(
         "nodes:\n- id: camera\n  outputs: [image]\n- id: plot\n  inputs:\n"
@@ -154,7 +153,7 @@ OURS = re.compile(r"@|`?uses_data_from|clause|at most one|\bmodules?\b|annotatio
 @pytest.mark.parametrize("kind", [None, *sorted(KINDS)])
 @pytest.mark.parametrize("options", [[], ["--repair"]])
 def test_explanations_are_in_the_words_of_dataflows(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str | None, options: list[str]
+    tmp_path: Path, capsys: Captured, kind: str | None, options: list[str]
 ) -> None:
     path = tmp_path / "d.yml"
     path.write_text(FOUND, encoding="utf-8")
@@ -171,7 +170,7 @@ def test_explanations_are_in_the_words_of_dataflows(
 
 
 def test_a_dataflow_without_findings_is_explained_in_a_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     path = tmp_path / "d.yml"
     path.write_text("nodes:\n- id: a\n  inputs: {t: dora/timer/hz/1}\n", encoding="utf-8")

@@ -8,6 +8,7 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.exchange import folders
 from mars_asp.exchange.folders import robots_in
+from tests.support.fixtures import Captured, Patch
 
 GOOD = "nodes:\n- id: camera\n  outputs: [image]\n- id: view\n  inputs: {image: camera/image}\n"
 WRONG = "nodes:\n- id: view\n  inputs: {tick: dora/timer/days/1}\n"
@@ -54,7 +55,7 @@ LAUNCH = '<launch><node pkg="x" exec="y" name="n"/><node pkg="x" exec="y" name="
 
 
 def test_a_workspace_of_ros_and_a_dataflow_are_robots_of_their_own(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     write(tmp_path, near=GOOD.replace("camera/image", "camera/picture"))
     # A list of places has nodes and paths as well.
@@ -85,7 +86,7 @@ def test_a_workspace_of_ros_and_a_dataflow_are_robots_of_their_own(
     ],
 )
 def test_the_rest_of_a_large_folder_is_a_note(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bound: str, note: str
+    tmp_path: Path, monkeypatch: Patch, bound: str, note: str
 ) -> None:
     monkeypatch.setattr(folders, bound, 1)
     write(tmp_path, a=GOOD, b=GOOD, c__d=GOOD)
@@ -93,9 +94,7 @@ def test_the_rest_of_a_large_folder_is_a_note(
     assert message.message.startswith(note)
 
 
-def test_a_wrong_dataflow_does_not_end_the_folder(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrong_dataflow_does_not_end_the_folder(tmp_path: Path, capsys: Captured) -> None:
     missing = GOOD.replace("camera/image", "camera/picture")
     write(tmp_path, a=WRONG, b=missing)
     assert run_here(["check", str(tmp_path)]) == 2
@@ -107,7 +106,7 @@ def test_a_wrong_dataflow_does_not_end_the_folder(
 
 
 def test_other_commands_take_the_only_dataflow_of_a_folder(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     write(tmp_path, a__b__c=GOOD)
     assert run_here(["analyse", str(tmp_path)]) == 0
@@ -143,7 +142,7 @@ PROGRAMS = [
 
 @pytest.mark.parametrize(("settings", "missing"), PROGRAMS)
 def test_a_file_of_a_node_that_is_not_there_is_found_at_its_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], settings: str, missing: str | None
+    tmp_path: Path, capsys: Captured, settings: str, missing: str | None
 ) -> None:
     (tmp_path / "there.py").touch()
     write(tmp_path, d=f"nodes:\n- id: a\n  {settings}\n- id: c\n  path: there.py\n")
@@ -157,9 +156,7 @@ def test_a_file_of_a_node_that_is_not_there_is_found_at_its_line(
         assert f"warning: `{key}` of node `{node}` is `{path}`, which is not there" in output
 
 
-def test_a_dataflow_away_from_all_its_programs_lacks_none(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_dataflow_away_from_all_its_programs_lacks_none(tmp_path: Path, capsys: Captured) -> None:
     write(tmp_path, d="nodes:\n- id: a\n  path: ./x.py\n- id: b\n  path: ./y.py\n")
     run_here(["check", str(tmp_path / "d.yml")])
     assert "which is not there" not in capsys.readouterr().out
@@ -173,9 +170,7 @@ def test_a_dataflow_away_from_all_its_programs_lacks_none(
     assert capsys.readouterr().out.count("which is not there") == 2
 
 
-def test_nodes_that_lack_one_file_are_one_finding(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_nodes_that_lack_one_file_are_one_finding(tmp_path: Path, capsys: Captured) -> None:
     (tmp_path / "there.py").touch()
     nodes = "".join(f"- id: {name}\n  path: x.py\n" for name in "abc")
     write(tmp_path, d=f"nodes:\n{nodes}- id: d\n  path: there.py\n")

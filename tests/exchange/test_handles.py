@@ -8,6 +8,7 @@ from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME
 from mars_asp.exchange.ros2.source_cpp import read_cpp
+from tests.support.fixtures import Captured
 from tests.support.packages import write_package
 
 #: A program, and the topics that it has for its node.
@@ -325,7 +326,7 @@ def test_a_launch_file_of_ros1_means_another_package_than_one_of_ros2(tmp_path: 
     assert ends == {"/mine": [], "/yours": ["/t"]}
 
 
-def test_an_empty_launch_file_is_broken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_empty_launch_file_is_broken(tmp_path: Path, capsys: Captured) -> None:
     write_package({"launch/robot.launch.py": "\n"}, tmp_path)
     assert run_here(["check", str(tmp_path)]) == 0
     assert "the launch file is empty [broken_file]" in " ".join(capsys.readouterr().out.split())
@@ -465,7 +466,7 @@ IN_VAIN = (
 
 @pytest.mark.parametrize(("name", "is_found"), [("front", False), ("rear", True)])
 def test_a_node_not_wholly_read_may_publish_topics_named_like_it(
-    name: str, is_found: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, is_found: bool, tmp_path: Path, capsys: Captured
 ) -> None:
     launch = '<launch><node pkg="mine" exec="{}.py" name="{}"/></launch>'
     files = {

@@ -6,6 +6,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
+from tests.support.fixtures import Captured
 from tests.support.packages import write_package
 
 PACKAGE = "<package><name>{}</name></package>"
@@ -28,9 +29,7 @@ def launch(*lines: str) -> dict[str, str]:
     return {"base/launch/base.launch.xml": "<launch>\n" + "\n".join(lines) + "\n</launch>\n"}
 
 
-def test_a_broken_file_of_a_mux_is_reported_once(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_broken_file_of_a_mux_is_reported_once(tmp_path: Path, capsys: Captured) -> None:
     mux = '<node pkg="twist_mux" exec="twist_mux" name="{}"><param from="{}"/></node>'
     file = tmp_path / "base" / "launch" / "mux.yaml"
     lines = launch(mux.format("a", file), mux.format("b", file))
@@ -142,9 +141,7 @@ def test_a_file_that_a_package_lacks_is_found(tmp_path: Path, line: str, name: s
 
 
 @pytest.mark.parametrize("line", [INCLUDE, PARAMETERS])
-def test_a_missing_file_is_reported_once(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], line: str
-) -> None:
+def test_a_missing_file_is_reported_once(tmp_path: Path, capsys: Captured, line: str) -> None:
     missing(tmp_path, launch(line, line, "<include file='elsewhere.launch.xml'/>"))
     run_here(["check", str(tmp_path)])
     output = " ".join("".join(capsys.readouterr()).split())
@@ -358,9 +355,7 @@ def test_a_default_counts_for_nothing_where_the_argument_is_passed(tmp_path: Pat
     assert missing(tmp_path, files) == []
 
 
-def test_a_script_of_a_shell_is_not_read_as_python(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_script_of_a_shell_is_not_read_as_python(tmp_path: Path, capsys: Captured) -> None:
     script = '#!/bin/bash\nif [ -f /dev/x ]; then\n  echo "SUBSYSTEM==" >x\nfi\n'
     cmake = "install(PROGRAMS scripts/create_rules DESTINATION lib/base)\n"
     built = "<export><build_type>ament_cmake</build_type></export></package>"

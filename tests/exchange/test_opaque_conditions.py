@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.fixtures import Captured
 from tests.support.packages import write_package
 
 INNER = """
@@ -32,9 +33,7 @@ OUTER = """<launch>
 </launch>"""
 
 
-def effects(
-    condition: str, passed: str | None, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> list[str]:
+def effects(condition: str, passed: str | None, folder: Path, capsys: Captured) -> list[str]:
     """Return the effects of the findings on two nodes of one name."""
     written = {
         "launch/inner.launch.py": INNER.format(condition=condition),
@@ -71,12 +70,7 @@ CONDITIONS = [
 
 @pytest.mark.parametrize(("condition", "words", "holds", "fails"), CONDITIONS)
 def test_a_condition_of_an_argument_is_decided_by_its_value(
-    condition: str,
-    words: str,
-    holds: str,
-    fails: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    condition: str, words: str, holds: str, fails: str, tmp_path: Path, capsys: Captured
 ) -> None:
     [effect] = effects(condition, None, tmp_path / "open", capsys)
     assert f"It is so when {words} (inner.launch.py:12)." in effect
@@ -85,9 +79,7 @@ def test_a_condition_of_an_argument_is_decided_by_its_value(
     assert effects(condition, fails, tmp_path / "fails", capsys) == []
 
 
-def test_a_conjunction_names_all_its_arguments(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_conjunction_names_all_its_arguments(tmp_path: Path, capsys: Captured) -> None:
     condition = "value == 'true' and hand.perform(context) == 'left'"
     [effect] = effects(condition, None, tmp_path, capsys)
     at = "(inner.launch.py:12)"
@@ -96,7 +88,7 @@ def test_a_conjunction_names_all_its_arguments(
 
 
 def test_a_condition_of_anything_else_is_named_by_its_place(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     [effect] = effects("os.path.exists(value)", None, tmp_path, capsys)
     assert "It is so when the condition at " in effect
@@ -110,7 +102,7 @@ TWIN = "return [Node(package='some', executable='thing', name='twin', namespace=
     "condition", ["value == 'true'", "value == 'true' and hand", "os.path.exists(value)"]
 )
 def test_the_branches_of_a_condition_exclude_each_other(
-    condition: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    condition: str, tmp_path: Path, capsys: Captured
 ) -> None:
     branches = f"{condition}:\n        return nodes\n    else:\n        {TWIN}\n    if value"
     assert effects(branches, None, tmp_path, capsys) == []

@@ -7,6 +7,7 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.language import Parsed
+from tests.support.fixtures import Captured, Patch
 from tests.support.packages import write_package
 
 MANIFEST = "<package><name>mine</name><export><build_type>{}</build_type></export></package>"
@@ -236,7 +237,7 @@ def test_sources_that_are_not_python_are_findings(
 
 
 def test_a_source_that_is_not_python_is_found_from_another_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: Patch
 ) -> None:
     written = {
         "package.xml": MANIFEST.format("ament_cmake"),
@@ -262,7 +263,7 @@ def test_a_source_that_is_not_python_is_found_from_another_folder(
     ],
 )
 def test_a_parameter_file_has_parameters_for_ros2(
-    text: str, built_by: str, found: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str, built_by: str, found: int, tmp_path: Path, capsys: Captured
 ) -> None:
     read({"config/p.yaml": text, "launch/x.launch.xml": PARAMETERS}, tmp_path, built_by)
     run_here(["check", str(tmp_path)])
@@ -270,7 +271,7 @@ def test_a_parameter_file_has_parameters_for_ros2(
 
 
 def test_a_mux_of_ros2_does_not_take_the_file_of_one_of_ros1(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     file = "topics:\n- {name: joy, topic: joy_vel, timeout: 0.5, priority: 100}\n"
     launch = PARAMETERS.replace("joy_node", "twist_mux").replace("joy", "twist_mux")
@@ -473,7 +474,7 @@ def test_a_launch_file_that_always_includes_itself_is_broken(
 
 
 def test_a_launch_file_in_newer_python_is_not_read_and_not_broken(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     launch = LAUNCH.format("", "a = f'{\n1}'", "")
     [tree] = read({"launch/x.launch.py": launch}, tmp_path).trees
@@ -502,9 +503,7 @@ def test_a_file_of_a_branch_that_may_never_be_taken_is_not_missing(
     assert lacking(read({"launch/x.launch.py": launch}, tmp_path)) == found
 
 
-def test_bridges_without_a_name_are_not_of_one_name(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bridges_without_a_name_are_not_of_one_name(tmp_path: Path, capsys: Captured) -> None:
     bridge = (
         '<node pkg="ros_gz_bridge" exec="parameter_bridge" args="/{0}@std_msgs/msg/Bool[gz.B"/>'
     )
@@ -573,9 +572,7 @@ def test_a_parameter_for_all_nodes_need_not_be_for_each(tmp_path: Path) -> None:
     assert [each.name for each in tree.missing if each.sort == "parameter"] == ["size"]
 
 
-def test_very_many_names_are_one_finding(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_very_many_names_are_one_finding(tmp_path: Path, capsys: Captured) -> None:
     passed = "".join(f'<arg name="a{number}" value="1"/>' for number in range(3000))
     mesh = '<mesh filename="package://mine/absent.stl"/>'
     written = {

@@ -6,6 +6,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
+from tests.support.fixtures import Captured
 from tests.support.packages import write_package
 
 FILE = "$(find-pkg-share mine)/config/p.yaml"
@@ -15,7 +16,7 @@ UNNAMED = '<node pkg="x" exec="lidar_node"><param from="' + FILE + '"/></node>'
 SECTION = "{}:\n  ros__parameters:\n    rate: 10\n"
 
 
-def findings(nodes: str, file: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> int:
+def findings(nodes: str, file: str, folder: Path, capsys: Captured) -> int:
     """Return how many findings there are of files without a section for a node."""
     launch = f"<launch>{nodes}</launch>"
     write_package({"launch/x.launch.xml": launch, "config/p.yaml": file}, folder)
@@ -38,12 +39,12 @@ def findings(nodes: str, file: str, folder: Path, capsys: pytest.CaptureFixture[
     ],
 )
 def test_a_file_has_a_section_for_its_node(
-    nodes: str, section: str, found: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    nodes: str, section: str, found: int, tmp_path: Path, capsys: Captured
 ) -> None:
     assert findings(nodes, SECTION.format(section), tmp_path, capsys) == found
 
 
-def test_files_of_ros1_have_no_sections(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_of_ros1_have_no_sections(tmp_path: Path, capsys: Captured) -> None:
     assert findings(NODE.format(""), "rate: 10\n", tmp_path, capsys) == 0
 
 

@@ -6,15 +6,14 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.fixtures import Captured
 from tests.support.packages import write_package
 
 SETUP = "setup(entry_points={'console_scripts': ['e = mine.node:main']})"
 NODE = "class N:\n  def __init__(self):\n    {does}\ndef main():\n  N()\n"
 
 
-def dead_renamings(
-    written: dict[str, str], folder: Path, capsys: pytest.CaptureFixture[str]
-) -> list[str]:
+def dead_renamings(written: dict[str, str], folder: Path, capsys: Captured) -> list[str]:
     """Return the messages on dead renamings in a folder with these files."""
     write_package(written, folder)
     run_here(["check", "--format", "json", str(folder)])
@@ -46,7 +45,7 @@ PYTHON = [
 
 @pytest.mark.parametrize(("does", "name", "is_dead"), PYTHON)
 def test_services_and_parameters_of_python_are_renamed(
-    does: str, name: str, is_dead: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    does: str, name: str, is_dead: bool, tmp_path: Path, capsys: Captured
 ) -> None:
     launch = f'<node pkg="mine" type="e" name="e"><remap from="{name}" to="/to"/></node>'
     written = {
@@ -80,7 +79,7 @@ CPP = [
 
 @pytest.mark.parametrize(("does", "name", "is_dead"), CPP)
 def test_services_and_parameters_of_cpp_are_renamed(
-    does: str, name: str, is_dead: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    does: str, name: str, is_dead: bool, tmp_path: Path, capsys: Captured
 ) -> None:
     launch = f'<node pkg="mine" type="e" name="e"><remap from="{name}" to="/to"/></node>'
     written = {

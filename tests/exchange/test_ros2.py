@@ -20,6 +20,7 @@ from mars_asp.language import Parsed
 from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import Control
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 from tests.support.packages import write_package
 from tests.support.processes import takes_at_most
 from tests.support.refusals import refusals
@@ -592,9 +593,7 @@ def test_launch_files_are_recognised() -> None:
     assert recognised("# launch: no\n@configuration\n") == "mars"
 
 
-def test_files_that_come_through_pipes_are_one_robot(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_files_that_come_through_pipes_are_one_robot(tmp_path: Path, capsys: Captured) -> None:
     topics = "m: {ros__parameters: {topics: {a: {topic: t, timeout: 0.5, priority: 0}}}}\n"
     nodes = "Node(package='twist_mux', executable='twist_mux')"
     texts = PYTHON.format(before="pass", nodes=nodes), topics

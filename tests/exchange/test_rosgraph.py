@@ -18,6 +18,7 @@ from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import Control, Data
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.imported import findings_of, golden_lines, meaning, place
 
 FOLDER = ROOT / "tests" / "rosgraph"
@@ -371,7 +372,7 @@ BYTES = [
 
 @pytest.mark.parametrize(("raw", "message"), BYTES, ids=range(len(BYTES)))
 def test_bytes_other_than_text_are_refused_with_a_location(
-    raw: bytes, message: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    raw: bytes, message: str | None, tmp_path: Path, capsys: Captured
 ) -> None:
     path = tmp_path / "d.yml"
     path.write_bytes(raw)
@@ -383,14 +384,14 @@ def test_bytes_other_than_text_are_refused_with_a_location(
 # ---- The command line ----------------------------------------------------------------------------
 
 
-def outcome(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+def outcome(words: str, capsys: Captured) -> tuple[int, str, str]:
     status = run_here(words.split())
     captured = capsys.readouterr()
     return status, captured.out, captured.err
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     for name, text in {
         "g.dot": DRAWN,
@@ -403,7 +404,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_files_of_others_are_one_robot_and_each_of_ours_is_its_own(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: Captured
 ) -> None:
     _, found, _ = outcome("check --format json g.dot ours.mars cmd_vel.txt flow.yml", capsys)
     files = json.loads(found)["files"]
@@ -418,17 +419,13 @@ def test_files_of_others_are_one_robot_and_each_of_ours_is_its_own(
     assert "`ours.mars` is a robot of its own" in found
 
 
-def test_words_before_the_subject_of_explain_are_files(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_words_before_the_subject_of_explain_are_files(folder: Path, capsys: Captured) -> None:
     status, found, _ = outcome("explain --quiet g.dot cmd_vel.txt ambiguous_priority", capsys)
     assert status == 0
     assert "ambiguous_priority(/b)" in found
 
 
-def test_an_import_names_its_origins_and_reads_back(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_import_names_its_origins_and_reads_back(folder: Path, capsys: Captured) -> None:
     status, found, _ = outcome("import rosgraph g.dot cmd_vel.txt", capsys)
     assert status == 0
     assert "/b is_controlled_by /a 0  // from g.dot:1\n" in found
@@ -464,7 +461,7 @@ KNOWN: dict[str, dict[str, list[str]]] = {
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason=f"the real files are not here: {SHARED}")
 @pytest.mark.parametrize("name", KNOWN)
-def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_real_files_give_their_known_answers(name: str, capsys: Captured) -> None:
     _, found, _ = outcome(f"analyse --format json {SHARED / name}.yml", capsys)
     consequences = json.loads(found)["consequences"]
     loose = {c["subject"]: c["participants"] for c in consequences if c["kind"] == "loose_end"}
@@ -475,7 +472,7 @@ def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFi
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason=f"the real files are not here: {SHARED}")
-def test_of_a_node_that_is_missing_inputs_wait(capsys: pytest.CaptureFixture[str]) -> None:
+def test_of_a_node_that_is_missing_inputs_wait(capsys: Captured) -> None:
     unfed = []
     for name in ("autoware-07.buggy", "autoware-07.fixed"):
         _, found, _ = outcome(f"analyse --format json {SHARED / name}.yml", capsys)

@@ -6,6 +6,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
+from tests.support.fixtures import Captured
 from tests.support.packages import write_package
 
 SETUP = "setup(entry_points={'console_scripts': ['hand = mine.hand:main']})\n"
@@ -46,7 +47,7 @@ def test_parameters_within_a_name_are_those_that_are_given(
     assert published == ([] if topic is None else [topic])
 
 
-def loose(written: dict[str, str], folder: Path, capsys: pytest.CaptureFixture[str]) -> int:
+def loose(written: dict[str, str], folder: Path, capsys: Captured) -> int:
     """Return how many findings there are of topics that nothing publishes."""
     write_package(written, folder)
     run_here(["check", str(folder)])
@@ -62,7 +63,7 @@ RENAMED = '<remap from="/out/scan" to="/$(var side)/scan"/>'
 
 
 def test_an_included_launch_file_may_be_launched_by_itself(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     heard = FILTER.replace("    self.create_publisher(LaserScan, '/{}/scan', 1)\n", "")
     sent = FILTER.replace("    self.create_subscription(LaserScan, '/camera/scan', f, 1)\n", "")

@@ -14,6 +14,7 @@ from mars_asp.exchange.twist_mux import import_twist_mux
 from mars_asp.language import Parsed, parse_text, print_configuration
 from mars_asp.model.declarations import Configuration, Control
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 
 FOLDER = ROOT / "tests" / "twist_mux"
 FILES = sorted(FOLDER.glob("*.yaml"))
@@ -158,21 +159,21 @@ locks:
 
 
 @pytest.fixture
-def mux(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def mux(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     path = Path("robot.txt")
     path.write_text(SCUTTLE, encoding="utf-8")
     return path
 
 
-def outcome(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+def outcome(words: str, capsys: Captured) -> tuple[int, str, str]:
     status = run_here(words.split())
     captured = capsys.readouterr()
     return status, captured.out, captured.err
 
 
 def test_findings_and_notes_of_unread_parts_have_lines_of_the_file(
-    mux: Path, capsys: pytest.CaptureFixture[str]
+    mux: Path, capsys: Captured
 ) -> None:
     status, findings, notes = outcome("check --format full robot.txt", capsys)
     found = findings + notes
@@ -189,9 +190,7 @@ def test_findings_and_notes_of_unread_parts_have_lines_of_the_file(
     assert "In twist_mux the first input in its list wins" in found
 
 
-def test_quiet_hides_notes_of_unread_parts_and_json_keeps_them(
-    mux: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_quiet_hides_notes_of_unread_parts_and_json_keeps_them(mux: Path, capsys: Captured) -> None:
     assert "not read" not in outcome("check --quiet robot.txt", capsys)[2]
     notes = json.loads(outcome("check --quiet --format json robot.txt", capsys)[1])["notes"]
     assert [(note["code"], note["message"]) for note in notes] == [
@@ -199,7 +198,7 @@ def test_quiet_hides_notes_of_unread_parts_and_json_keeps_them(
     ]
 
 
-def test_a_file_of_others_is_never_written(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_of_others_is_never_written(mux: Path, capsys: Captured) -> None:
     status, found, notes = outcome("check --fix robot.txt", capsys)
     assert (status, found) == outcome("check robot.txt", capsys)[:2]
     assert "`robot.txt` was not fixed" in notes
@@ -214,20 +213,18 @@ def test_a_file_of_others_is_never_written(mux: Path, capsys: pytest.CaptureFixt
     assert mux.read_text(encoding="utf-8") == SCUTTLE
 
 
-def test_a_named_format_overrides_detection(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_named_format_overrides_detection(mux: Path, capsys: Captured) -> None:
     assert "expected" in outcome("check --from mars robot.txt", capsys)[1]
     mux.write_text("{ a: 1 }", encoding="utf-8")
     assert "the file has no mux" in outcome("check --from twist_mux robot.txt", capsys)[1]
 
 
-def test_the_wiring_of_a_mux_is_verified_against_its_purpose(
-    mux: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_wiring_of_a_mux_is_verified_against_its_purpose(mux: Path, capsys: Captured) -> None:
     status, judged, _ = outcome("verify robot.txt", capsys)
     assert (status, judged) == (0, "the specification realises the configuration and is minimal\n")
 
 
-def test_imported_lines_have_their_origins(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_imported_lines_have_their_origins(mux: Path, capsys: Captured) -> None:
     assert outcome("import twist_mux robot.txt --quiet", capsys)[:2] == (
         0,
         """@specification hierarchical
@@ -281,7 +278,7 @@ KNOWN = {
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason=f"the real files are not here: {SHARED}")
 @pytest.mark.parametrize("name", KNOWN)
-def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_real_files_give_their_known_answers(name: str, capsys: Captured) -> None:
     path = SHARED / f"{name}.yaml"
     inputs, findings = KNOWN[name]
     found = import_twist_mux(path.read_text(encoding="utf-8"), str(path)).configuration
@@ -318,7 +315,7 @@ LONG_WORDS = [f"topics: !{LONG}\n", f"topics: {{a: *{LONG}}}\n"]
 @pytest.mark.parametrize("text", LONG_WORDS)
 @pytest.mark.parametrize("format", ["text", "json"])
 def test_long_foreign_text_is_quoted_shortened(
-    text: str, format: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str, format: str, tmp_path: Path, capsys: Captured
 ) -> None:
     file = tmp_path / "m.yaml"
     file.write_text(text, encoding="utf-8")

@@ -23,6 +23,7 @@ from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Functio
 from mars_asp.reasoning.facts.motion import frames
 from tests.support.campaigns import examples
 from tests.support.documents import ROOT, run
+from tests.support.fixtures import Captured
 from tests.support.processes import mars
 from tests.support.refusals import refusals
 from tests.support.robots import HERE, module, placed, robot
@@ -210,9 +211,7 @@ def test_repetitions_by_exporters_are_remarked_once() -> None:
     ]
 
 
-def test_a_document_is_a_robot_to_every_verb(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_document_is_a_robot_to_every_verb(tmp_path: Path, capsys: Captured) -> None:
     arm = tmp_path / "arm.xml"
     joint = '<parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>'
     arm.write_text(
@@ -546,9 +545,7 @@ twist_mux:
 """
 
 
-def test_a_document_is_a_file_of_every_verb(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_document_is_a_file_of_every_verb(tmp_path: Path, capsys: Captured) -> None:
     file, other, mux = (tmp_path / name for name in ("r.urdf", "other.xml", "mux.yaml"))
     file.write_text(TURNTABLE)
     other.write_text(TURNTABLE)

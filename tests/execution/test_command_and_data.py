@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.fixtures import Captured, Patch
 
 #: Only the data part is lowered here; the distance feeds both.
 SOURCE = """\
@@ -50,10 +51,7 @@ Base is_controlled_by Nav
 
 @pytest.mark.parametrize("methods", [(DRIVE, PROGRESS), (PROGRESS, DRIVE)])
 def test_both_parts_run_and_share_their_object(
-    methods: tuple[str, str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    methods: tuple[str, str], tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("nav.py").write_text(SOURCE.format(first=methods[0], second=methods[1]))

@@ -17,6 +17,7 @@ from mars_asp.kinematics.frames import (
     take_posture,
 )
 from mars_asp.kinematics.supports import circuits, columns_with_share, fewest_groups, spanned
+from tests.support.fixtures import Patch
 
 UNITS = range(6)
 
@@ -259,7 +260,7 @@ def test_beyond_the_reach_groups_are_taken_in_their_order() -> None:
 
 
 def test_one_group_that_suffices_is_kept_however_far_out_it_is(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     monkeypatch.setattr(supports, "MOST_SETS", 1)
     supports._reach.cache_clear()

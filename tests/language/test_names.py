@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text
 from mars_asp.model.names import read_name, written
+from tests.support.fixtures import Captured
 from tests.support.refusals import refusal, refusals
 
 ROBOT = r"""@configuration hierarchical
@@ -89,7 +90,7 @@ def test_a_wrong_name_is_reported_at_its_location(line: str, column: int, found:
 
 
 def test_a_specification_with_such_names_realises_its_configuration(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     path, made = tmp_path / "c.mars", tmp_path / "s.mars"
     path.write_text(ROBOT)

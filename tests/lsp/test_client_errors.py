@@ -7,12 +7,11 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from mars_asp.lsp import client_errors
 from mars_asp.lsp.client_errors import BoundedInput
 from mars_asp.lsp.workspace import EditorWorkspace
 from tests.support import hostile_editor
+from tests.support.fixtures import Patch
 from tests.support.hostile_editor import _framed
 from tests.support.processes import HANGING
 
@@ -129,7 +128,7 @@ def test_errors_of_a_client_are_reported_to_it() -> None:
     assert done.stderr == b""
 
 
-def test_a_message_that_is_too_large_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_message_that_is_too_large_is_dropped(monkeypatch: Patch) -> None:
     monkeypatch.setattr(client_errors, "MOST_BYTES", 5)
     given = BoundedInput(BytesIO(b"Content-Length: 9\r\n\r\n123456789Content-Length: 2\r\n\r\n[]"))
     assert [given.readline(), given.readline()] == [b"Content-Length: 9\r\n", b"\r\n"]

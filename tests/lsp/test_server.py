@@ -16,6 +16,7 @@ from pygls.exceptions import JsonRpcException
 from mars_asp.cli import run_here
 from tests.support.documents import ROOT
 from tests.support.editor import SECONDS, Editor, editor
+from tests.support.fixtures import Captured, Patch
 
 Scenario = Callable[[Editor], Awaitable[None]]
 
@@ -465,9 +466,7 @@ def test_a_worker_with_too_much_memory_is_ended(folder: Path) -> None:
     played(scenario, folder, f"--rules={rules}", "--memory-limit=300")
 
 
-def test_without_the_extra_it_tells_how_to_install_it(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_extra_it_tells_how_to_install_it(capsys: Captured, monkeypatch: Patch) -> None:
     monkeypatch.setattr("mars_asp.cli.lsp.find_spec", lambda name: None)
     assert run_here(["lsp"]) == 2
     text = "mars-asp lsp: the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'\n"

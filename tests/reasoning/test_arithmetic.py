@@ -9,17 +9,18 @@ from mars_asp.asp.lint.clauses import clauses_of
 from mars_asp.cli import run_here
 from mars_asp.reasoning.facts.vocabulary import unbounded
 from mars_asp.reasoning.rules import STAGES, load_rulebook
+from tests.support.fixtures import Captured, Patch
 
 
 @pytest.fixture(autouse=True)
-def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+def wide(monkeypatch: Patch) -> None:
     """Print each message in one line."""
     monkeypatch.setenv("COLUMNS", "1000")
 
 
 @pytest.mark.parametrize("words", ["analyse", "check", "synthesise", "explain big(Camera)"])
 def test_a_pack_with_a_number_that_does_not_fit_is_bad_input(
-    words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    words: str, tmp_path: Path, capsys: Captured
 ) -> None:
     robot, pack = tmp_path / "robot.mars", tmp_path / "big.lp"
     robot.write_text("@configuration\n@modules Camera\n", encoding="utf-8")
@@ -30,9 +31,7 @@ def test_a_pack_with_a_number_that_does_not_fit_is_bad_input(
     assert f"{pack}:1:34: error: `2147483647+1` does not fit" in output
 
 
-def test_lint_tells_risks_and_is_content(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_lint_tells_risks_and_is_content(tmp_path: Path, capsys: Captured) -> None:
     pack = tmp_path / "risk.lp"
     pack.write_text("late(R, H + 1) :- hold(R, H).\n", encoding="utf-8")
     assert run_here(["rules", "lint", str(pack)]) == 0

@@ -20,6 +20,7 @@ from mars_asp.reasoning.project import load_project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.refusals import refusal, refusals
 from tests.support.strategies import HERE, few, names
 from tests.support.strategies import NAMES as MODULES
@@ -32,12 +33,12 @@ NAMES = ("backup", "grade", "latency_ms", "level", "reach", "safety_critical", "
 
 
 @pytest.fixture(autouse=True)
-def at_the_root(monkeypatch: pytest.MonkeyPatch) -> None:
+def at_the_root(monkeypatch: Patch) -> None:
     """Let paths be as they are written beside the files."""
     monkeypatch.chdir(ROOT)
 
 
-def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
+def answer(capsys: Captured, *words: str) -> tuple[int, str]:
     form = ["--format", "full"] if words[0] == "check" else []
     status = run_here([*words, *form])
     printed = "".join(capsys.readouterr())
@@ -45,7 +46,7 @@ def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_cases(name: str, update_golden: bool, capsys: pytest.CaptureFixture[str]) -> None:
+def test_cases(name: str, update_golden: bool, capsys: Captured) -> None:
     robot, text = f"tests/attributes/{name}.mars", FOLDER / f"{name}.txt"
     _, printed = answer(capsys, "facts", robot, "--rules", PACK)
     if name in GOOD:
@@ -58,9 +59,7 @@ def test_cases(name: str, update_golden: bool, capsys: pytest.CaptureFixture[str
 
 
 @pytest.mark.parametrize("name", sorted({*ROBOTS} - {*GOOD}))
-def test_every_command_reports_the_same_errors(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_command_reports_the_same_errors(name: str, tmp_path: Path, capsys: Captured) -> None:
     robot, rules = f"tests/attributes/{name}.mars", ("--rules", PACK)
     output = answer(capsys, "facts", robot, *rules)
     assert output[0] == 2
@@ -75,7 +74,7 @@ def test_every_command_reports_the_same_errors(
     assert answer(capsys, "run", robot, *rules, *scenario) == output
 
 
-def test_a_missing_pack_has_a_hint_to_pass_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missing_pack_has_a_hint_to_pass_it(capsys: Captured) -> None:
     status, output = answer(capsys, "check", "tests/attributes/blocks.mars")
     assert status == 2
     assert output.count("no rule pack declares") == 5
@@ -98,7 +97,7 @@ def test_a_printed_configuration_has_the_same_meaning(name: str) -> None:
 
 @pytest.mark.parametrize("name", GOOD)
 def test_a_saved_specification_states_the_same_facts(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, tmp_path: Path, capsys: Captured
 ) -> None:
     saved, rules = tmp_path / "specification.mars", ("--rules", PACK)
     robot = f"tests/attributes/{name}.mars"
@@ -155,7 +154,7 @@ def test_blocks_with_attributes_read_back(attributes: list[Attribute]) -> None:
     assert meaning(read.modules) == meaning((module,))
 
 
-def test_traces_cite_the_annotation(capsys: pytest.CaptureFixture[str]) -> None:
+def test_traces_cite_the_annotation(capsys: Captured) -> None:
     words = ("explain", "tests/attributes/blocks.mars", "late(right)", "--rules", PACK)
     assert answer(capsys, *words, "--depth", "all") == (
         0,

@@ -17,6 +17,7 @@ from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.verification import judge_specification, verify
 from tests.support.campaigns import seeds
+from tests.support.fixtures import Captured
 from tests.support.mutants import mutant
 from tests.support.random_configurations import random_configuration, random_mounts
 from tests.support.subjects import RULEBOOK, read, synthesised
@@ -59,7 +60,7 @@ Lines find(Image picture);
 
 
 def judged(
-    specification: str, configuration: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    specification: str, configuration: str, folder: Path, capsys: Captured
 ) -> dict[str, Any]:
     """Return the JSON that `verify` prints of two texts."""
     paths = [folder / "s.mars", folder / "c.mars"]
@@ -93,11 +94,7 @@ def judged(
     ],
 )
 def test_a_difference_is_a_violation_that_names_both_locations(
-    before: str,
-    after: str | None,
-    message: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    before: str, after: str | None, message: str, tmp_path: Path, capsys: Captured
 ) -> None:
     text = f"@specification\n{MODULES}{BODY}{BLOCKS}"
     changed = text.replace(before, before.replace("picture", "view") if after is None else after)
@@ -111,7 +108,7 @@ def test_a_difference_is_a_violation_that_names_both_locations(
 
 
 def test_the_same_meaning_in_another_text_makes_no_difference(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     configuration = f"@configuration\n{MODULES}{BODY}{BLOCKS}"
     blocks = BLOCKS.replace("AtFrequency 50", "AtFrequency every 20 ms").replace("45", "45.0")
@@ -121,9 +118,7 @@ def test_the_same_meaning_in_another_text_makes_no_difference(
         assert found["realises"] and not found["warnings"]
 
 
-def test_a_description_on_one_side_is_a_warning(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_description_on_one_side_is_a_warning(tmp_path: Path, capsys: Captured) -> None:
     whole = f"{MODULES}{BODY}{BLOCKS}"
     pilot = BLOCKS[BLOCKS.index("@module_start\n@module_name Pilot") :].partition("@module_end\n")
     without = whole.replace("".join(pilot[:2]), "")
@@ -137,7 +132,7 @@ def test_a_description_on_one_side_is_a_warning(
 
 
 def test_a_source_of_a_specification_describes_its_modules(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     source = (
         '"""A camera."""\n# @module_start\n# @module_name Camera\n# @Sense NotifyAtFrequency {}\n'
@@ -195,7 +190,7 @@ def test_one_of_several_outputs_of_an_unknown_source_is_not_left_out() -> None:
 @pytest.mark.parametrize("word", NODE_NAMES.values())
 @pytest.mark.parametrize("body", ["", "B uses_data_from A\n", "B is_controlled_by A\n"])
 def test_a_minimum_has_no_node_without_a_line(
-    word: str, body: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    word: str, body: str, tmp_path: Path, capsys: Captured
 ) -> None:
     specification = f"@specification\n@modules A, B, {word}7\n{body}"
     configuration = f"@configuration\n@modules A, B\n{body}"

@@ -17,6 +17,7 @@ from mars_asp.reasoning.facts.compile import configuration_facts
 from mars_asp.reasoning.packs import MANIFEST, find_packs
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.refusals import refusals
 
 CASES = sorted(each.parent for each in (ROOT / "tests/manifests").glob("*/expected.txt"))
@@ -33,10 +34,7 @@ outputs = "one"
 
 @pytest.mark.parametrize("folder", CASES, ids=lambda folder: folder.name)
 def test_each_mistake_has_its_message(
-    folder: Path,
-    update_golden: bool,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    folder: Path, update_golden: bool, capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(ROOT)
     packs = sorted(folder.glob("with-*")) or [folder]

@@ -25,6 +25,7 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.reasoning.verification import Violation, judge_specification, written_cost
 from tests.support.campaigns import IS_CAMPAIGN, sample
 from tests.support.documents import ROOT, run
+from tests.support.fixtures import Captured, Patch
 
 HERE = ROOT / "tests" / "node_kinds"
 CASES = sorted(path for path in HERE.glob("*.mars") if ".expected" not in path.suffixes)
@@ -185,10 +186,7 @@ def test_drawings_and_json_name_the_node(path: Path, tmp_path: Path) -> None:
 
 @every_case
 def test_the_explanation_of_nodes_is_as_expected(
-    path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    update_golden: bool,
+    path: Path, capsys: Captured, monkeypatch: Patch, update_golden: bool
 ) -> None:
     monkeypatch.chdir(path.parent)
     options = [word for pack in packs_of(path) for word in ("--rules", str(pack))]

@@ -12,12 +12,13 @@ from mars_asp.reasoning.cases import run_case
 from mars_asp.reasoning.project import load_project, project_facts
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.campaigns import seeds
+from tests.support.fixtures import Captured, Patch
 from tests.support.random_configurations import random_configuration
 from tests.support.refusals import refusal, refusals
 
 
 @pytest.fixture(autouse=True)
-def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+def wide(monkeypatch: Patch) -> None:
     """Print each message in one line."""
     monkeypatch.setenv("COLUMNS", "1000")
 
@@ -86,7 +87,7 @@ def test_a_consequence_has_a_severity_and_is_not_in_a_choice(tmp_path: Path) -> 
 )
 @pytest.mark.parametrize("words", [["check"], ["explain", "odd(Eye)"], ["explain", "plain(Eye)"]])
 def test_consequences_follow_from_the_facts(
-    rules: str, words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    rules: str, words: list[str], tmp_path: Path, capsys: Captured
 ) -> None:
     pack = tmp_path / "mine.lp"
     pack.write_text(
@@ -142,7 +143,7 @@ concerns(busy, C, work, X) :- is_controlled_by(X, _, C), uses_data_from(_, C, _)
 
 @pytest.mark.parametrize("subject", ["", "busy", "busy(D0)", "busy(D1)"])
 def test_listed_participants_and_locations_equal_heads_by_hand(
-    subject: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    subject: str, tmp_path: Path, capsys: Captured
 ) -> None:
     pack = tmp_path / "mine.lp"
     robot = tmp_path / "robot.mars"
@@ -207,7 +208,7 @@ consequence(late, warning, M, N) :- called(M, N), deadline(M, T), T > 100.
 
 
 def test_facts_of_runs_are_optional_for_packs_without_rules_on_runs(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     pack = tmp_path / "pace"
     (pack / "consequences").mkdir(parents=True)

@@ -18,6 +18,7 @@ from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.campaigns import sample
 from tests.support.cases_at_once import outcomes, together_or_apart
 from tests.support.documents import ROOT
+from tests.support.fixtures import Patch
 from tests.support.rule_coverage import covered, fired_in, labelled, places, unnoticed
 
 CASES = find_cases([ROOT / "tests" / "rules"])
@@ -100,7 +101,7 @@ def test_the_cost_of_an_answer_is_compared_if_a_case_expects_one(
 
 
 def test_the_name_of_the_current_folder_gives_a_case_no_stage(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: Patch
 ) -> None:
     (tmp_path / "verify" / "can").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "verify")

@@ -24,6 +24,7 @@ from mars_asp.reasoning.sample import samples
 from mars_asp.reasoning.verification import verify
 from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.mutated_texts import faults
 from tests.support.random_configurations import random_configuration
 from tests.support.refusals import refusal, refusals
@@ -33,12 +34,7 @@ ROBOT = "tests/packs/robot.mars"
 
 
 @pytest.mark.parametrize("path", PACKS, ids=lambda path: path.stem)
-def test_packs(
-    path: Path,
-    update_golden: bool,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_packs(path: Path, update_golden: bool, capsys: Captured, monkeypatch: Patch) -> None:
     """`rules lint` reports the errors of an analysis, though it tries other robots."""
     monkeypatch.chdir(ROOT)
     pack = str(path.relative_to(ROOT))
@@ -137,7 +133,7 @@ def test_text_that_would_overflow_the_parser_does_not_reach_it(text: str, tmp_pa
     ids=["sum", "signs", "functions", "both", "arguments", "negatives"],
 )
 def test_deep_or_long_text_within_the_bounds_is_read(
-    term: str, verb: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    term: str, verb: list[str], tmp_path: Path, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(ROOT)
     path = tmp_path / "deep.lp"
@@ -186,9 +182,7 @@ def forged(text: str) -> Rulebook:
     return Rulebook(book.rules, texts, 1, 0, paths, documented)
 
 
-def test_a_synthesis_is_judged_without_packs(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_synthesis_is_judged_without_packs(monkeypatch: Patch, capsys: Captured) -> None:
     """A pack that calls the source a splitter made `synthesise` leave one out, and agree to it."""
     monkeypatch.chdir(ROOT)
     assert run_here(["synthesise", ROBOT]) == 0

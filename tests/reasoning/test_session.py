@@ -16,6 +16,7 @@ from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.campaigns import sample
 from tests.support.documents import ROOT
+from tests.support.fixtures import Patch
 
 PROJECT = load_project(str(ROOT / "examples/level1/config.mars"))
 RULEBOOK = load_rulebook(stages=("resolve", "account"))
@@ -68,7 +69,7 @@ def test_every_question_is_answered_after_any_other(first: int) -> None:
         assert found == of(question), (first, question)
 
 
-def counted(monkeypatch: pytest.MonkeyPatch, name: str) -> list[tuple[object, ...]]:
+def counted(monkeypatch: Patch, name: str) -> list[tuple[object, ...]]:
     calls: list[tuple[object, ...]] = []
     own: Callable[..., object] = getattr(session, name)
 
@@ -80,7 +81,7 @@ def counted(monkeypatch: pytest.MonkeyPatch, name: str) -> list[tuple[object, ..
     return calls
 
 
-def test_a_specification_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_specification_is_found_once(monkeypatch: Patch) -> None:
     analysed, synthesised = counted(monkeypatch, "analyse"), counted(monkeypatch, "synthesise")
     reasoner = fresh()
     for subject in (None, "ArbitrationNode", None, "MobilePlatform"):
@@ -92,7 +93,7 @@ def test_a_specification_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_reasoner_that_explained_consequences_is_grounded_again_once(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     analysed = counted(monkeypatch, "analyse")
     reasoner = fresh()

@@ -34,6 +34,7 @@ from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import judge_specification, verify, written_cost
 from tests.support.campaigns import seeds
 from tests.support.documents import run
+from tests.support.fixtures import Captured, Patch
 from tests.support.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify", "cost"))
@@ -413,7 +414,7 @@ M is_controlled_by B 2
 
 @pytest.mark.parametrize(("a", "b", "warned"), [(7, 3, 1), (3, 3, 1), (3, 7, 0), ("", "", 0)])
 def test_contrary_priorities_under_flat_control_are_a_warning(
-    a: int | str, b: int | str, warned: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    a: int | str, b: int | str, warned: int, tmp_path: Path, capsys: Captured
 ) -> None:
     (tmp_path / "c.mars").write_text(FLAT)
     (tmp_path / "s.mars").write_text(RANKED.format(a=a, b=b).replace("hierarchical", "flat"))
@@ -427,7 +428,7 @@ def test_contrary_priorities_under_flat_control_are_a_warning(
 
 
 def test_a_cost_below_the_least_is_a_fault_of_ours(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:
     (tmp_path / "c.mars").write_text(FLAT)
     (tmp_path / "s.mars").write_text(RANKED.format(a=1, b=2).replace("hierarchical", "flat"))

@@ -15,10 +15,7 @@ WALL = "\n[world]\nwalls = [[[500, -900], [500, 900], [-900, 900]]]\n"
 
 
 def trial(
-    text: str,
-    specification: str = DRIVE,
-    folder: Path = Path(),
-    changes: Changes = UNCHANGED,
+    text: str, specification: str = DRIVE, folder: Path = Path(), changes: Changes = UNCHANGED
 ) -> Trial:
     scenario = read_scenario(text, folder / "s.toml", changes)
     made = stage_trial(parse_text(specification, "x.mars").configuration, {}, scenario)

@@ -12,6 +12,7 @@ from mars_asp.asp.lint.copies import superfluous
 from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.diagnostic import Diagnostic, point
+from tests.support.fixtures import Patch
 
 
 def clauses(texts: Sequence[str]) -> list[Clause]:
@@ -68,9 +69,7 @@ def test_findings_equal_those_of_comparing_all_pairs(seed: int) -> None:
         "p(k, M, S) :- feeds(_, M, f{}(S)).",
     ],
 )
-def test_rules_with_one_head_are_compared_with_few_others(
-    form: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rules_with_one_head_are_compared_with_few_others(form: str, monkeypatch: Patch) -> None:
     read = clauses([form.format(number) for number in range(200)])
     compared, compare = [], copies._subsumed
 

@@ -8,6 +8,7 @@ from mars_asp.asp.lint.values import KnownValue
 from mars_asp.asp.rules.read import read_rules
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic
+from tests.support.fixtures import Patch
 
 #: Cities and roads between them.
 DECLARED = """\
@@ -95,7 +96,7 @@ def test_a_constant_that_is_replaced_may_be_any() -> None:
     assert found_in("p(C) :- road(_, C, _, dirt).", frozenset({"dirt"})) == []
 
 
-def test_a_long_chain_of_rules_takes_no_square_of_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_long_chain_of_rules_takes_no_square_of_steps(monkeypatch: Patch) -> None:
     count = 300
     chain = [f"p{n}(X) :- p{n - 1}(X)." for n in range(count, 0, -1)]
     steps: list[Clause] = []

@@ -15,6 +15,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.diagnostic import Diagnostic
+from tests.support.fixtures import Patch
 
 #: What is found is loop(Name, Start); `via` lists nodes in an order, `near` those beside it.
 KEYS = {
@@ -151,7 +152,7 @@ def test_an_error_in_a_list_is_reported_at_its_location(text: str, message: str)
 
 
 def test_clingo_is_called_once_for_lists_without_faults(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     parsed: list[str] = []
 

@@ -4,6 +4,7 @@ import clingo
 import pytest
 
 from mars_asp.asp.solve.observer import Recorded, plain_record, raw_recorder
+from tests.support.fixtures import Patch
 
 BEFORE = "a(1..3). {b(X)} :- a(X)."
 PROGRAM = """
@@ -50,7 +51,7 @@ def test_both_recorders_note_the_same() -> None:
 
 
 def test_an_exception_in_a_recorder_is_raised_by_the_call_of_clingo(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     class Full(list[int]):
         def extend(self, *_: object) -> None:

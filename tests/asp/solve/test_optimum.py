@@ -20,6 +20,7 @@ from mars_asp.asp.solve.optimum import (
     optimise,
     others,
 )
+from tests.support.fixtures import Patch
 
 #: Levels of costs, and one of taste, highest first.
 LEVELS = (30, 20, 10, 1)
@@ -239,7 +240,7 @@ def test_weights_that_differ_are_shared_out() -> None:
 @pytest.mark.parametrize(("most", "count"), [(2, None), (3, 3), (4, 3)])
 @pytest.mark.parametrize("limit", ["MOST_COUNTED", "_MOST_ATOMS_COUNTED"])
 def test_as_many_are_counted_as_may_be(
-    most: int, count: int | None, limit: str, monkeypatch: pytest.MonkeyPatch
+    most: int, count: int | None, limit: str, monkeypatch: Patch
 ) -> None:
     one_of_three = component(3, (forbid(-1, -2, -3), forbid(1, 2), forbid(1, 3), forbid(2, 3)))
     monkeypatch.setattr(optimum, limit, most * (1 if limit == "MOST_COUNTED" else 3))
@@ -268,7 +269,7 @@ def holes(pigeons: int, costly: bool, *more: GroundRule) -> Component:
     return component(number, (*rules, *more), tuple((20, 1, atom) for atom in without))
 
 
-def test_counting_gives_up_after_so_many_conflicts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_counting_gives_up_after_so_many_conflicts(monkeypatch: Patch) -> None:
     """Any of 6 is left out, and the others have their places in any order."""
     assert optimise(holes(6, True)).count == 6 * factorial(5)
     monkeypatch.setattr(optimum, "_MOST_CONFLICTS", 1)
@@ -276,7 +277,7 @@ def test_counting_gives_up_after_so_many_conflicts(monkeypatch: pytest.MonkeyPat
 
 
 def test_atoms_are_decided_in_their_order_until_one_is_hard(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     """The first would need holes for all, which is impossible; the second is possible."""
     whole = holes(6, False)
@@ -354,7 +355,7 @@ def test_costs_of_false_atoms_are_summed_after_the_deadline() -> None:
 
 
 def test_a_proven_answer_is_minimal_at_every_deadline(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     """If it passes after the proof, the result may be another than the first of equal answers."""
     chosen = component(6, (forbid(-1, -2, -3, -4, -5, -6),), tuple((30, 1, n) for n in range(1, 7)))

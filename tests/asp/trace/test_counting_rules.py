@@ -10,6 +10,7 @@ from mars_asp.asp.trace import Derived, Underivable, explainer
 from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.firings import Firing, read_firings
 from tests.asp.trace.test_explainer import wrong_derivations, wrong_explanations
+from tests.support.fixtures import Patch
 from tests.support.programs import explainer_of
 from tests.support.trace_checker import faults
 
@@ -59,9 +60,7 @@ def test_traces_are_true_and_none_is_missing(program: str) -> None:
 
 
 @pytest.mark.parametrize("program", [f"a :- {body}" for body in _BODIES if "v(_)" in body])
-def test_counted_elements_are_found_once_for_all_firings(
-    program: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_counted_elements_are_found_once_for_all_firings(program: str, monkeypatch: Patch) -> None:
     sizes: list[int] = []
 
     def read(control: clingo.Control, question: int) -> list[Firing]:
@@ -92,9 +91,7 @@ _FAILING = [
 
 
 @pytest.mark.parametrize("body", _FAILING)
-def test_the_failing_literal_is_found_once_for_all_values(
-    body: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_failing_literal_is_found_once_for_all_values(body: str, monkeypatch: Patch) -> None:
     sizes: list[int] = []
 
     def read(control: clingo.Control, question: int) -> list[Firing]:

@@ -17,6 +17,7 @@ from mars_asp.execution.trial import Trial
 from mars_asp.language import parse_text
 from tests.execution.recording.test_replay import SPECIFICATION, trial
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 
 KINDS: dict[str, Any] = {
     "object": dict,
@@ -131,7 +132,7 @@ def test_the_command_line_writes_it(tmp_path: Path) -> None:
 
 
 def test_a_package_that_is_missing_is_named_before_the_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.setitem(sys.modules, "mcap", None)
     out = tmp_path / "a.mcap"
@@ -142,7 +143,7 @@ def test_a_package_that_is_missing_is_named_before_the_run(
     assert (output.out, out.exists()) == ("", False)
 
 
-def test_an_unknown_file_ending_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_file_ending_is_refused(capsys: Captured) -> None:
     with pytest.raises(SystemExit) as raised:
         run_here([*WORDS, "--record", "a.txt"])
     assert raised.value.code == 2

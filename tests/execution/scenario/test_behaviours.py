@@ -10,6 +10,7 @@ from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.reasoning.project import load_project
 from tests.support.documents import ROOT
+from tests.support.fixtures import Patch
 from tests.support.refusals import refusal, refusals
 from tests.support.trials import BASE, DRIVE, trial
 
@@ -189,7 +190,7 @@ REFUSED = {
 
 
 def test_unusable_functions_are_all_refused_at_their_bindings(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "b.py").write_text(

@@ -7,6 +7,7 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 from tests.support.refusals import refusals
 from tests.support.trials import BASE, trial
 
@@ -83,9 +84,7 @@ Twist reach();
 """
 
 
-def test_a_kind_of_a_pack_is_bound_for_all_its_nodes(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_kind_of_a_pack_is_bound_for_all_its_nodes(tmp_path: Path, capsys: Captured) -> None:
     robot, scenario = tmp_path / "robot.mars", tmp_path / "s.toml"
     robot.write_text(TWO_ARMS)
     (tmp_path / "w.py").write_text("def step(command):\n    return command\n\n\nspare = step\n")

@@ -17,6 +17,7 @@ from mars_asp.execution.scenario.schema import SCHEMA, mistakes
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from tests.support.campaigns import examples
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 from tests.support.refusals import refusal
 from tests.support.trials import BASE
 
@@ -25,9 +26,7 @@ SCENARIOS = sorted(ROOT.glob("examples/*/*.toml"))
 GOOD: dict[str, Any] = {"duration": 3, "robot": {"module": "P"}}
 
 
-def test_the_document_equals_the_printed_schema(
-    capsys: pytest.CaptureFixture[str], update_golden: bool
-) -> None:
+def test_the_document_equals_the_printed_schema(capsys: Captured, update_golden: bool) -> None:
     with pytest.raises(SystemExit) as ended:
         run_here(["run", "--schema"])
     assert not ended.value.code

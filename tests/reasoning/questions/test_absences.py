@@ -11,6 +11,7 @@ from mars_asp.reasoning.questions.why_not import why_not
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT
+from tests.support.fixtures import Patch
 
 #: A circle that begins with A, two controllers, and a module that nothing relates.
 ROBOT = """\
@@ -73,7 +74,7 @@ def test_absences_of_some_modules_are_those_of_the_whole_robot(tmp_path: Path) -
     assert alone == {title: each for title, each in own.items() if each.kind not in BY_TYPE}
 
 
-def test_too_many_modules_have_no_absences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_modules_have_no_absences(tmp_path: Path, monkeypatch: Patch) -> None:
     path = tmp_path / "config.mars"
     path.write_text(ROBOT)
     monkeypatch.setattr("mars_asp.reasoning.questions.absences.MOST_MODULES", 4)

@@ -37,6 +37,7 @@ from tests.support.counterfactual import (
     uncounted,
 )
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 
 CASES = sorted((ROOT / "tests" / "accounts").glob("*.mars"))
 #: Cases with a cause to which no answer leads are left out: this list may only shrink.
@@ -66,17 +67,14 @@ ABLE = (
 FEW = 20
 
 
-def show_all_paragraphs(monkeypatch: pytest.MonkeyPatch) -> None:
+def show_all_paragraphs(monkeypatch: Patch) -> None:
     """Give consequences paragraphs of their own, those that nodes resolve with the same lines."""
     monkeypatch.setattr("mars_asp.cli.explain._covered_by_nodes", lambda topics: ())
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_the_explanation_of_each_case_is_as_expected(
-    path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    update_golden: bool,
+    path: Path, capsys: Captured, monkeypatch: Patch, update_golden: bool
 ) -> None:
     monkeypatch.chdir(path.parent)
     show_all_paragraphs(monkeypatch)
@@ -89,11 +87,7 @@ def test_the_explanation_of_each_case_is_as_expected(
 
 @pytest.mark.parametrize(("path", "name"), FOREIGN.items(), ids=FOREIGN)
 def test_the_explanation_of_each_foreign_file_is_as_expected(
-    path: str,
-    name: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    update_golden: bool,
+    path: str, name: str, capsys: Captured, monkeypatch: Patch, update_golden: bool
 ) -> None:
     monkeypatch.chdir(ROOT / "tests")
     show_all_paragraphs(monkeypatch)
@@ -214,7 +208,7 @@ def test_an_answer_leads_to_each_cause_in_a_case(path: Path) -> None:
     assert list(uncited(path.read_text(encoding="utf-8"), str(path))) == []
 
 
-def test_a_cause_that_no_answer_cites_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cause_that_no_answer_cites_is_found(monkeypatch: Patch) -> None:
     text = "@configuration\n@modules A, B, C\nB uses_data_from A\nC uses_data_from A\n"
     assert list(uncited(text)) == []
     monkeypatch.setattr(counterfactual, "_lines_of", lambda topic, path: frozenset())

@@ -17,6 +17,7 @@ from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.verification import verify
 from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT, run
+from tests.support.fixtures import Captured, Patch
 from tests.support.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))
@@ -109,10 +110,7 @@ NEEDS = [
 
 @pytest.mark.parametrize("path", NEEDS)
 def test_why_nothing_costs_less(
-    path: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    update_golden: bool,
+    path: str, capsys: Captured, monkeypatch: Patch, update_golden: bool
 ) -> None:
     monkeypatch.chdir((ROOT / path).parent)
     run_here(["explain", (ROOT / path).name, "--alternatives", "1"])
@@ -224,7 +222,7 @@ def test_a_subject_is_a_node() -> None:
 
 
 @pytest.mark.parametrize("words", [["--alternatives", "0"], ["--alternatives", "many"]])
-def test_a_wrong_number_is_reported(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_number_is_reported(words: list[str], capsys: Captured) -> None:
     with pytest.raises(SystemExit) as end:
         run_here(["explain", str(CASES[0] / "config.mars"), *words])
     assert end.value.code == 2

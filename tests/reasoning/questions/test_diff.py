@@ -18,6 +18,7 @@ from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.campaigns import examples, seeds
 from tests.support.documents import ROOT, run
+from tests.support.fixtures import Captured
 from tests.support.random_configurations import random_faults, random_ports
 from tests.support.strategies import configurations, few
 
@@ -71,7 +72,7 @@ def test_an_error_that_appears_changes_the_status() -> None:
     assert run_here(["diff", new, new, "--quiet"]) == 0
 
 
-def test_json_names_the_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_names_the_lines(tmp_path: Path, capsys: Captured) -> None:
     for name in ("old.mars", "new.mars"):
         shutil.copy(ROOT / "tests/diff/divergence" / name, tmp_path)
     words = ["diff", str(tmp_path / "old.mars"), str(tmp_path / "new.mars"), "--format", "json"]

@@ -25,13 +25,14 @@ from mars_asp.reasoning.questions.edits import (
 )
 from tests.support.applied_repairs import applied
 from tests.support.documents import ROOT
+from tests.support.fixtures import Patch
 
 CASES = sorted((ROOT / "tests/edits").glob("*/"))
 _VERBS = {"Data": "uses_data_from", "Control": "is_controlled_by", "Mount": "is_mounted_on"}
 
 
 @pytest.mark.parametrize("folder", CASES, ids=lambda path: path.name)
-def test_cases(folder: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool) -> None:
+def test_cases(folder: Path, monkeypatch: Patch, update_golden: bool) -> None:
     """Lines of `edits.txt` are edits, those of one set separated by `;`, with the effects below.
 
     `{A verb B}` and `{A @Word}` are the identifiers of a relationship and of an annotation.

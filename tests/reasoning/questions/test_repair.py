@@ -24,6 +24,7 @@ from mars_asp.reasoning.rules import load_rulebook
 from tests.support.applied_repairs import check_repairs
 from tests.support.campaigns import examples, sample, seeds
 from tests.support.documents import ROOT, run
+from tests.support.fixtures import Captured, Patch
 from tests.support.strategies import configurations, few
 
 RULEBOOK = load_rulebook(stages=STAGES)
@@ -31,7 +32,7 @@ CASES = sorted((ROOT / "tests/repair").glob("*/"))
 
 
 @pytest.mark.parametrize("folder", CASES, ids=lambda path: path.name)
-def test_cases(folder: Path, update_golden: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cases(folder: Path, update_golden: bool, monkeypatch: Patch) -> None:
     """The printed repairs; each of them, applied to the file, removes its finding."""
     calls: list[tuple[Project, tuple[Repair, ...]]] = []
 
@@ -55,7 +56,7 @@ OF_A_KIND = sorted(path for path in ROOT.glob("tests/repair/*/*.txt") if path.st
 
 
 @pytest.mark.parametrize("path", OF_A_KIND, ids=lambda path: f"{path.parent.name}-{path.stem}")
-def test_cases_of_a_kind(path: Path, update_golden: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cases_of_a_kind(path: Path, update_golden: bool, monkeypatch: Patch) -> None:
     monkeypatch.chdir(ROOT)
     folder = path.parent.relative_to(ROOT)
     printed = run(f"mars-asp explain {folder}/config.mars --repair {path.stem}")
@@ -165,7 +166,7 @@ def _hub(clients: int) -> Project:
 
 
 def test_an_edit_that_many_findings_share_is_tried_once_and_first(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     monkeypatch.setattr(repair, "MOST_FACTS", 0)
     monkeypatch.setattr(repair, "LEAST_TRIED", 5)
@@ -221,9 +222,7 @@ def test_where_each_edit_can_be_tried_all_names_are_not_named_at_once() -> None:
         assert "name_all" not in [str(edit.term) for mend in each.mends for edit in mend.edits]
 
 
-def test_findings_without_a_remaining_try_are_marked(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_findings_without_a_remaining_try_are_marked(monkeypatch: Patch, capsys: Captured) -> None:
     monkeypatch.setattr(repair, "MOST_FACTS", 0)
     monkeypatch.setattr(repair, "LEAST_TRIED", 1)
     path = str(ROOT / "tests/repair/roles/config.mars")
@@ -231,7 +230,7 @@ def test_findings_without_a_remaining_try_are_marked(
     assert "not tried beside so many others: ask for `class_mismatch(" in capsys.readouterr().out
 
 
-def test_a_time_limit_ends_the_search_with_a_note(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_time_limit_ends_the_search_with_a_note(capsys: Captured) -> None:
     path = str(ROOT / "tests/repair/roles/config.mars")
     assert run_here(["explain", path, "--repair", "--time-limit", "0.001"]) == 3
     output = capsys.readouterr()
@@ -241,7 +240,7 @@ def test_a_time_limit_ends_the_search_with_a_note(capsys: pytest.CaptureFixture[
     assert all(not found.late for found in repairs(load_project(path), RULEBOOK, seconds=600))
 
 
-def test_json(capsys: pytest.CaptureFixture[str]) -> None:
+def test_json(capsys: Captured) -> None:
     path = str(ROOT / "tests/repair/mode/config.mars")
     assert run_here(["explain", path, "--repair", "--format", "json"]) == 1
     found = json.loads(capsys.readouterr().out)["repairs"]
@@ -252,7 +251,7 @@ def test_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert first["cost"] == {"nodes": 0, "conversion": 0, "relationships": 1}
 
 
-def test_a_subject_chooses_the_findings(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_subject_chooses_the_findings(capsys: Captured) -> None:
     path = str(ROOT / "tests/repair/roles/config.mars")
     for subject, count in (("Lamp", 1), ("class_mismatch", 3), ("class_mismatch(Notes)", 1)):
         run_here(["explain", path, subject, "--repair", "--format", "json"])
@@ -276,7 +275,7 @@ def test_a_pack_may_propose_edits_for_its_own_findings(tmp_path: Path) -> None:
 
 
 def test_a_finding_without_proposed_edits_is_reported_as_such(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: Captured
 ) -> None:
     pack = tmp_path / "lonely.lp"
     pack.write_text(
@@ -288,9 +287,7 @@ def test_a_finding_without_proposed_edits_is_reported_as_such(
     assert "no rule proposes an edit for `lonely`; one of yours" in capsys.readouterr().out
 
 
-def test_edits_of_standard_input_name_its_lines(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_edits_of_standard_input_name_its_lines(monkeypatch: Patch, capsys: Captured) -> None:
     text = b"@configuration\r\n@modules Camera, Log // all\r\nLog uses_data_from Camra\r\n"
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text)))
     assert run_here(["explain", "-", "--repair", "--format", "json"]) == 1
@@ -307,9 +304,7 @@ def test_edits_of_standard_input_name_its_lines(
     ]
 
 
-def test_conflicting_rules_of_packs_are_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_conflicting_rules_of_packs_are_named(tmp_path: Path, capsys: Captured) -> None:
     pack = tmp_path / "three.lp"
     pack.write_text(
         "noisy(S) :- uses_data_from(_, _, S).\n"

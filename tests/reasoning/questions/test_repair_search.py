@@ -25,6 +25,7 @@ from mars_asp.reasoning.questions.repair import (
     repairs,
 )
 from mars_asp.reasoning.rules import load_rulebook
+from tests.support.fixtures import Patch
 from tests.support.refusals import refusals
 
 RULEBOOK = load_rulebook(stages=STAGES)
@@ -57,7 +58,7 @@ def book(tmp_path: Path) -> Callable[[str], Rulebook]:
 
 
 @pytest.fixture
-def tries(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def tries(monkeypatch: Patch) -> list[str]:
     """Return a list of the names that each try of edits `name(N)` adds."""
     made: list[str] = []
 
@@ -109,7 +110,7 @@ def test_sixty_sets_are_tried_for_a_finding_and_then_the_heavy_edits(
 
 
 def test_of_many_edits_the_first_twenty_are_combined(
-    book: Callable[[str], Rulebook], tries: list[str], monkeypatch: pytest.MonkeyPatch
+    book: Callable[[str], Rulebook], tries: list[str], monkeypatch: Patch
 ) -> None:
     monkeypatch.setattr(repair, "MOST_TRIED", 44)
     names = [f"L{number:02}" for number in range(22)]
@@ -135,7 +136,7 @@ def test_at_most_five_repairs_are_listed(
 
 
 def test_ten_sets_are_tried_however_large_a_robot_is(
-    book: Callable[[str], Rulebook], tries: list[str], monkeypatch: pytest.MonkeyPatch
+    book: Callable[[str], Rulebook], tries: list[str], monkeypatch: Patch
 ) -> None:
     monkeypatch.setattr(repair, "MOST_FACTS", 0)
     entries: list[tuple[int, int]] = []
@@ -148,7 +149,7 @@ def test_ten_sets_are_tried_however_large_a_robot_is(
 
 
 def test_shared_edits_are_tried_first_then_by_position(
-    book: Callable[[str], Rulebook], tries: list[str], monkeypatch: pytest.MonkeyPatch
+    book: Callable[[str], Rulebook], tries: list[str], monkeypatch: Patch
 ) -> None:
     monkeypatch.setattr(repair, "MOST_EDITS", 1)
     edits = ("B", "A", "A", "B", "C", "A1 A2 C", "D E", "D2 E")
@@ -178,7 +179,7 @@ def test_no_set_is_tried_that_may_outlast_the_limit(
     lasting: Sequence[int],
     tried: int,
     book: Callable[[str], Rulebook],
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: Patch,
 ) -> None:
     clock = [100.0]
     monkeypatch.setattr(repair, "time", SimpleNamespace(monotonic=lambda: clock[0]))
@@ -196,10 +197,7 @@ def test_no_set_is_tried_that_may_outlast_the_limit(
 
 @pytest.mark.parametrize(("limit", "left"), [(None, None), (10, 7.0), (3, 0.1), (2, 0.1)])
 def test_solving_takes_the_time_that_is_left(
-    limit: int | None,
-    left: float | None,
-    book: Callable[[str], Rulebook],
-    monkeypatch: pytest.MonkeyPatch,
+    limit: int | None, left: float | None, book: Callable[[str], Rulebook], monkeypatch: Patch
 ) -> None:
     clock = [100.0]
     monkeypatch.setattr(repair, "time", SimpleNamespace(monotonic=lambda: clock[0]))
@@ -228,7 +226,7 @@ def test_solving_takes_the_time_that_is_left(
 
 
 def test_nothing_is_resolved_while_the_finding_is_there(
-    book: Callable[[str], Rulebook], monkeypatch: pytest.MonkeyPatch
+    book: Callable[[str], Rulebook], monkeypatch: Patch
 ) -> None:
     monkeypatch.setattr(repair, "least_cost", lambda *_: pytest.fail("resolved in vain"))
     (found,) = repairs(_project(), book(f"doom(0). {_saves(0, 'A1')}"))
@@ -240,7 +238,7 @@ def test_nothing_is_resolved_while_the_finding_is_there(
     [TimeoutError(), MarsError((Diagnostic("cost", "error", "too large", point("c.mars", 1, 1)),))],
 )
 def test_an_edit_without_a_specification_is_not_a_fix(
-    error: Exception, book: Callable[[str], Rulebook], monkeypatch: pytest.MonkeyPatch
+    error: Exception, book: Callable[[str], Rulebook], monkeypatch: Patch
 ) -> None:
     def fails(*_: object) -> None:
         raise error
@@ -331,7 +329,7 @@ def test_a_subject_that_nothing_is_called_is_an_error(subject: str, help_text: s
     assert [d.help for d in refusals(repairs, _project(TIES), RULEBOOK, subject)] == [help_text]
 
 
-def test_no_edits_are_proposed_without_findings(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_edits_are_proposed_without_findings(monkeypatch: Patch) -> None:
     monkeypatch.setattr(repair, "_proposals", lambda *_: pytest.fail("asked in vain"))
     assert repairs(_project(), RULEBOOK) == ()
     assert repairs(_project(), RULEBOOK, "W") == ()

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.fixtures import Captured
 
 CONFIG = "tests/repair/rate/config.mars"
 NAMED = f"`service_infeasible(Map)` ({CONFIG}:4) prevents it"
@@ -30,7 +31,7 @@ FINE = "@configuration\n@modules A, B\nA uses_data_from B\n"
     ids=" ".join,
 )
 def test_the_error_that_prevents_a_specification_is_named(
-    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    words: list[str], tmp_path: Path, capsys: Captured
 ) -> None:
     fine = tmp_path / "fine.mars"
     fine.write_text(FINE)
@@ -39,9 +40,7 @@ def test_the_error_that_prevents_a_specification_is_named(
     assert NAMED in " ".join(f"{output.out} {output.err}".split())
 
 
-def test_of_many_errors_the_first_are_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_of_many_errors_the_first_are_named(tmp_path: Path, capsys: Captured) -> None:
     text = "@configuration\n@modules S, A, B, C, D\n"
     text += "".join(f"{name} uses_data_from S NotifyAtFrequency 50\n" for name in "ABCD")
     text += "@module_start\n@module_name S\n@Sense NotifyAtFrequency 10\nImage image();\n"

@@ -7,6 +7,7 @@ import pytest
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT, run
 from tests.support.every_output import helps, of_whole_files, printed, questions, wrong_in
+from tests.support.fixtures import Patch
 from tests.support.forbidden import FORBIDDEN, forbidden_in, wider_than
 
 INPUTS = (*sorted(ROOT.glob("examples/*/config.mars")), *sorted((ROOT / "tests/voice").iterdir()))
@@ -43,7 +44,7 @@ def test_traces_show_nothing_of_the_encoding(path: Path, options: str) -> None:
     assert list(forbidden_in(output)) == []
 
 
-def test_no_verb_shows_anything_of_the_encoding(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_verb_shows_anything_of_the_encoding(monkeypatch: Patch) -> None:
     monkeypatch.chdir(TRIED.parent)
     for words, given in (*of_whole_files(TRIED.name), *questions(TRIED.name, EACH)):
         assert list(wrong_in(words, printed(words, given).text)) == [], words

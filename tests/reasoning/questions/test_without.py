@@ -13,6 +13,7 @@ from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured, Patch
 from tests.support.random_configurations import random_configuration, random_control
 from tests.support.refusals import refusal
 
@@ -112,11 +113,7 @@ def test_something_breaks_without_a_node_of_random_configurations(kind: type) ->
     ],
 )
 def test_the_command(
-    words: list[str],
-    status: int,
-    message: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    words: list[str], status: int, message: str, capsys: Captured, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(ROOT)
     assert run_here(words) == status
@@ -139,9 +136,7 @@ def test_a_name_other_than_a_node_is_reported(name: str, message: str, help_text
     assert help_text in str(diagnostic.help)
 
 
-def test_json_has_the_keys_of_verify_and_one_more(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_json_has_the_keys_of_verify_and_one_more(capsys: Captured, monkeypatch: Patch) -> None:
     monkeypatch.chdir(ROOT)
     assert run_here(["verify", "--without", "DataSplitter2", LEVEL1, "--format", "json"]) == 1
     found = json.loads(capsys.readouterr().out)

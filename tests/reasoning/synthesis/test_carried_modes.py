@@ -10,6 +10,7 @@ from mars_asp.language import parse_text
 from mars_asp.model.declarations import Data
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.carried_modes import state_modes
+from tests.support.fixtures import Captured
 
 RULEBOOK = load_rulebook()
 CAMERA = """
@@ -97,9 +98,7 @@ def test_a_specification_without_a_choice_of_mode_is_unchanged() -> None:
     assert state_modes(specification, {}, RULEBOOK) is specification
 
 
-def test_a_run_delivers_by_a_mode_other_than_the_first(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_delivers_by_a_mode_other_than_the_first(tmp_path: Path, capsys: Captured) -> None:
     (tmp_path / "c.mars").write_text(
         "@configuration\n@modules Camera, Fast, Slow, Base\n"
         "Fast uses_data_from Camera NotifyAtFrequency 40\n"

@@ -7,16 +7,14 @@ import pytest
 
 from mars_asp.cli import run_here
 from tests.reasoning.test_verification import CHOICE, CHOSEN
+from tests.support.fixtures import Captured, Patch
 
 
 @pytest.mark.parametrize(
     "words", [("synthesise", "c"), ("verify", "s", "c"), ("explain", "c", "DataTransformer1")]
 )
 def test_conversion_costs_that_do_not_fit_are_reported_at_the_largest(
-    words: tuple[str, ...],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     (tmp_path / "c.mars").write_text(CHOICE)
     (tmp_path / "s.mars").write_text(CHOSEN.format(comment=""))
