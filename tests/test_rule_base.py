@@ -14,7 +14,6 @@ from mars_asp.asp.rules.statements import defined
 from mars_asp.cli import run_here
 from mars_asp.cli.rules import shown, shown_json
 from mars_asp.reasoning.findings import consequence_kinds
-from mars_asp.reasoning.lint import lint
 from mars_asp.reasoning.packs import FOLDERS
 from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook, seal
@@ -56,7 +55,7 @@ def test_whatever_a_trace_cites_can_be_shown(rulebook: Rulebook) -> None:
     every = load_rulebook([*pages, *packs], STAGES)
     for name, path in found.items():
         assert shown_json(every, name)["id"] == name, path
-    for name in sample(sorted(found), 3):
+    for name in sample(sorted(found), 12):
         assert shown(every, name).startswith(f"## {name}\n"), found[name]
 
 
@@ -271,10 +270,6 @@ def test_lint_findings_are_not_part_of_an_analysis(
     printed = capsys.readouterr()
     assert run_here(["analyse", robot, "--rules", pack]) == status
     assert capsys.readouterr() == printed
-
-
-def test_no_name_of_a_built_in_rule_means_two_things() -> None:
-    assert lint([]).diagnostics == ()
 
 
 def test_each_kind_of_the_base_has_a_reason_for_its_absence() -> None:

@@ -307,18 +307,18 @@ def test_many_contacts_of_many_robots_are_listed_in_few_lines() -> None:
         + "".join(
             f'[[robot]]\nname = "r{k}{"o" * 40}"\nmodule = "P{k}"\nradius = 50\n'
             f"start = [{250 * k}, 0, {180 * (k % 2)}]\n"
-            for k in range(20)
+            for k in range(8)
         )
         + "[devices]\n"
         + "".join(
             f'C{k} = {{ kind = "joystick", script = [[0, "Trans_Z", 100], [5, "Trans_Z", -100],'
             ' [10, "Trans_Z", 100], [20, "Trans_Z", -100], [30, "Trans_Z", 100]] }\n'
-            for k in range(20)
+            for k in range(8)
         ),
         "@specification\n@modules "
-        + ", ".join(f"P{k}, C{k}" for k in range(20))
+        + ", ".join(f"P{k}, C{k}" for k in range(8))
         + "\n"
-        + "".join(f"P{k} is_controlled_by C{k}\n" for k in range(20)),
+        + "".join(f"P{k} is_controlled_by C{k}\n" for k in range(8)),
     )
     entries = [each for each in texts(drawn(made)) if "contact" in each]
     assert len(entries) == 7
