@@ -724,3 +724,27 @@ def test_a_topic_of_a_known_node_that_nothing_starts_is_the_border_of_the_robot(
     (tree,) = read(written, tmp_path, "ament_python").trees
     [end] = [end for each in tree.nodes for end in each.subscribed if each.name == "/watch"]
     assert end.optional is is_border
+
+
+@pytest.mark.parametrize(
+    ("name", "attributes", "is_reported"),
+    [
+        ("'drive'", ("", ""), True),
+        ("sys.argv[1]", ("", ""), False),
+        ("sys.argv[1]", ("name='n'", "name='n'"), True),
+        ("'drive'", ("name=os.environ['A']", "name=os.environ['B']"), False),
+        ("'drive'", ("namespace=os.environ['A']", "namespace=os.environ['B']"), False),
+    ],
+)
+def test_nodes_whose_names_only_a_run_knows_are_not_of_one_name(
+    name: str, attributes: tuple[str, str], is_reported: bool, tmp_path: Path, capsys: Captured
+) -> None:
+    program = f"import sys, rclpy\nfrom rclpy.node import Node\nnode = Node({name})\n"
+    started = "".join(f"Node(package='mine', executable='drive.py', {x})," for x in attributes)
+    launch = (
+        "import os\nfrom launch import LaunchDescription\nfrom launch_ros.actions import Node\n"
+        f"def generate_launch_description():\n    return LaunchDescription([{started}])\n"
+    )
+    read({"scripts/drive.py": program, "launch/x.launch.py": launch}, tmp_path)
+    run_here(["check", str(tmp_path)])
+    assert ("duplicate_node" in capsys.readouterr().out) is is_reported

@@ -94,7 +94,7 @@ class Started:
     of its parameters, in the workspace; `conditions` decide if it starts;
     `arguments` are the words after its program, the unknown ones empty. `has_further_files` is
     whether it has files of parameters that are not known, `is_rewritten` whether a launch file
-    reads its files as YAML, `is_anonymous` whether launching makes its name unique.
+    reads its files as YAML, `is_name_open` whether only a run knows its name or namespace.
     """
 
     package: str
@@ -111,7 +111,7 @@ class Started:
     arguments: tuple[str, ...] = ()
     has_further_files: bool = False
     is_rewritten: bool = False
-    is_anonymous: bool = False
+    is_name_open: bool = False
 
 
 class _Entered(NamedTuple):
@@ -663,7 +663,7 @@ class Launch:
                 tuple(words),
                 any(self._is_unknown(path, scope) for path in paths),
                 action.is_rewritten,
-                _ANONYMOUS.search(name or "") is not None,
+                namespace is None or name is None or _ANONYMOUS.search(name) is not None,
             )
         )
 

@@ -179,16 +179,17 @@ def _by_root(files: Sequence[tuple[str, str]]) -> dict[tuple[Path, bool], list[t
 def _root(path: Path) -> tuple[Path, bool]:
     """Return the folder that holds all that a path may lead to, and whether packages are in it.
 
-    Of a launch file, or a folder inside a package, it is the package, and then the folder above as
-    long as that has other packages directly in it or is a `src`; without a package it is the folder
-    of the file. Nothing above a folder with `.git`, of one that is not to be built or of a package
+    Of a launch file, or the folder `launch` of a package, it is the package, and then the folder
+    above as long as that has other packages directly in it or is a `src`; without a package it is
+    the folder of the file. Nothing above a folder with `.git`, of one that is not to be built or of a package
     with others in it is read. Standard input lies nowhere.
     """
     if path.is_dir():
         folder = path.resolve()
         around, is_in_package = _root_of(folder)
-        is_whole = not is_in_package or next(folder.rglob("package.xml"), None) is not None
-        return (folder, True) if is_whole else (around, True)
+        is_part = is_in_package and "launch" in folder.relative_to(around).parts
+        is_part = is_part and next(folder.rglob("package.xml"), None) is None
+        return (around if is_part else folder), True
     if not path.is_file():
         return _NOWHERE, False
     return _root_of(path.resolve().parent)
@@ -718,7 +719,12 @@ class _WorkspaceRobot:
             for written in self._names_by_parameter(topic, started, values)
         )
         # Of several nodes of a program any may be there when others of their names are.
-        is_named = is_source and all(each.sort != FURTHER_NODES for each in interface.unread)
+        # A source whose node name is an expression may name each of its nodes differently.
+        is_named = (
+            is_source
+            and bool(interface.node)
+            and all(each.sort != FURTHER_NODES for each in interface.unread)
+        )
         is_whole = is_source and not (unread or interface.unnamed)
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
@@ -734,7 +740,7 @@ class _WorkspaceRobot:
             renamed=self._renamed(started, name),
             # Without its source, a name is mostly a habit of its program.
             is_named=(is_named or bool(started.name) or interface.is_name_sure)
-            and not started.is_anonymous,
+            and not started.is_name_open,
             is_whole=is_whole and all(each.sort == SERVICES for each in interface.unread),
             package=started.package,
             manages=tuple(self._managed(started)),
@@ -763,7 +769,7 @@ class _WorkspaceRobot:
             unread=True,
             conditions=started.conditions,
             # A program whose source is not known may name its node apart.
-            is_named=bool(started.name) and not started.is_anonymous,
+            is_named=bool(started.name) and not started.is_name_open,
             renamed=self._renamed(started, name),
             package=started.package,
             manages=tuple(self._managed(started)),

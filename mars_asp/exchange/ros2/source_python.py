@@ -430,7 +430,10 @@ class _Unit(PythonTexts):
             )
             is_init = dotted_name(call.func) == "Node.__init__"
             given = argument_of(call, 1 if is_init and len(call.args) > 1 else 0, "node_name")
-            if (name == "__init__" and is_super) or is_init or name in ("init_node", "create_node"):
+            is_made = name in ("init_node", "create_node") or (
+                name == "Node" and (self.type(call.func) or "").startswith("rclpy/")
+            )
+            if (name == "__init__" and is_super) or is_init or is_made:
                 text = None if given is None else self.text(given)
                 namespace = argument_of(call, len(call.args), "namespace")
                 if namespace is not None and not self.namespace:
