@@ -181,8 +181,8 @@ def _root(path: Path) -> tuple[Path, bool]:
 
     Of a launch file, or the folder `launch` of a package, it is the package, and then the folder
     above as long as that has other packages directly in it or is a `src`; without a package it is
-    the folder of the file. Nothing above a folder with `.git`, of one that is not to be built or of a package
-    with others in it is read. Standard input lies nowhere.
+    the folder of the file. Nothing above a folder with `.git`, of one that is not to be built or of
+    a package with others in it is read. Standard input lies nowhere.
     """
     if path.is_dir():
         folder = path.resolve()
