@@ -1,8 +1,8 @@
 """Rules as all that reasons about them reads them: frozen values from clingo's own parse.
 
-Nothing else reads what a rule says, neither its text nor its tree; explanations alone write
-further rules from trees. To walk a tree takes a thousand times as long as to read what was made of
-it, so that of our own rules is made when the package is built.
+Nothing else reads the text or the tree of a rule; explanations alone write further rules from
+trees. To walk a tree takes a thousand times as long as to read the values made of it, so those of
+the built-in rules are made when the package is built.
 """
 
 import re
@@ -35,7 +35,7 @@ from mars_asp.asp.signature import Signature
 #: A line and a column in the text of a rule, both from 1; columns count characters.
 Place: TypeAlias = tuple[int, int]
 
-#: A tree of clingo, for further rules to be made of.
+#: A tree of clingo, of which further rules are made.
 Tree: TypeAlias = ast.AST
 
 _TYPE = ast.ASTType
@@ -58,14 +58,14 @@ _UNARY = {
     ast.UnaryOperator.Negation: "~",
 }
 _OPERANDS = (_TYPE.SymbolicTerm, _TYPE.BinaryOperation, _TYPE.UnaryOperation)
-#: Terms with others inside, the negation of which is no operation.
+#: Terms with others inside, whose negation is not an operation.
 _COMPOUND = (_TYPE.Function, _TYPE.Pool)
 #: How clingo writes that a literal is not negated, negated once, or twice.
 _SIGNS = ("", "not ", "not not ")
 _NONE: frozenset[str] = frozenset()
-#: What stands in any operation, or in any number that does not fit into 32 bits.
+#: A part of every operation, and of every number that does not fit into 32 bits.
 _COMPUTING = re.compile(r"[-+*/\\&?^|~]|[0-9]{10}|0[a-z]")
-#: What stands in any text that minimises or maximises something.
+#: A part of every text that minimises or maximises something.
 _COST = re.compile(r"#\s*(?:min|max)[a-z]*mi[sz]e|:~")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
 #: The values of so many rules are kept.
@@ -117,7 +117,7 @@ class Pattern(NamedTuple):
 class Literal(NamedTuple):
     """A predicate with its terms, and whether only its true instances matter.
 
-    So it is with positive literals, but not behind a condition: `p(X) : q(X)` fails where there is
+    These are positive literals, except the one before a condition: `p(X) : q(X)` fails if there is
     a `q(X)` without a `p(X)`.
     """
 
@@ -255,10 +255,10 @@ class ProgramPart(NamedTuple):
 
 
 class RuleSyntaxError(Exception):
-    """A text is no rules; `notes` are what clingo says of it."""
+    """A text cannot be read as rules; `notes` are the messages of clingo."""
 
     def __init__(self, notes: Sequence[str]) -> None:
-        """Take what clingo says."""
+        """Keep the messages of clingo."""
         super().__init__(*notes)
         self.notes = notes
 
@@ -288,12 +288,12 @@ def _statements(text: str) -> tuple[Statement, ...]:
 
 
 def constants_of(texts: Iterable[str]) -> dict[str, Constants]:
-    """Return what stands for itself in each of some rules."""
+    """Return the constants and strings of each of some rules, by their texts."""
     return memoized("constants", _makers(), texts, constants)
 
 
 def constants(text: str) -> Constants:
-    """Return what stands for itself in a rule."""
+    """Return the constants and strings of a rule."""
     names, strings = set(), set()
     for node in below(written(text)):
         if node.ast_type == _TYPE.Function:
@@ -342,7 +342,7 @@ def argument_place(text: str, variant: int, at: int) -> Place:
 
 
 def masked(text: str) -> str:
-    """Return a text with one byte for each character that has several, for clingo counts bytes."""
+    """Return a text with one byte for each character that has several: clingo counts bytes."""
     return _NOT_ASCII.sub("`", text)
 
 
@@ -350,7 +350,7 @@ def pieces(text: str) -> Iterator[Piece]:
     """Yield the comments, rules and other statements of a text, in order.
 
     Raises:
-        RuleSyntaxError: clingo cannot parse it, or a rule apart from the others says another thing.
+        RuleSyntaxError: clingo cannot parse it, or a rule has another meaning by itself.
     """
     try:
         nodes = _file(masked(text))
@@ -359,7 +359,7 @@ def pieces(text: str) -> Iterator[Piece]:
         with suppress(RuntimeError):
             parsed(masked(text), notes.append)
         raise RuleSyntaxError(notes) from None
-    # Clingo ends lines at LF alone; other ends may stand in comments and strings.
+    # Clingo ends lines at LF alone; comments and strings may contain other ends.
     lines = text.split("\n")
     for node in nodes:
         line, column, end_line, end = extent_of(node)
@@ -495,7 +495,7 @@ def rule_operands(text: str) -> tuple[Operand, ...]:
 
 
 def operands(text: str) -> tuple[Operand, ...]:
-    """Return the numbers and operations of a text that stand in no other operation.
+    """Return the numbers and operations of a text that are not inside another operation.
 
     Of one without any operation, small numbers are left out.
     """
@@ -528,7 +528,7 @@ def part_of(text: str) -> tuple[str, tuple[str, ...]]:
 def with_constants(text: str, values: Mapping[str, str]) -> str:
     """Return the text of a statement with other terms for some constants, line by line."""
     place = places(text)
-    # `-k` of a negative number is no comment and no operator of another kind.
+    # In brackets, `-k` of a negative number is neither a comment nor another operator.
     terms = {name: f"({term})" if term.startswith("-") else term for name, term in values.items()}
     return _edited(
         text,
@@ -547,7 +547,7 @@ def external_of(text: str) -> Iterator[tuple[str, str, str]]:
 
 
 def without_rules(text: str) -> str:
-    """Return all of a text that is no rule."""
+    """Return a text without its rules and comments."""
     silent = (_TYPE.Program, _TYPE.Comment, _TYPE.Rule)
     return "\n".join(str(node) for node in parsed(text) if node.ast_type not in silent)
 
@@ -556,19 +556,19 @@ def without_rules(text: str) -> str:
 
 
 def parsed(text: str, note: Callable[[str], None] | None = None) -> list[ast.AST]:
-    """Return clingo's trees of a text; `note` takes what clingo says of it.
+    """Return clingo's trees of a text; `note` receives its messages.
 
     Raises:
         RuntimeError: clingo cannot parse it.
     """
     found: list[ast.AST] = []
 
-    def logger(_: object, said: str) -> None:
+    def logger(_: object, message: str) -> None:
         if note is not None:
-            note(said)
+            note(message)
 
     if not text.isascii():
-        # What clingo says of a text it cuts between bytes, which its own Python cannot read.
+        # Clingo may cut its messages within a character, which its Python package cannot decode.
         ast.parse_string(masked(text), lambda _: None, logger=logger)
     ast.parse_string(text, found.append, logger=logger)
     return found
@@ -576,13 +576,13 @@ def parsed(text: str, note: Callable[[str], None] | None = None) -> list[ast.AST
 
 @lru_cache(maxsize=1)
 def _file(text: str) -> tuple[ast.AST, ...]:
-    """Return clingo's trees of a file, which is asked for in turns for several things."""
+    """Return clingo's trees of a file, cached because several functions read it in turn."""
     return tuple(parsed(text))
 
 
 @lru_cache(maxsize=_MOST)
 def tree(text: str) -> ast.AST:
-    """Return clingo's tree of the text of a rule, beside which comments may stand.
+    """Return clingo's tree of the text of a rule, which may have comments beside it.
 
     Raises:
         RuntimeError: clingo cannot parse it.
@@ -604,7 +604,7 @@ def written(text: str) -> SyntaxNode:
 def variants(text: str) -> tuple[SyntaxNode, ...]:
     """Return the trees of the text of a rule without its pools, one for each way to read it."""
     node = written(text)
-    # What no semicolon separates is no pool.
+    # A pool needs a semicolon.
     if ";" not in text or all(each.ast_type != _TYPE.Pool for each in below(node)):
         return (node,)
     return tuple(map(plain, tree(text).unpool()))
@@ -629,7 +629,7 @@ class Placing(Protocol):
 
 
 def places(text: str) -> Placing:
-    """Return what says where a node of the tree of a text is; clingo counts bytes."""
+    """Return the function that locates the nodes of a text in characters; clingo counts bytes."""
     lines = None if text.isascii() else [line.encode() for line in text.split("\n")]
 
     def place(node: SyntaxNode | ast.AST, end: bool = False) -> Place:
@@ -693,7 +693,7 @@ class _StatementReader:
                 others = (*scope.others, *(each._replace(binds=False) for each in then))
                 yield Scope(scope.positive, others)
             else:
-                # The terms of a tuple are no literals.
+                # The terms of a tuple are not literals.
                 yield self._scope((*condition, *entries))
 
     def _scope(self, literals: Iterable[SyntaxNode]) -> Scope:
@@ -746,7 +746,7 @@ def _variable(name: str) -> Pattern:
 
 
 class ArithmeticReader:
-    """Reads what is computed in a text."""
+    """Reads the numbers and operations of a text."""
 
     def __init__(self, text: str) -> None:
         self._lines = text.encode().split(b"\n")
@@ -759,7 +759,7 @@ class ArithmeticReader:
         return _may_compute(b"\n".join(self._lines[line - 1 : end]).decode(errors="replace"))
 
     def outermost(self, node: SyntaxNode) -> Iterator[Number | Operation]:
-        """Yield the numbers and operations in a tree that stand in no other operation."""
+        """Yield the numbers and operations of a tree that are not inside another operation."""
         rest = list(node.children)
         if node.ast_type in _OPERANDS:
             rest.clear()
@@ -770,7 +770,7 @@ class ArithmeticReader:
             yield from self.outermost(child)
 
     def operand(self, node: SyntaxNode, rest: list[SyntaxNode]) -> Operand:
-        """Return a node as an operand; below what is not computed, `rest` gets the nodes."""
+        """Return a node as an operand; `rest` receives the nodes below parts not computed."""
         match node.ast_type:
             case _TYPE.SymbolicTerm if node.symbol.type == SymbolType.Number:
                 return Number(self._number(node), self.place(node))

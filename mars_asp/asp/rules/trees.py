@@ -41,7 +41,7 @@ class SyntaxNode:
         self.tree = tree
 
     def __getattr__(self, name: str) -> Any:
-        """Refuse an attribute that the node does not have; for checkers of types, it has any."""
+        """Refuse an attribute that the node does not have; type checkers accept any."""
         raise AttributeError(name)
 
     def __str__(self) -> str:
