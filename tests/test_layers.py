@@ -28,7 +28,7 @@ FILES = {
     "asp": (
         "contained cache signature fragments units solve rules lint messages cases trace program"
     ),
-    "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
+    "asp/solve": "atoms cyclic disjoint_sets observer term_ids components optimum grounding",
     "asp/cases": ("expectations outcomes run probes coverage mutants killers"),
     "asp/rules": (
         "gate trees statements dependencies rule premises computed expansions checks "
@@ -36,7 +36,7 @@ FILES = {
         "rulebook consistency"
     ),
     "asp/lint": (
-        "found clauses values orders graph catalogue sorts variables bodies keys aggregates "
+        "found clauses values orders catalogue sorts variables bodies keys aggregates "
         "recursion joins predicates copies messages roles arithmetic names allow"
     ),
     "asp/trace": (

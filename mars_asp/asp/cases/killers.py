@@ -13,7 +13,6 @@ from functools import cache, partial
 from typing import TypeAlias
 
 import clingo
-import networkx as nx
 from clingo import ast
 
 from mars_asp.asp.cases.coverage import Case
@@ -24,7 +23,7 @@ from mars_asp.asp.rules.expansions import Expansions, expanded
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import statements, tree
-from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.cyclic import cyclic_components
 from mars_asp.diagnostic import MarsError
 
 #: The killer of a mutant that exceeds its time or memory.
@@ -236,7 +235,6 @@ def _different(
 @cache
 def _circular(files: tuple[MutatedFile, ...]) -> set[tuple[str, str]]:
     """Return the recursive rules, as path and text."""
-    uses: nx.DiGraph[Signature] = nx.DiGraph()
     rules = [
         (file.path, rule.text, {s.unsigned for s in one.derives}, {s.unsigned for s in one.reads})
         for file in files
@@ -244,15 +242,12 @@ def _circular(files: tuple[MutatedFile, ...]) -> set[tuple[str, str]]:
         if rule.tree.ast_type == _TYPE.Rule
         for one in statements(rule.text)
     ]
-    for _, _, heads, bodies in rules:
-        uses.add_edges_from((head, body) for head in heads for body in bodies)
-    group = {
-        name: number
-        for number, names in enumerate(nx.strongly_connected_components(uses))
-        for name in names
-    }
+    group = cyclic_components(
+        (head, body) for _, _, heads, bodies in rules for head in heads for body in bodies
+    )
     return {
         (path, text)
         for path, text, heads, bodies in rules
-        if {group.get(head) for head in heads} & {group.get(body) for body in bodies}
+        if {group[head] for head in heads & group.keys()}
+        & {group[body] for body in bodies & group.keys()}
     }

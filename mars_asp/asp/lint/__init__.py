@@ -6,6 +6,7 @@ Each family of lints has a file; `catalogue` documents each lint with its reason
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import chain
 
 from mars_asp.asp.lint.aggregates import wrong_aggregates
 from mars_asp.asp.lint.allow import allowed
@@ -14,7 +15,6 @@ from mars_asp.asp.lint.bodies import wrong_bodies
 from mars_asp.asp.lint.clauses import Clause, ClauseAtom, clauses_of, name_of
 from mars_asp.asp.lint.copies import superfluous
 from mars_asp.asp.lint.found import LintFinding
-from mars_asp.asp.lint.graph import recursive_components
 from mars_asp.asp.lint.joins import paired
 from mars_asp.asp.lint.keys import apart_by_keys
 from mars_asp.asp.lint.messages import (
@@ -27,7 +27,7 @@ from mars_asp.asp.lint.messages import (
 from mars_asp.asp.lint.names import declared_in, shared_names
 from mars_asp.asp.lint.predicates import documented_in_vain, undefined, unfounded, unused
 from mars_asp.asp.lint.recursion import wrong_recursion
-from mars_asp.asp.lint.roles import described_anew, out_of_place, unplaced
+from mars_asp.asp.lint.roles import demands, described_anew, silent, unplaced, words_as_numbers
 from mars_asp.asp.lint.sorts import mixed_units, wrong_values
 from mars_asp.asp.lint.values import Form, KnownValue
 from mars_asp.asp.lint.variables import single_variables
@@ -35,6 +35,7 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import read_by_costs, shown
 from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.cyclic import cyclic_components
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,13 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
     judged = frozenset(range(after, len(clauses)))
     declared, replaced = rulebook.declarations, rulebook.replaced
     known = KnownValue(clauses, declared, host.forms, replaced, host.kinds)
-    circle = recursive_components(clauses)
+    # Predicates with and without the sign of classical negation are different ones.
+    circle = cyclic_components(
+        (head.signature, atom.signature)
+        for clause in clauses
+        for head, _ in clause.heads
+        for atom in clause.read
+    )
     functions = MessageFunctions(clauses, declared)
     reported = frozenset({host.finding} if host.finding else ())
     # The predicates that rules of choosing stages derive, by stage.
@@ -112,14 +119,18 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
             if rule.listed is not None:
                 # Its body is judged at the rule whose metadata it comes from.
                 continue
-            yield from wrong_bodies(clause, replaced)
-            yield from apart_by_keys(clause, declared, replaced)
-            yield from wrong_aggregates(clause)
-            yield from wrong_recursion(clause, circle)
-            yield from paired(clause, is_large)
-            yield from open_messages(clause, reported, functions)
-            yield from wrong_holes(clause, known, host.things)
-            yield from out_of_place(clause, known, reported, host.demanding, decided)
+            yield from chain(
+                wrong_bodies(clause, replaced),
+                apart_by_keys(clause, declared, replaced),
+                wrong_aggregates(clause),
+                wrong_recursion(clause, circle),
+                paired(clause, is_large),
+                open_messages(clause, reported, functions),
+                wrong_holes(clause, known, host.things),
+                words_as_numbers(clause, known),
+                silent(clause, reported),
+                demands(clause, host.demanding, decided),
+            )
     yield from rival_messages(clauses, judged, reported)
     yield from mixed_units(clauses, judged, known)
     yield from superfluous(clauses, judged)

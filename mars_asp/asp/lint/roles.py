@@ -15,20 +15,6 @@ DESCRIBED, UNPLACED = "rule-described", "rule-unplaced"
 _WORDS = frozenset({"none"})
 
 
-def out_of_place(
-    clause: Clause,
-    known: KnownValue,
-    reported: Set[Signature],
-    demanding: Set[str],
-    decided: Mapping[str, Set[Signature]],
-) -> Iterator[LintFinding]:
-    """Yield the faults of a single rule; without `demanding` stages no constraint is a fault."""
-    yield from words_as_numbers(clause, known)
-    yield from silent(clause, reported)
-    if demanding:
-        yield from demands(clause, demanding, decided)
-
-
 def words_as_numbers(clause: Clause, known: KnownValue) -> Iterator[LintFinding]:
     """Yield the comparisons between a number and a variable that may be `none`."""
     outer = known.environment(clause, clause.body)
@@ -73,10 +59,11 @@ def demands(
 ) -> Iterator[LintFinding]:
     """Yield the constraints of stages that only derive, unless they are over decided predicates.
 
-    `allowed` are the stages for constraints, `decided` maps stages that choose to predicates.
+    `allowed` are the stages for constraints, where none are, all stages; `decided` maps stages that
+    choose to predicates.
     """
     stage = clause.rule.stage
-    if clause.sort != "constraint" or stage in allowed:
+    if clause.sort != "constraint" or stage in allowed or not allowed:
         return
     if any(atom.signature.unsigned in decided.get(stage, ()) for atom in clause.read):
         return

@@ -34,6 +34,7 @@ from functools import lru_cache
 from itertools import accumulate
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
+from mars_asp.asp.rules.expansions import split
 from mars_asp.asp.rules.statements import Piece
 from mars_asp.asp.signature import Signature, plain
 from mars_asp.diagnostic import Diagnostic, Span, point
@@ -212,7 +213,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         message = f"`{shown}` is not a predicate with its arguments"
         problems.append(_problem(message, place, "write `%*! name(First: sort, Second)`"))
         return None
-    arguments = [] if match[2] is None else tuple(_split(match[2]))
+    arguments = [] if match[2] is None else split(match[2], ",")
     read = tuple(filter(None, (_read_argument(each, place, problems) for each in arguments)))
     if len(read) < len(arguments):
         return None
@@ -306,17 +307,6 @@ def misspelt_sorts(
                     message = f"`{argument.name}` of `{each.signature}` is of the sort `{sort}`, "
                     message += "which nothing else is"
                     yield _problem(message, each.span, f"did you mean `{near}`?")
-
-
-def _split(written: str) -> Iterator[str]:
-    """Yield the texts between the commas outside of brackets."""
-    depth = begin = 0
-    for at, character in enumerate(written):
-        depth += (character in "({") - (character in ")}")
-        if character == "," and not depth:
-            yield written[begin:at]
-            begin = at + 1
-    yield written[begin:]
 
 
 def _read_argument(

@@ -227,16 +227,16 @@ def _elements(written: str) -> tuple[_Element, ...]:
 
 
 def _elements_of(written: str) -> Iterator[_Element]:
-    for element in _split(written, ";"):
-        terms, *condition = _split(element, ":", 1)
-        for term in _split(terms, ","):
+    for element in split(written, ";"):
+        terms, *condition = split(element, ":", 1)
+        for term in split(terms, ","):
             match = _LABELLED.fullmatch(term)
             bare, label = (match[1], match[2]) if match else (term, None)
-            name, *order = _split(bare, "@", 1)
+            name, *order = split(bare, "@", 1)
             yield _Element(name, "".join(order), "".join(condition), label)
 
 
-def _split(written: str, sign: str, most: int = -1) -> list[str]:
+def split(written: str, sign: str, most: int = -1) -> list[str]:
     """Return the texts between separators outside of brackets and strings."""
     parts, depth = [""], 0
     for match in _TOKEN.finditer(written):

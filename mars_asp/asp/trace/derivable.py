@@ -8,6 +8,7 @@ without an atom is found by deriving its component once more, from the rest, wit
 from collections.abc import Hashable, Iterable, Mapping, Set
 from functools import cached_property, partial
 
+from mars_asp.asp.solve.cyclic import cyclic_components
 from mars_asp.asp.solve.term_ids import TermId
 from mars_asp.asp.trace.firings import Counted, Firing
 from mars_asp.asp.trace.heights import Uses, is_reached
@@ -54,17 +55,20 @@ class Derivable:
         # An atom of lower height was derived without this one.
         if self._heights[premise] <= self._heights[atom]:
             return premise != atom
-        component = self._components.get(atom, frozenset())
-        return premise not in component or premise in self._without(atom, component)
+        component = self._component_of.get(atom)
+        if component is None or self._component_of.get(premise) != component:
+            return True
+        return premise in self._without(atom)
 
-    def _without(self, atom: TermId, component: Set[TermId]) -> Set[TermId]:
-        """Return the atoms of a component that can be derived without one of them."""
+    def _without(self, atom: TermId) -> Set[TermId]:
+        """Return the atoms of the component of an atom that can be derived without it."""
         if atom not in self._known:
+            component = self._component_of[atom]
             uses = Uses(
                 [
                     firing
                     for head, firings in self._firings.items()
-                    if head in component or head not in self._heights
+                    if self._component_of.get(head) == component or head not in self._heights
                     for firing in firings
                 ]
             )
@@ -78,10 +82,8 @@ class Derivable:
         return self._known[atom]
 
     @cached_property
-    def _components(self) -> Mapping[TermId, Set[TermId]]:
-        """Return the component of each atom that depends on itself through another one."""
-        import networkx  # noqa: PLC0415 -- slow to import, and only derivations that circle need it
-
+    def _component_of(self) -> Mapping[Hashable, int]:
+        """Return the number of the component of each atom that depends on itself."""
         edges: list[tuple[Hashable, Hashable]] = []
         counted: set[Counted] = set()
         for head, firings in self._firings.items():
@@ -91,9 +93,4 @@ class Derivable:
                 counted.update(group.counted for group in firing.groups)
         for each in counted:
             edges += ((each, p) for element in each.elements for p in element.premises)
-        found: dict[TermId, Set[TermId]] = {}
-        for component in networkx.strongly_connected_components(networkx.DiGraph(edges)):
-            atoms = frozenset(node for node in component if not isinstance(node, Counted))
-            if len(atoms) > 1:
-                found |= dict.fromkeys(atoms, atoms)
-        return found
+        return cyclic_components(edges)
