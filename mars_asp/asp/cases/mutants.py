@@ -10,6 +10,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.asp.cases.probes import is_safe
+from mars_asp.asp.rules.trees import COMPARISONS
 
 _TYPE = ast.ASTType
 _SIGN = ast.Sign
@@ -239,12 +240,4 @@ def _negated(literal: ast.AST) -> Iterator[_Variant]:
 
 
 def _guard(guard: ast.AST) -> str:
-    sign = {
-        _IS.LessThan: "<",
-        _IS.LessEqual: "<=",
-        _IS.GreaterThan: ">",
-        _IS.GreaterEqual: ">=",
-        _IS.Equal: "=",
-        _IS.NotEqual: "!=",
-    }[ast.ComparisonOperator(guard.comparison)]
-    return f"{sign} {guard.term}"
+    return f"{COMPARISONS[guard.comparison]} {guard.term}"

@@ -11,18 +11,23 @@ from mars_asp.asp.lint.found import Fix, LintFinding, found
 from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import places, sign_and_function, variants
-from mars_asp.asp.rules.trees import Kind, SyntaxNode, elements_of, guards_of, names_in
+from mars_asp.asp.rules.trees import (
+    COMPARISONS,
+    OPERATIONS,
+    Kind,
+    SyntaxNode,
+    elements_of,
+    guards_of,
+    names_in,
+)
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
-#: The signs of comparisons, by clingo's numbers.
-SIGNS = (">", "<", "<=", ">=", "!=", "=")
 OPPOSITE = {">": "<=", "<": ">=", "<=": ">", ">=": "<", "!=": "=", "=": "!="}
 TURNED = {">": "<", "<": ">", "<=": ">=", ">=": "<=", "!=": "!=", "=": "="}
 _FUNCTIONS = ("count", "sum", "sum+", "min", "max")
 #: The operations that are computed, by their signs.
 _COMPUTED = {"+": int.__add__, "-": int.__sub__, "*": int.__mul__}
-_OPERATIONS = ("^", "?", "&", "+", "-", "*", "/", "\\", "**")
 
 #: The kinds of heads: one atom, some of several atoms, one of several, or none.
 Sort: TypeAlias = Literal["rule", "choice", "disjunction", "constraint", "other"]
@@ -248,7 +253,7 @@ def number_of(term: SyntaxNode) -> int | None:
 def operation_of(term: SyntaxNode) -> str | None:
     """Return the sign of a binary operation, or None for other terms."""
     kind = term.ast_type
-    return _OPERATIONS[term.operator_type] if kind is Kind.BinaryOperation else None
+    return OPERATIONS[term.operator_type] if kind is Kind.BinaryOperation else None
 
 
 def kind_of(literal: SyntaxNode) -> tuple[object, ...]:
@@ -295,7 +300,7 @@ def _heads(head: SyntaxNode) -> tuple[Sort, list[tuple[ClauseAtom, ClauseScope]]
 
 def _aggregate(literal: SyntaxNode) -> Aggregate:
     atom = literal.atom
-    guards = [(SIGNS[each.comparison], each.term) for each in guards_of(atom)]
+    guards = [(COMPARISONS[each.comparison], each.term) for each in guards_of(atom)]
     # Clingo writes a single guard to the left, and keeps the sign of a right one.
     guards[1:] = [(TURNED[sign], term) for sign, term in guards[1:]]
     elements = zip(atom.elements, elements_of(atom), strict=True)
@@ -338,6 +343,6 @@ def _comparisons(literal: SyntaxNode) -> Iterator[Comparison]:
     if literal.sign == 1 and len(guards) > 1:
         return
     for guard in guards:
-        sign = SIGNS[guard.comparison]
+        sign = COMPARISONS[guard.comparison]
         yield Comparison(left, OPPOSITE[sign] if literal.sign == 1 else sign, guard.term, literal)
         left = guard.term

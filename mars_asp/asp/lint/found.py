@@ -5,7 +5,7 @@ from itertools import accumulate
 from typing import NamedTuple
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.diagnostic import Diagnostic, Severity, Span
+from mars_asp.diagnostic import Diagnostic, Span
 
 
 class Fix(NamedTuple):
@@ -37,10 +37,9 @@ def found(
     advice: str,
     fixes: tuple[Fix, ...] = (),
     labels: tuple[tuple[Span, str], ...] = (),
-    severity: Severity = "warning",
 ) -> LintFinding:
     """Return a finding about a rule."""
-    return LintFinding(Diagnostic(code, severity, message, place, labels, advice), rule, fixes)
+    return LintFinding(Diagnostic(code, "warning", message, place, labels, advice), rule, fixes)
 
 
 def fixed(text: str, path: str, lints: Iterable[LintFinding]) -> tuple[str, int]:

@@ -85,20 +85,12 @@ class PredicateArgument(NamedTuple):
     constants: tuple[str, ...] = ()
 
 
-class Docstring(NamedTuple):
-    """A comment that declares a predicate, and the location of its begin."""
-
-    text: str
-    line: int
-    column: int
-
-
 class Documented(NamedTuple):
     """The comments of a file that declare predicates, its stage, and its path as it is shown."""
 
     stage: str
     path: str
-    docstrings: tuple[Docstring, ...]
+    docstrings: tuple[Piece, ...]
 
     @property
     def declarations(self) -> "Sequence[Declaration]":
@@ -175,21 +167,19 @@ def _declared(documented: Documented) -> tuple[Declaration, ...]:
     return tuple(declarations(documented.docstrings, documented.path, []))
 
 
-def docstrings(written: Iterable[Piece]) -> Iterator[Docstring]:
+def docstrings(written: Iterable[Piece]) -> Iterator[Piece]:
     """Yield the comments of a file that declare predicates."""
-    for piece in written:
-        if piece.sort == "comment" and re.fullmatch(_MARK, piece.text):
-            yield Docstring(piece.text, *piece.begin)
+    return (each for each in written if each.sort == "comment" and re.fullmatch(_MARK, each.text))
 
 
 def declarations(
-    found_in: Iterable[Docstring], shown: str, problems: list[Diagnostic]
+    found_in: Iterable[Piece], shown: str, problems: list[Diagnostic]
 ) -> Iterator[Declaration]:
     """Yield the declarations in a file's comments, each predicate once; extend `problems`."""
     first: dict[Signature, Span] = {}
-    for text, line, column in found_in:
-        place = point(shown, line, column)
-        found = _declaration(text.removeprefix("%*!").removesuffix("*%"), place, problems)
+    for comment in found_in:
+        place = point(shown, *comment.begin)
+        found = _declaration(comment.text.removeprefix("%*!").removesuffix("*%"), place, problems)
         if found is None:
             continue
         earlier = first.setdefault(found.signature, place)

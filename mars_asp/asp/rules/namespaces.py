@@ -11,11 +11,10 @@ from dataclasses import replace
 from itertools import count
 
 from mars_asp.asp.rules.checks import Seal
-from mars_asp.asp.rules.declarations import Docstring
 from mars_asp.asp.rules.expansions import with_conditions
 from mars_asp.asp.rules.read import NameSpace, RuleFile
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import renamed
+from mars_asp.asp.rules.statements import Piece, renamed
 from mars_asp.asp.signature import SPACE, Signature
 
 #: The head that makes a rule of a condition.
@@ -52,7 +51,7 @@ def _in_space(rule: Rule, names: Mapping[Signature, str]) -> Rule:
     return replace(rule, text=renamed(rule.text, names), lists=lists)
 
 
-def _documented(docstring: Docstring, names: Mapping[Signature, str]) -> Docstring:
+def _documented(docstring: Piece, names: Mapping[Signature, str]) -> Piece:
     """Return a comment about a predicate with its name in a name space."""
     by_name = {signature.name: new for signature, new in names.items()}
 

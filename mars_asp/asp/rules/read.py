@@ -23,7 +23,7 @@ from mars_asp.asp.rules.checks import (
     reserved_heads,
     unknown_predicates,
 )
-from mars_asp.asp.rules.declarations import Docstring, Documented, docstrings
+from mars_asp.asp.rules.declarations import Documented, docstrings
 from mars_asp.asp.rules.expansions import Expansions
 from mars_asp.asp.rules.gate import check_text, gate_text
 from mars_asp.asp.rules.metadata import file_name, repeated_ids, rules_of, wrong_holes
@@ -53,7 +53,7 @@ class RuleFile(NamedTuple):
     text: str
     written: tuple[Piece, ...]
     rules: tuple[Rule, ...]
-    docstrings: tuple[Docstring, ...] = ()
+    docstrings: tuple[Piece, ...] = ()
     #: The parts of a caller's own program, each with the location of its begin.
     begins: tuple[tuple[Place, ProgramPart], ...] = ()
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Literal as Choice
-from typing import NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import NamedTuple, TypeAlias, TypeVar
 
 import clingo
 from clingo import SymbolType, ast
@@ -20,6 +20,8 @@ from clingo import SymbolType, ast
 from mars_asp.asp.cache import memoized
 from mars_asp.asp.rules import trees
 from mars_asp.asp.rules.trees import (
+    OPERATIONS,
+    UNARY_OPERATIONS,
     WITH_ELEMENTS,
     SyntaxNode,
     atom_of,
@@ -41,22 +43,6 @@ Tree: TypeAlias = ast.AST
 _TYPE = ast.ASTType
 _EQUAL = ast.ComparisonOperator.Equal
 _SILENT = (_TYPE.Program, _TYPE.ShowSignature, _TYPE.Defined, _TYPE.Comment)
-_BINARY = {
-    ast.BinaryOperator.Plus: "+",
-    ast.BinaryOperator.Minus: "-",
-    ast.BinaryOperator.Multiplication: "*",
-    ast.BinaryOperator.Power: "**",
-    ast.BinaryOperator.Division: "/",
-    ast.BinaryOperator.Modulo: "\\",
-    ast.BinaryOperator.And: "&",
-    ast.BinaryOperator.Or: "?",
-    ast.BinaryOperator.XOr: "^",
-}
-_UNARY = {
-    ast.UnaryOperator.Minus: "-",
-    ast.UnaryOperator.Absolute: "|",
-    ast.UnaryOperator.Negation: "~",
-}
 _OPERANDS = (_TYPE.SymbolicTerm, _TYPE.BinaryOperation, _TYPE.UnaryOperation)
 #: Terms with others inside, whose negation is not an operation.
 _COMPOUND = (_TYPE.Function, _TYPE.Pool)
@@ -621,15 +607,11 @@ def sign_and_function(symbol: _Tree) -> tuple[str, _Tree]:
     return sign, symbol
 
 
-class Placing(Protocol):
-    """A function that returns the location where a node begins, or ends if `end` is set."""
+def places(text: str) -> Callable[..., Place]:
+    """Return the function that locates the nodes of a text in characters; clingo counts bytes.
 
-    def __call__(self, node: SyntaxNode | ast.AST, end: bool = False) -> Place:
-        """Return a line and a column."""
-
-
-def places(text: str) -> Placing:
-    """Return the function that locates the nodes of a text in characters; clingo counts bytes."""
+    It returns where a node begins, or with `end` where it ends.
+    """
     lines = None if text.isascii() else [line.encode() for line in text.split("\n")]
 
     def place(node: SyntaxNode | ast.AST, end: bool = False) -> Place:
@@ -775,14 +757,14 @@ class ArithmeticReader:
             case _TYPE.SymbolicTerm if node.symbol.type == SymbolType.Number:
                 return Number(self._number(node), self.place(node))
             case _TYPE.BinaryOperation:
-                sign, inside = _BINARY.get(node.operator_type), [node.left, node.right]
+                sign, inside = OPERATIONS[node.operator_type], [node.left, node.right]
             case _TYPE.UnaryOperation if node.argument.ast_type not in _COMPOUND:
-                sign, inside = _UNARY.get(node.operator_type), [node.argument]
+                sign, inside = UNARY_OPERATIONS[node.operator_type], [node.argument]
             case _:
                 rest += node.children
                 return str(node)
         operands = tuple(self.operand(each, rest) for each in inside)
-        return Operation(sign or "", operands, self._source_text(node), self.place(node))
+        return Operation(sign, operands, self._source_text(node), self.place(node))
 
     def _source_text(self, node: SyntaxNode) -> str:
         """Return the source text: a number that does not fit is another in the tree."""

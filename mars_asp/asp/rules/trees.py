@@ -17,6 +17,10 @@ WITH_ELEMENTS = (
     *(Kind.Aggregate, Kind.BodyAggregate, Kind.HeadAggregate),
     *(Kind.Disjunction, Kind.ConditionalLiteral),
 )
+#: The signs of comparisons, of binary and of unary operations, by clingo's numbers.
+COMPARISONS = (">", "<", "<=", ">=", "!=", "=")
+OPERATIONS = ("^", "?", "&", "+", "-", "*", "/", "\\", "**")
+UNARY_OPERATIONS = ("-", "~", "|")
 _LISTS = (ast.ASTSequence, ast.StrSequence)
 _ATTRIBUTES: dict[ast.ASTType, list[str]] = {}
 

@@ -9,8 +9,9 @@ from mars_asp.asp.units import NUMBERS
 if TYPE_CHECKING:
     # Reading a configuration needs no rules.
     from mars_asp.asp.lint.values import Form
-    from mars_asp.asp.rules.declarations import Declaration, Docstring
+    from mars_asp.asp.rules.declarations import Declaration
     from mars_asp.asp.rules.rulebook import Rulebook
+    from mars_asp.asp.rules.statements import Piece
     from mars_asp.asp.signature import Signature
 
 #: Sorts of numbers that users state, however large.
@@ -42,7 +43,7 @@ def given_in(rulebook: "Rulebook", *stages: str) -> "tuple[Signature, ...]":
     return memoized("given", makers, [docstrings], _given)[docstrings]
 
 
-def _given(docstrings: "tuple[Docstring, ...]") -> "tuple[Signature, ...]":
+def _given(docstrings: "tuple[Piece, ...]") -> "tuple[Signature, ...]":
     from mars_asp.asp.rules.declarations import declarations  # noqa: PLC0415
 
     declared = declarations(docstrings, "rules", [])
