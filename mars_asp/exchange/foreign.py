@@ -55,7 +55,8 @@ def read_foreign(
             continue
         read = {other for other in formats if _with(other, formats) == format}
         own = [(file.text, file.path) for file in files if file.format in read]
-        reader = _reader(format)
+        module, function = READERS[format]
+        reader: _Reader = getattr(import_module(module), function)
         try:
             if format == "ros2":
                 reader = partial(reader, launch=launch, is_excluded=is_excluded)
@@ -73,9 +74,3 @@ def read_foreign(
 def _with(format: str, formats: Collection[str]) -> str:
     """Return the format with which files of a format are read."""
     return next((each for each in _READ_WITH.get(format, ()) if each in formats), format)
-
-
-def _reader(format: str) -> _Reader:
-    module, function = READERS[format]
-    reader: _Reader = getattr(import_module(module), function)
-    return reader

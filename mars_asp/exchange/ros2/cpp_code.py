@@ -296,9 +296,9 @@ class CppCode:
         return found
 
     @cached_property
-    def type_aliases(self) -> Mapping[str, str | None]:
-        """The types of names by `using A = B;` and `typedef B A;`, None where two differ."""
-        found: dict[str, str | None] = {}
+    def type_aliases(self) -> Sequence[tuple[str, str]]:
+        """The names of types by `using A = B;` and `typedef B A;`, each with its type."""
+        found: list[tuple[str, str]] = []
         for at in self.token_places("using", "typedef"):
             end = at + 1
             while end < at + _MOST_BASES and text_at(self.tokens, end) not in (";", "{", ""):
@@ -307,8 +307,7 @@ class CppCode:
             is_using = self.tokens[at].text == "using"
             name = text_at(words, 0 if is_using else len(words) - 1)
             if is_word(name) and (text_at(words, 1) == "=" or not is_using):
-                kind = joined(words[2:] if is_using else words[:-1])
-                found[name] = kind if found.get(name, kind) == kind else None
+                found.append((name, joined(words[2:] if is_using else words[:-1])))
         return found
 
     @cached_property

@@ -50,10 +50,8 @@ def handed_on(
         return None
     kind = _COMPONENTS.get(program.executable) if program.plugin else program.executable
     match kind:
-        case "mux":
-            return _mux(words, values)
-        case "demux":
-            return _demux(words, values)
+        case "mux" | "demux":
+            return _selected(kind, words, values)
         case str() if kind in _ENDINGS:
             return _copied(kind, words, values)
         case _:
@@ -86,22 +84,19 @@ def _copied(
     return Forward(source, target, hz, tuple(left_out))
 
 
-def _mux(words: Sequence[str], values: Mapping[str, GivenParameter]) -> Forward | None:
-    """Return the initial forwarding of a mux, or None; a service may select another topic."""
-    sources = _several(values, "input_topics") or tuple(words[1:])
-    target = _one(values, "output_topic") or next(iter(words), "~/selected")
-    first = _one(values, "initial_topic") or next(iter(sources), "")
-    others = tuple((_NOT_SELECTED, each) for each in sources if each != first)
-    return Forward(first, target, None, others) if first not in ("", _NONE) else None
-
-
-def _demux(words: Sequence[str], values: Mapping[str, GivenParameter]) -> Forward | None:
-    """Return the initial forwarding of a demux, or None; a service may select another topic."""
-    targets = _several(values, "output_topics") or tuple(words[1:])
-    source = _one(values, "input_topic") or next(iter(words), "~/input")
-    first = _one(values, "initial_topic") or next(iter(targets), "")
-    others = tuple((_NOT_SELECTED, each) for each in targets if each != first)
-    return Forward(source, first, None, others) if first not in ("", _NONE) else None
+def _selected(
+    kind: str, words: Sequence[str], values: Mapping[str, GivenParameter]
+) -> Forward | None:
+    """Return the initial forwarding of a mux or demux, or None; a service may select another."""
+    several, one = ("input", "output") if kind == "mux" else ("output", "input")
+    topics = _several(values, f"{several}_topics") or tuple(words[1:])
+    default = "~/selected" if kind == "mux" else "~/input"
+    fixed = _one(values, f"{one}_topic") or next(iter(words), default)
+    first = _one(values, "initial_topic") or next(iter(topics), "")
+    if first in ("", _NONE):
+        return None
+    others = tuple((_NOT_SELECTED, each) for each in topics if each != first)
+    return Forward(*((first, fixed) if kind == "mux" else (fixed, first)), None, others)
 
 
 def _one(values: Mapping[str, GivenParameter], name: str) -> str:

@@ -1,11 +1,15 @@
 """The topics that the program of a node publishes and subscribes to, as the program names them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TypeVar
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.unread import Unread
 from mars_asp.model.rates import Rate
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +74,14 @@ class Interface:
     names: tuple[InterfaceTopic, ...] = ()
     unnamed: bool = False
     namespace: str = ""
+
+
+def agreed(pairs: Iterable[tuple[str, T]]) -> dict[str, T | None]:
+    """Return the value of each name, or None for a name with different values."""
+    found: dict[str, T | None] = {}
+    for name, value in pairs:
+        found[name] = value if found.get(name, value) == value else None
+    return found
 
 
 def rate_of(period: Fraction) -> Rate | None:

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import partial
 from itertools import chain, pairwise
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -50,7 +50,6 @@ _RECORDERS = frozenset({"rosbag", "rosbag2", "map_server", "nav2_map_server"})
 _OUTPUTS = frozenset({"-o", "-O", "--output", "--output-name", "--output-prefix"})
 #: Code that checks whether a file exists.
 _CHECKS_FILES = re.compile(r"\b(?:exists|isfile|is_file)\(")
-_NAME = re.compile(r"\w+")
 #: A launch argument whose name is put together.
 _COMPOSED_ARGUMENT = re.compile(r"\b(?:LaunchConfiguration\(|launch_configurations\[)\s*[fF][\"']")
 #: Packages whose launch files read parameter files as YAML and write them anew.
@@ -179,17 +178,6 @@ class _Scope:
         return None if self.closed or name in self.fixed else name
 
 
-class _LaunchTexts:
-    """The launch files of a workspace, of which each is read once."""
-
-    def __init__(self, workspace: Workspace) -> None:
-        text = workspace.text
-        self.actions: dict[Path, tuple[Action, ...]] = {}
-        self.words_in = cache(lambda file: frozenset(_NAME.findall(text(file))))
-        self.is_composed = cache(lambda file: _COMPOSED_ARGUMENT.search(text(file)) is not None)
-        self.checks_files = cache(lambda file: _CHECKS_FILES.search(text(file)) is not None)
-
-
 class Launch:
     """The nodes of a launch tree: a launch file of a workspace, and all files that it includes."""
 
@@ -206,7 +194,7 @@ class Launch:
         #: The first default of each launch argument that users may set.
         self.defaults: dict[str, str] = {}
         self._described: set[Path] = set()
-        self._texts: _LaunchTexts = _LaunchTexts(workspace) if before is None else before._texts
+        self._actions: dict[Path, tuple[Action, ...]] = {} if before is None else before._actions
         self._entered: dict[Hashable, _Entered] = {}
 
     def launch(self, file: Path) -> None:
@@ -219,14 +207,14 @@ class Launch:
 
     def _read_actions(self, file: Path) -> tuple[Action, ...]:
         self.reached.add(file)
-        if file not in self._texts.actions:
+        if file not in self._actions:
             text = self.workspace.text(file)
             shown = self.workspace.shown(file)
             is_python = file.suffix == ".py" or (
                 file.suffix not in _MARKUP and _PYTHON.search(text) is not None
             )
-            self._texts.actions[file] = (read_python if is_python else read_markup)(text, shown)
-        return self._texts.actions[file]
+            self._actions[file] = (read_python if is_python else read_markup)(text, shown)
+        return self._actions[file]
 
     def _walk(self, actions: Sequence[Action], scope: _Scope) -> None:  # noqa: C901 -- one case for each action
         for action in actions:
@@ -473,9 +461,9 @@ class Launch:
         self, given: Iterable[NodeParameter], file: Path, read: Iterable[Path]
     ) -> None:
         """Note the arguments passed to a file that neither it nor one that it includes names."""
-        if any(map(self._texts.is_composed, read)):
+        if any(_COMPOSED_ARGUMENT.search(self.workspace.text(each)) for each in read):
             return
-        words = [self._texts.words_in(each) for each in read]
+        words = [self.workspace.words_in(each) for each in read]
         for each in given:
             name = plain(each.name) or ""
             if name.isidentifier() and all(name not in found for found in words):
@@ -510,7 +498,7 @@ class Launch:
         is_here = self.workspace.find(path, folder) is not None
         lacks = self.workspace.not_installed if is_here else self.workspace.lacking
         lacking = lacks(path, folder)
-        if lacking is None or self._texts.checks_files(scope.file):
+        if lacking is None or _CHECKS_FILES.search(self.workspace.text(scope.file)):
             return False
         package, name = lacking
         sort: Literal["file", "not installed"] = "not installed" if is_here else "file"

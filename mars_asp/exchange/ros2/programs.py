@@ -31,7 +31,6 @@ _REGISTERING = re.compile("|".join(sorted(_REGISTERS)))
 #: A source of a program or component of its own.
 _STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
 _MOST_FILES = 100
-_WORD = re.compile(r"\w+")
 #: The first two arguments of a function for parameters, and variables with values.
 _ARGUMENT = r"(?:[^,;()]|\([^()]*\))*"
 _NAMING = re.compile(
@@ -71,10 +70,9 @@ class Programs:
         self.interface = cache(self._find_interface)
         # Many programs share headers.
         self._included = cache(self._headers_of)
-        self._words_in = cache(lambda file: frozenset(_WORD.findall(self.workspace.readable(file))))
         self._words = cache(
             lambda package: frozenset(
-                chain.from_iterable(map(self._words_in, self._sources_for(package)))
+                chain.from_iterable(map(self.workspace.words_in, self._sources_for(package)))
             )
         )
         self._composed = cache(self._composed_names)
@@ -316,7 +314,7 @@ class Programs:
         own = (file, *self._included(package, file))
         for each in linked:
             found = self._components_in.get(each, set())
-            is_used = any(not found.isdisjoint(self._words_in(file)) for file in own)
+            is_used = any(not found.isdisjoint(self.workspace.words_in(file)) for file in own)
             rivals |= set() if is_used else found
         linked = [each for each in linked if rivals.isdisjoint(self._components_in.get(each, ()))]
         return self._with_headers(package, [file], linked, component, rivals)

@@ -33,6 +33,7 @@ from mars_asp.exchange.ros2.interface import (
     SERVICES,
     Interface,
     InterfaceTopic,
+    agreed,
     rate_of,
 )
 from mars_asp.exchange.unread import Unread
@@ -112,17 +113,14 @@ def read_cpp(
         found = texts.text_of(file, tokens)
         return found.text if found.parameter is None else None
 
-    aliases = _aliases_of(files)
+    aliases = agreed(alias for file in files for alias in file.type_aliases)
     handles = Handles(files, literal)
     used_if = cache(lambda keeper: _used_if(files, keeper, texts))
     published: list[InterfaceTopic] = []
     subscribed: list[InterfaceTopic] = []
     unread: list[Unread] = []
     named: list[InterfaceTopic] = []
-    rates: dict[str, Fraction | None] = {}
-    for file in files:
-        for keeper, hz in file.rates().items():
-            rates[keeper] = hz if rates.get(keeper, hz) == hz else None
+    rates = agreed(rate for file in files for rate in file.rates())
     names: list[tuple[str, str]] = []
     for file in files:
         for call in file.calls_outside(others):
@@ -395,13 +393,10 @@ class _CppFile(ScopedCode):
 
     # ---- Rates
 
-    def rates(self) -> dict[str, Fraction | None]:
-        """Return how often each publisher publishes, or None if two timers differ."""
-        found: dict[str, Fraction | None] = {}
+    def rates(self) -> Iterator[tuple[str, Fraction]]:
+        """Yield the variables of publishers, each with the rate of a timer that publishes."""
         for hz, ranges in self._timers():
-            for keeper in self._publishing(ranges):
-                found[keeper] = hz if found.get(keeper, hz) == hz else None
-        return found
+            yield from ((keeper, hz) for keeper in self._publishing(ranges))
 
     def _timers(self) -> Iterator[tuple[Fraction, list[tuple[int, int]]]]:
         by_name = {body.name: (body.begin, body.end) for body in self.bodies}
@@ -457,15 +452,6 @@ def _prefixed(
             yield Unread(AT_RUN_TIME, topic.name, topic.span or file.span(file.tokens[0]))
         else:
             yield replace(topic, name=name)
-
-
-def _aliases_of(files: Sequence["_CppFile"]) -> dict[str, str | None]:
-    """Return the types of aliases by name, None for a name with several types."""
-    found: dict[str, str | None] = {}
-    for file in files:
-        for name, kind in file.type_aliases.items():
-            found[name] = kind if found.get(name, kind) == kind else None
-    return found
 
 
 def _aliased(kind: str | None, aliases: Mapping[str, str | None]) -> str | None:

@@ -21,6 +21,7 @@ from mars_asp.exchange.ros2.interface import (
     SERVICES,
     Interface,
     InterfaceTopic,
+    agreed,
     rate_of,
 )
 from mars_asp.exchange.ros2.python_files import (
@@ -367,11 +368,8 @@ class _Unit(PythonTexts):
 
     def rates(self) -> Mapping[str, Fraction | None]:
         """Return how often each publisher publishes: `None` where two timers differ."""
-        found: dict[str, Fraction | None] = {}
-        for hz, functions in islice(self.timers(), _MOST_TIMERS):
-            for keeper in self.publishing(functions):
-                found[keeper] = hz if found.get(keeper, hz) == hz else None
-        return found
+        timers = islice(self.timers(), _MOST_TIMERS)
+        return agreed((keeper, hz) for hz, used in timers for keeper in self.publishing(used))
 
     def timers(self) -> Iterator[tuple[Fraction, list[ast.AST]]]:
         """Yield the rate of each timer or `Rate`, with its callbacks or the functions around it."""

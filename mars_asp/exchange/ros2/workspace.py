@@ -86,6 +86,7 @@ _SCRIPT_FOLDER = re.compile(r"\b(?:install[_-]scripts|script[_-]dir)\b|[\"']lib/
 _INSTALLS_SCRIPTS = re.compile(r"(?<![\w-])scripts\s*=|[\"']/?lib\b")
 _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
 _PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
+_WORD = re.compile(r"\w+")
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
 _BUILD_TYPE = re.compile(r"<build_type[^<>]*>\s*(\w+)")
 _CATKIN = re.compile(r"<buildtool_depend[^<>]*>\s*(catkin)\b")
@@ -168,6 +169,8 @@ class Workspace:
         self._package_around = cache(self._find_package)
         self._contents_of = cache(self._read_contents)
         self._installed = cache(self._read_installed)
+        #: The words of a file.
+        self.words_in = cache(lambda file: frozenset(_WORD.findall(self.readable(file))))
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
 
@@ -631,7 +634,8 @@ class Workspace:
     def readable(self, file: Path) -> str:
         """Return the text of a file, or an empty one if it has errors or lies elsewhere."""
         try:
-            return "" if self._inside(file) is None else self.text(file)
+            is_here = file in self._texts or self._inside(file) is not None
+            return self.text(file) if is_here else ""
         except MarsError:
             return ""
 
