@@ -54,8 +54,9 @@ def turns_of(matrix: Matrix) -> Turns:
     for first in range(3):
         for second in range(3):
             if first != second and abs(matrix[second, first]) < 1e-15:
-                axes = ("xyz"[first], "xyz"[second])
-                found.append(_turning(zip(axes, _two(matrix, first, second), strict=True)))
+                about = -_angle_about(first, second, matrix[second])
+                then = _angle_about(second, first, matrix[:, first])
+                found.append(_turning((("xyz"[first], about), ("xyz"[second], then))))
     return min(found, key=len)
 
 
@@ -84,13 +85,6 @@ def turns_to(axis: Matrix) -> Turns:
     x, y, z = axis / np.linalg.norm(axis)
     tilt = degrees_of(math.atan2(math.hypot(x, y), z))
     return ("y", tilt), ("z", degrees_of(math.atan2(y, x)))
-
-
-def _two(matrix: Matrix, first: int, second: int) -> tuple[float, float]:
-    """Return the angles about two axes, of which `matrix[second, first]` is zero."""
-    return -_angle_about(first, second, matrix[second]), _angle_about(
-        second, first, matrix[:, first]
-    )
 
 
 def _angle_about(axis: int, arm: int, image: Matrix) -> float:

@@ -33,7 +33,8 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
     robot = ElementTree.Element("robot", name=roots[0])
     taken = set(body.order)
     for name in body.order:
-        functions = _moving(known.get(name))
+        every = known[name].functions if name in known else ()
+        functions = tuple(each for each in every if each.name in MOTION_FUNCTIONS)
         carried = name in body.carrier
         below = [_fresh(name, taken) for _ in functions[carried:]]
         stages = [body.carrier[name], *below, name] if carried else [*below, name]
@@ -41,7 +42,11 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
             ElementTree.SubElement(robot, "link", name=stage)
         steps = functions or ((None,) if carried else ())
         for (parent, child), function in zip(pairwise(stages), steps, strict=True):
-            joint = _add_joint(robot, name, function, parent, child)
+            called = f"{name}_{function.name if function else 'mount'}"
+            kind = _joint_type(function)
+            joint = ElementTree.SubElement(robot, "joint", name=called, type=kind)
+            ElementTree.SubElement(joint, "parent", link=parent)
+            ElementTree.SubElement(joint, "child", link=child)
             if carried and parent == body.carrier[name]:
                 _add_origin(joint, body.placement[name])
             if function:
@@ -73,11 +78,6 @@ def _obstacles(
         yield Diagnostic("urdf", "error", message, configuration.span, help=help_text)
 
 
-def _moving(module: Module | None) -> tuple[Function, ...]:
-    functions = module.functions if module else ()
-    return tuple(function for function in functions if function.name in MOTION_FUNCTIONS)
-
-
 def _fresh(name: str, taken: set[str]) -> str:
     """Return a new name for a link below a module's own."""
     number = 0
@@ -93,16 +93,6 @@ def _joint_type(function: Function | None) -> str:
     if function.name.startswith("Trans"):
         return "prismatic"
     return "continuous" if function.min is None and function.max is None else "revolute"
-
-
-def _add_joint(
-    robot: ElementTree.Element, name: str, function: Function | None, parent: str, child: str
-) -> ElementTree.Element:
-    named = f"{name}_{function.name if function else 'mount'}"
-    joint = ElementTree.SubElement(robot, "joint", name=named, type=_joint_type(function))
-    ElementTree.SubElement(joint, "parent", link=parent)
-    ElementTree.SubElement(joint, "child", link=child)
-    return joint
 
 
 def _add_origin(joint: ElementTree.Element, pose: Matrix) -> None:
