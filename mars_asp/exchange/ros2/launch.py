@@ -530,16 +530,10 @@ class Launch:
 
     def _pass(self, argument: NodeParameter, scope: _Scope, within: _Scope) -> None:
         """Note the arguments of an included file: a value, or an argument of its caller."""
-        name, variable = plain(argument.name), None
+        name = plain(argument.name)
         if name is None:
             return
-        if len(argument.value) == 1 and isinstance(argument.value[0], LaunchArgument):
-            passed = argument.value[0]
-            variable = scope.variable(passed.name)
-            if variable is not None and passed.default is not None:
-                default = self._known_text(passed.default, scope)
-                if default is not None:
-                    self.defaults.setdefault(variable, default)
+        variable = self._variable_of(argument.value, scope)
         within.fixed -= {name}
         within.passed = {key: of for key, of in within.passed.items() if key != name}
         if variable is None:
@@ -547,19 +541,24 @@ class Launch:
         else:
             within.passed = {**within.passed, name: variable}
 
+    def _variable_of(self, text: Text, scope: _Scope) -> str | None:
+        """Return the variable that a text is, or None; note the default of its reference."""
+        if len(text) != 1 or not isinstance(text[0], LaunchArgument):
+            return None
+        name, written = text[0].name, text[0].default
+        variable = scope.variable(name)
+        if variable is not None and written is not None and scope.arguments.get(name) is None:
+            default = self._known_text(written, scope)
+            if default is not None:
+                self.defaults.setdefault(variable, default)
+        return variable
+
     def _conditions(self, tests: Tests, scope: _Scope) -> tuple[StartCondition, ...] | None:
         """Return the tests that are open, or None if one fails for any arguments."""
         found: list[StartCondition] = []
         for test in tests:
             value = "true" if test.value is None else self._known_text(test.value, scope)
-            variable = None
-            if len(test.text) == 1 and isinstance(test.text[0], LaunchArgument):
-                argument = test.text[0]
-                variable = scope.variable(argument.name)
-                if variable is not None and argument.default is not None:
-                    default = self._known_text(argument.default, scope)
-                    if default is not None and scope.arguments.get(argument.name) is None:
-                        self.defaults.setdefault(variable, default)
+            variable = self._variable_of(test.text, scope)
             if variable is not None and value is not None:
                 found.append(StartCondition(variable, value, test.wanted, test.span))
                 continue

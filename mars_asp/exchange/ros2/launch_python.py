@@ -376,15 +376,16 @@ class _LaunchReader(Evaluator):
         used = [node for node in _launched_names(tree) if isinstance(node.ctx, ast.Load)]
         for node in self.nodes:
             match node:
-                case ast.Name(id=name, ctx=ast.Store() | ast.Del()) | ast.arg(arg=name):
-                    bound.add(name)
-                case ast.MatchAs(name=str(name)):
-                    bound.add(name)
-                case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
-                    bound.add(name)
-                case ast.ExceptHandler(name=str(name)) | ast.MatchStar(name=str(name)):
-                    bound.add(name)
-                case ast.MatchMapping(rest=str(name)):
+                case (
+                    ast.Name(id=name, ctx=ast.Store() | ast.Del())
+                    | ast.arg(arg=name)
+                    | ast.FunctionDef(name=name)
+                    | ast.ClassDef(name=name)
+                    | ast.ExceptHandler(name=str(name))
+                    | ast.MatchAs(name=str(name))
+                    | ast.MatchStar(name=str(name))
+                    | ast.MatchMapping(rest=str(name))
+                ):
                     bound.add(name)
                 case ast.Import(names=names) | ast.ImportFrom(names=names):
                     bound.update((each.asname or each.name).partition(".")[0] for each in names)
