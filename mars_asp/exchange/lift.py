@@ -4,7 +4,7 @@ That is muxes, throttles, and the work of the middleware: it delivers an output 
 and the commands of all publishers to each subscriber, where the latest one wins.
 """
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from itertools import count
@@ -222,19 +222,15 @@ class _Nodes:
 
 def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
     """Yield the edges, with a splitter after each output of several readers or of a lower rate."""
-    takers: dict[tuple[str, str | None], list[Data]] = defaultdict(list)
-    for line in lines:
-        if isinstance(line, Data):
-            takers[line.source, line.source_port].append(line)
+    takers = Counter((line.source, line.source_port) for line in lines if isinstance(line, Data))
     splitters: dict[tuple[str, str | None], str] = {}
     for line in lines:
-        output = (line.source, line.source_port) if isinstance(line, Data) else None
-        if not isinstance(line, Data) or output is None:
+        if not isinstance(line, Data) or (
+            takers[line.source, line.source_port] == 1 and line.hz is None
+        ):
             yield line
             continue
-        if len(takers[output]) == 1 and line.hz is None:
-            yield line
-            continue
+        output = line.source, line.source_port
         if output not in splitters:
             splitters[output] = nodes.new("data_splitter", line.span)
             yield Data(splitters[output], line.source, line.span, source_port=line.source_port)
@@ -270,17 +266,14 @@ def _arbitrated(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relati
 
 def _commanded(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
     """Yield the edges, with a splitter after each module (no node) that controls several others."""
-    commanded: dict[str, list[Control]] = defaultdict(list)
-    for line in lines:
-        if isinstance(line, Control):
-            commanded[line.controller].append(line)
+    commanded = Counter(line.controller for line in lines if isinstance(line, Control))
     made = {name.text for name in nodes.names}
     splitters: dict[str, str] = {}
     for line in lines:
         if (
             not isinstance(line, Control)
             or line.controller in made
-            or len(commanded[line.controller]) == 1
+            or commanded[line.controller] == 1
         ):
             yield line
             continue

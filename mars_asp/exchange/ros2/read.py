@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
@@ -139,10 +140,11 @@ def import_ros2(
     problems: list[Diagnostic] = []
     unread: list[Unread] = []
     launched = [(text, path) for text, path in files if recognised(text) != "twist_mux"]
-    muxes = [
-        (path, read_document(text, path)) for text, path in files if (text, path) not in launched
-    ]
-    for (root, deep), members in _by_root(launched).items():
+    muxes = [read_document(*file) for file in files if file not in launched]
+    by_root = defaultdict[tuple[Path, bool], list[tuple[str, str]]](list)
+    for text, path in launched:
+        by_root[_root(Path(path))].append((text, path))
+    for (root, deep), members in by_root.items():
         workspace = Workspace(root, members[0][1], deep=deep, is_excluded=is_excluded)
         robot = _WorkspaceRobot(workspace, muxes, launch)
         graphs.append(robot.graph([workspace.given(path, text) for text, path in members]))
@@ -151,11 +153,14 @@ def import_ros2(
         unread += robot.unread
         absent = [each.name for each in robot.unread if "not in the workspace" in each.sort]
         problems += _only_a_part(root, members[0][1], absent)
-    for _, document in muxes:
+    for document in muxes:
         unread += document.unread
         problems += document.warnings
     graph = joined(graphs)
-    loose = _unbound(muxes, graph)
+    known = {mux.span for mux in graph.muxes}
+    given = (mux for document in muxes for mux in document.muxes)
+    # Muxes that no node of the graph is.
+    loose = (unbound(mux) for mux in given if mux.span not in known)
     configuration, left_out = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
     wrong = {each.span for each in problems if each.severity == "error"}
     further = (each for each in unread if each.sort not in BROKEN or each.span not in wrong)
@@ -166,14 +171,6 @@ def import_ros2(
         tuple(map(print_module, configuration.declared)),
         trees=tuple(trees),
     )
-
-
-def _by_root(files: Sequence[tuple[str, str]]) -> dict[tuple[Path, bool], list[tuple[str, str]]]:
-    """Return files by the folders of the workspaces in which they lie, like `_root`."""
-    found: dict[tuple[Path, bool], list[tuple[str, str]]] = {}
-    for text, path in files:
-        found.setdefault(_root(Path(path)), []).append((text, path))
-    return found
 
 
 def _root(path: Path) -> tuple[Path, bool]:
@@ -237,15 +234,6 @@ def _holds(folder: Path, inner: Path) -> bool:
         return False
 
 
-def _unbound(muxes: Sequence[tuple[str, MuxDocument]], graph: Graph) -> Iterator[Mux]:
-    """Yield the muxes of files that no node of the graph is."""
-    known = {mux.span for mux in graph.muxes}
-    for _, document in muxes:
-        for mux in document.muxes:
-            if mux.span not in known:
-                yield unbound(mux)
-
-
 def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
     """Yield skipped contents without duplicates: files by name, others by name and location."""
     seen: set[tuple[object, ...]] = set()
@@ -263,7 +251,7 @@ class _WorkspaceRobot:
     def __init__(
         self,
         workspace: Workspace,
-        muxes: Sequence[tuple[str, MuxDocument]],
+        muxes: Sequence[MuxDocument],
         chosen: Sequence[str] = (),
     ) -> None:
         self.workspace = workspace
@@ -962,7 +950,7 @@ class _WorkspaceRobot:
             # A node of ROS 2 takes the parameters for its name; a launch file may take others.
             takes_all = started.is_rewritten or PARAMETERS not in text
             found += (each for each in muxes if takes_all or is_for(each.name, full))
-        yield from found or (mux for _, document in self.muxes for mux in document.muxes)
+        yield from found or (mux for document in self.muxes for mux in document.muxes)
 
     def _muxes(self, read: Callable[[], MuxDocument]) -> Sequence[Mux]:
         """Return the muxes of parameters; note errors, warnings and skipped contents."""

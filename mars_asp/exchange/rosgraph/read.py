@@ -44,13 +44,16 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     muxes: list[Mux] = []
     for text, path in files:
         try:
-            if dump_of(text) is None and recognised(text) == "twist_mux":
+            kind = dump_of(text)
+            if kind is None and recognised(text) == "twist_mux":
                 document = read_document(text, path)
                 muxes += document.muxes
                 unread += document.unread
                 warnings += document.warnings
                 continue
-            dump = _reader(text, path)(text, path)
+            if kind is None:
+                raise MarsError((_unknown(path),))
+            dump = _READERS[kind](text, path)
         except MarsError as error:
             problems += error.diagnostics
             continue
@@ -76,22 +79,12 @@ def _empty(path: str) -> Diagnostic:
     return Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
 
 
-def _reader(text: str, path: str) -> Callable[[str, str], Dump]:
-    """Return the reader for the kind of dump of a text.
-
-    Raises:
-        MarsError: it is none.
-    """
-    kind = dump_of(text)
-    if kind is None:
-        message = "this is not a known kind of graph dump"
-        help_text = (
-            "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or"
-            " `ros2 topic info -v`"
-        )
-        found = Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
-        raise MarsError((found,))
-    return _READERS[kind]
+def _unknown(path: str) -> Diagnostic:
+    message = "this is not a known kind of graph dump"
+    help_text = (
+        "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or `ros2 topic info -v`"
+    )
+    return Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
 
 
 def _each_once(unread: Iterable[Unread]) -> Iterator[Unread]:
