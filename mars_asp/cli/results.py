@@ -1,8 +1,7 @@
 """Findings for other programs: results of a run, printed after all files were read."""
 
 import os
-import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -10,7 +9,6 @@ from typing import NamedTuple
 from mars_asp.cli.diagnostic_text import Suggestion
 from mars_asp.cli.selection import Hidden, Selected
 from mars_asp.diagnostic import Diagnostic
-from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Consequence, diagnostic
 
 
@@ -67,23 +65,3 @@ def seen_from_root(path: str) -> tuple[str, bool]:
     if whole.is_relative_to(root):
         return whole.relative_to(root).as_posix(), True
     return whole.as_posix(), False
-
-
-def plain_text(*parts: str | None) -> str:
-    """Return sentences as one text, each made safe to show."""
-    return " ".join(visible(_sentence(part)) for part in parts if part)
-
-
-def _sentence(part: str) -> str:
-    # A text may begin with a path, which keeps its letters.
-    is_path = re.match(r"\S*[/.]\w", part) is not None
-    whole = part[:1].upper() + part[1:] if part[:1].isalpha() and not is_path else part
-    return whole if whole.endswith((".", "?", "!")) else f"{whole}."
-
-
-def unique_rules(results: Iterable[Result]) -> dict[str, Result]:
-    """Return the first result of each code."""
-    first: dict[str, Result] = {}
-    for each in results:
-        first.setdefault(each.diagnostic.code, each)
-    return first

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from mars_asp.cli.run_json import links_json, speakers
@@ -11,7 +12,6 @@ from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.output import counted, visible
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.table import Table
 
     from mars_asp.execution.judgement import Judgement
@@ -27,14 +27,44 @@ _WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
 
 def run_text(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> str:
     """Return the verdict, the tables and each requirement as text; no tables with `--quiet`."""
+    lines = list(_sentence("", _verdict(judgement)))
+    if not arguments.quiet:
+        lines += _table_lines((_links(trial), _controllers(trial)), arguments)
+    for link in trial.executor.links:
+        if link.faulty:
+            fault = " ".join(f"{link.fault:.200}".splitlines())
+            head = f"failed   {trial.executor.plan.link_title(link)}  "
+            lines += _sentence(head, f"first by {fault}")
+    for requirement in judgement.requirements:
+        word = _WORDS[requirement.holds]
+        lines += _sentence(f"{word:8} {requirement.name}  ", requirement.message)
+    for warning in judgement.warnings:
+        lines += _sentence("warning  ", f"{warning.message} [{warning.kind}]")
+    bodies, clearance = trial.bodies, trial.clearance
+    # Without obstacles there is no clearance.
+    clear = f"least clearance {clearance:.0f} mm, " if clearance < float("inf") else ""
+    lines += _sentence(
+        f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: ",
+        f"{counted(trial.collisions, 'collision')}, {clear}"
+        f"{sum(body.driven for body in bodies):.0f} mm driven, "
+        f"{sum(body.both for body in bodies):.2f} s turning while driving",
+        "  ",
+    )
+    return "\n".join([*lines, ""])
+
+
+def _table_lines(tables: "Iterable[Table]", arguments: argparse.Namespace) -> Sequence[str]:
+    """Return the lines of tables that have rows."""
     from rich.console import Console
 
     colour = {"always": True, "never": False}.get(arguments.color)
     console = Console(emoji=False, highlight=False, force_terminal=colour, no_color=colour is False)
     # On a closed pipe rich would exit with its own status; `print` does not.
     with console.capture() as captured:
-        _print_tables(trial, judgement, arguments, console)
-    return captured.get()
+        for table in tables:
+            if table.row_count:
+                console.print(table)
+    return captured.get().split("\n")[:-1]
 
 
 def run_line(trial: "Trial", wall: float) -> str:
@@ -50,41 +80,10 @@ def run_line(trial: "Trial", wall: float) -> str:
     )
 
 
-def _print_tables(
-    trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace, console: "Console"
-) -> None:
-    _say(console, "", _verdict(judgement))
-    for table in (_links(trial), _controllers(trial)):
-        if table.row_count and not arguments.quiet:
-            console.print(table)
-    for link in trial.executor.links:
-        if link.faulty:
-            fault = " ".join(f"{link.fault:.200}".splitlines())
-            _say(console, f"failed   {trial.executor.plan.link_title(link)}  ", f"first by {fault}")
-    for requirement in judgement.requirements:
-        word = _WORDS[requirement.holds]
-        _say(console, f"{word:8} {requirement.name}  ", requirement.message)
-    for warning in judgement.warnings:
-        _say(console, "warning  ", f"{warning.message} [{warning.kind}]")
-    bodies, clearance = trial.bodies, trial.clearance
-    # Without obstacles there is no clearance.
-    clear = f"least clearance {clearance:.0f} mm, " if clearance < float("inf") else ""
-    _say(
-        console,
-        f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: ",
-        f"{counted(trial.collisions, 'collision')}, {clear}"
-        f"{sum(body.driven for body in bodies):.0f} mm driven, "
-        f"{sum(body.both for body in bodies):.2f} s turning while driving",
-        "  ",
-    )
-
-
-def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> None:
-    """Print a sentence after its head, with further lines indented."""
-    from rich.text import Text
-
-    for line in wrapped(visible(text), columns(sys.stdout), visible(head), further):
-        console.print(Text(line.rstrip()), soft_wrap=True)
+def _sentence(head: str, text: str, further: str = " " * 9) -> Iterator[str]:
+    """Yield the lines of a sentence after its head, with further lines indented."""
+    lines = wrapped(visible(text), columns(sys.stdout), visible(head), further)
+    return (line.rstrip() for line in lines)
 
 
 def _verdict(judgement: "Judgement") -> str:

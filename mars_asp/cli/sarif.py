@@ -14,9 +14,11 @@ from urllib.parse import quote
 
 from mars_asp import __version__
 from mars_asp.asp.rules.rule import HOLE, Rule
-from mars_asp.cli.results import Result, plain_text, seen_from_root, unique_rules
-from mars_asp.cli.sarif_fixes import sarif_fixes
+from mars_asp.cli.diagnostic_text import Suggestion
+from mars_asp.cli.lines import lines_of
+from mars_asp.cli.results import Result, seen_from_root
 from mars_asp.diagnostic import Span
+from mars_asp.language.text_edits import LineEdit, common_length
 from mars_asp.output import visible
 
 _Json: TypeAlias = dict[str, Any]
@@ -32,7 +34,9 @@ _HELP_OF_CHECKS = "`mars-asp check --help` explains the options that choose what
 def sarif_log(results: Sequence[Result], status: int) -> _Json:
     """Return a log of one run that ends with an exit status."""
     found = [each for each in results if not each.is_of_command]
-    rules = unique_rules(found)
+    rules: dict[str, Result] = {}
+    for each in found:
+        rules.setdefault(each.diagnostic.code, each)
     numbers = {code: number for number, code in enumerate(rules)}
     driver = {
         "name": "mars-asp",
@@ -135,7 +139,7 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
             for number, (span, label) in enumerate(found.labels, 1)
         ]
     if result.suggestion is not None and result.has_file:
-        entry |= sarif_fixes(result.suggestion, _artifact)
+        entry |= _fixes(result.suggestion)
     if consequence is not None:
         parts = (consequence.kind, consequence.subject, *consequence.participants)
         digest = hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
@@ -187,3 +191,64 @@ def _artifact(path: str) -> _Json:
     if is_below:
         return {"uri": quote(os.fsencode(shown)), "uriBaseId": _ROOT}
     return {"uri": PurePath(shown).as_uri()}
+
+
+def _fixes(suggestion: Suggestion) -> _Json:
+    """Return the property `fixes` of a result (3.55).
+
+    The result is empty if a line can no longer be read.
+    """
+    changes: dict[str, list[dict[str, object]]] = {}
+    for edit in suggestion.edits:
+        lines = lines_of(edit.path)
+        if edit.line > len(lines):
+            return {}
+        changes.setdefault(edit.path, []).append(_replacement(edit, lines))
+    warnings = (f"then warns: {warning}" for warning in suggestion.warnings)
+    fix = {
+        "description": {"text": plain_text(suggestion.message, *warnings)},
+        "artifactChanges": [
+            {"artifactLocation": _artifact(path), "replacements": of}
+            for path, of in changes.items()
+        ],
+    }
+    return {"fixes": [fix]}
+
+
+def _replacement(edit: "LineEdit", lines: Sequence[str]) -> dict[str, object]:
+    """Return the deleted region, which may be empty, and the inserted content (3.57)."""
+    number, old = edit.line, lines[edit.line - 1]
+    if edit.old is None:
+        column = 1 if edit.where == "before" else len(old) + 1
+        text = f"{edit.new}\n" if edit.where == "before" else f"\n{edit.new}"
+        return _put((number, column), (number, column), text)
+    if edit.new is not None:
+        # The smallest change, so that two fixes of a line do not overlap.
+        before = common_length(old, edit.new)
+        after = common_length(old[before:][::-1], edit.new[before:][::-1])
+        new = edit.new[before : len(edit.new) - after]
+        return _put((number, before + 1), (number, len(old) - after + 1), new)
+    # A line is deleted with its end; the last line, with the end of the line before.
+    if number < len(lines):
+        return _put((number, 1), (number + 1, 1), None)
+    begin = (number - 1, len(lines[number - 2]) + 1) if number > 1 else (1, 1)
+    return _put(begin, (number, len(old) + 1), None)
+
+
+def _put(begin: tuple[int, int], end: tuple[int, int], text: str | None) -> dict[str, object]:
+    names = ("startLine", "startColumn", "endLine", "endColumn")
+    region = dict(zip(names, (*begin, *end), strict=True))
+    inserted = {} if text is None else {"insertedContent": {"text": text}}
+    return {"deletedRegion": region, **inserted}
+
+
+def plain_text(*parts: str | None) -> str:
+    """Return sentences as one text, each made safe to show."""
+    return " ".join(visible(_sentence(part)) for part in parts if part)
+
+
+def _sentence(part: str) -> str:
+    # A text may begin with a path, which keeps its letters.
+    is_path = re.match(r"\S*[/.]\w", part) is not None
+    whole = part[:1].upper() + part[1:] if part[:1].isalpha() and not is_path else part
+    return whole if whole.endswith((".", "?", "!")) else f"{whole}."

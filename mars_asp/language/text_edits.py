@@ -7,7 +7,7 @@ r"""Edits of a text: replaced ranges and inserted lines, reported by lines of th
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
@@ -199,3 +199,9 @@ def _codec(raw: bytes) -> str:
     except UnicodeDecodeError:
         return "latin-1"
     return "utf-8"
+
+
+def common_length(one: Sequence[str], other: Sequence[str]) -> int:
+    """Return the length of the common prefix of two texts, or of two lists of lines."""
+    pairs = zip(one, other, strict=False)
+    return next((at for at, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))

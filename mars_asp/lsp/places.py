@@ -7,11 +7,11 @@ import re
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import takewhile
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.language.parse import plain_lines
+from mars_asp.language.text_edits import common_length
 
 _MARK = "\ufeff"
 #: A larger text is analysed, but answers about its locations would be too slow.
@@ -79,10 +79,8 @@ class ChangedLines(NamedTuple):
 def changed_lines(before: str, now: str) -> ChangedLines:
     """Return the smallest block of lines whose replacement turns `before` into `now`."""
     old, new = plain_lines(before).split("\n"), plain_lines(now).split("\n")
-    pairs = enumerate(zip(old, new, strict=False))
-    first = next((n for n, (a, b) in pairs if a != b), min(len(old), len(new)))
-    rest = zip(reversed(old[first:]), reversed(new[first:]), strict=False)
-    kept = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], rest))
+    first = common_length(old, new)
+    kept = common_length(old[first:][::-1], new[first:][::-1])
     return ChangedLines(first, len(old) - kept, len(new) - len(old))
 
 
