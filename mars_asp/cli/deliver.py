@@ -33,29 +33,24 @@ _claimed: set[object] = set()
 _sending = threading.Lock()
 
 
-class ChangedError(OSError):
-    """A file to replace has changed since it was read."""
-
-
 class OutputFile(NamedTuple):
-    """A file to write; `read` is the digest of the old content if the file is to be replaced."""
+    """A file to write; `read` is the old content if the file is to be replaced."""
 
     path: str
     content: bytes
-    read: str | None = None
+    read: bytes | None = None
 
 
-def write_file(path: str, content: str | bytes, read: bytes | None = None) -> None:
-    """Write a file, in a worker after the command has ended; `read` is the expected old content.
+def write_file(path: str, content: str | bytes) -> None:
+    """Write a file, in a worker after the command has ended.
 
     Raises:
-        OSError: the file cannot be written, or its content has changed.
+        OSError: the file cannot be written.
         MarsError: the file was read as an input, or is another output.
     """
-    if read is None:
-        _claim(path)
+    _claim(path)
     raw = content.encode(errors="backslashreplace") if isinstance(content, str) else content
-    _write_files([OutputFile(path, raw, None if read is None else _digest(read))])
+    _write_files([OutputFile(path, raw)])
 
 
 def write_result(path: str, content: str | bytes) -> None:
@@ -81,7 +76,7 @@ def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
     Raises:
         OSError: a file cannot be written, or its content has changed.
     """
-    _write_files([OutputFile(path, content, _digest(read)) for path, content, read in files])
+    _write_files([OutputFile(*each) for each in files])
 
 
 def grow_file(path: str, kept: int, size: int) -> None:
@@ -417,9 +412,9 @@ def _check_unchanged(file: OutputFile) -> None:
     """
     with open(file.path, "rb") as there:  # noqa: PTH123 -- a path that may be no text
         _check_writable(file.path)
-        if _digest(there.read()) != file.read:
+        if there.read() != file.read:
             text = "it has changed since it was read, so it was left alone"
-            raise ChangedError(0, text, file.path)
+            raise OSError(0, text, file.path)
 
 
 def is_writable(path: str) -> bool:
@@ -434,12 +429,6 @@ def is_writable(path: str) -> bool:
 def _check_writable(path: str) -> None:
     if not is_writable(path):
         raise PermissionError(errno.EACCES, "it is read-only, so it was left alone", path)
-
-
-def _digest(content: bytes) -> str:
-    import hashlib
-
-    return hashlib.sha256(content).hexdigest()
 
 
 def _say_unwritten(what: str, error: OSError) -> None:

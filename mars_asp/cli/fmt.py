@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from mars_asp.cli.arguments import add_flags, misuse
-from mars_asp.cli.deliver import write_file
+from mars_asp.cli.deliver import replace_files
 from mars_asp.cli.diagnostic_text import report_error
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.excluded import add_exclusion
@@ -124,5 +124,5 @@ def _format(name: str, shown: str, is_written: bool) -> tuple[bool, str, str]:
     text = format_text(before, shown)
     changed = text.encode() != raw
     if changed and not piped and is_written:
-        write_file(name, text, raw)
+        replace_files([(name, text.encode(), raw)])
     return changed, before, text
