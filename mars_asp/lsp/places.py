@@ -3,13 +3,11 @@
 In contrast, a `Span` counts code points from 1, without the byte order mark.
 """
 
-import re
-from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import FileText, Span
 from mars_asp.language.parse import plain_lines
 from mars_asp.language.text_edits import common_length
 
@@ -157,15 +155,12 @@ class Text:
 
     def between(self, begin: int, end: int) -> Range:
         """Return the range of two offsets in the plain text."""
-        return Range(self._position_at(begin), self._position_at(end))
-
-    def _position_at(self, offset: int) -> Position:
-        line = bisect_right(self._starts, offset)
-        return self.position(line, offset - self._starts[line - 1] + 1)
+        start, stop = map(self._plain_text.position, (begin, end))
+        return Range(self.position(*start), self.position(*stop))
 
     @cached_property
-    def _starts(self) -> list[int]:
-        return [0, *(match.end() for match in re.finditer("\n", self.plain))]
+    def _plain_text(self) -> FileText:
+        return FileText(self.path, self.plain)
 
     @cached_property
     def _is_ascii(self) -> bool:

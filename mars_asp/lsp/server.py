@@ -19,7 +19,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path
 
 from mars_asp import __version__
-from mars_asp.lsp.actions import QuickFix, actions_at, fix_actions, spelling_actions
+from mars_asp.lsp.actions import actions_at, fix_actions, spelling_actions
 from mars_asp.lsp.client_errors import BoundedInput, CheckedProtocol, ClientError, strict_converter
 from mars_asp.lsp.completion import Completions, completion, rule_completion
 from mars_asp.lsp.hover import hover, hover_rules
@@ -94,8 +94,8 @@ class _Server(LanguageServer):
         self._running: dict[str, asyncio.Task[None]] = {}
         #: Files whose findings are about an older text.
         self._stale: set[str] = set()
-        #: Pending questions that several requests may wait for.
-        self._pending: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
+        #: Answers, some pending, that no edit has overtaken.
+        self._answers: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
 
     def handlers(self) -> Iterator[tuple[str, Callable[[Any], Any], Any]]:
         """Yield each message of the protocol with its handler and the options of that, or None."""
@@ -279,13 +279,16 @@ class _Server(LanguageServer):
             self.text_document_publish_diagnostics(result)
 
     async def _shared_answer(self, question: Question) -> Any:
-        """Return an answer that several requests share; cancelling one does not cancel it."""
+        """Return an answer, which requests share until an edit overtakes it.
+
+        Cancelling a request does not cancel the question.
+        """
         key = question.sort, question.path, question.about
-        task = self._pending.get(key)
+        task = self._answers.get(key)
         if task is None:
             task = asyncio.get_running_loop().create_task(self._workers.ask(question))
-            self._pending[key] = task
-            task.add_done_callback(lambda done: self._answered(key, done))
+            self._answers[key] = task
+            task.add_done_callback(lambda done: self._drop_failed(key, done))
         try:
             return await asyncio.shield(task)
         except asyncio.CancelledError:
@@ -293,22 +296,17 @@ class _Server(LanguageServer):
                 return Failed("a change has overtaken it")
             raise
 
-    def _answered(self, key: tuple[str, str, str], done: asyncio.Task[Any]) -> None:
-        if self._pending.get(key) is not done:
-            return
-        del self._pending[key]
-        sort, path, about = key
-        answer = None if done.cancelled() or done.exception() else done.result()
-        if sort == "trace" and isinstance(answer, str):
-            # Keep the trace for later requests, as the first may be cancelled.
-            self._workspace.traces.setdefault(path, {})[about] = answer
+    def _drop_failed(self, key: tuple[str, str, str], done: asyncio.Task[Any]) -> None:
+        is_failed = done.cancelled() or done.exception() or isinstance(done.result(), Failed)
+        if is_failed and self._answers.get(key) is done:
+            del self._answers[key]
 
     def _overtake(self, path: str) -> None:
-        """Invalidate the results that an edit has overtaken, and cancel pending questions."""
-        queried = self._workspace.invalidate(path)
-        for key, task in tuple(self._pending.items()):
+        """Drop the answers that an edit has overtaken, and cancel pending questions."""
+        queried = {path, *(robot.path for robot in self._workspace.robots_of(path))}
+        for key, task in tuple(self._answers.items()):
             if key[1] in queried:
-                del self._pending[key]
+                del self._answers[key]
                 task.cancel()
 
     # ---- Requests of the editor ------------------------------------------------------------------
@@ -332,14 +330,12 @@ class _Server(LanguageServer):
     async def _trace(self, path: str, title: str) -> dict[str, str]:
         """Return the trace of a finding by its title, or {} if it takes too long or is outdated."""
         for robot in self._workspace.robots_of(path):
-            known = self._workspace.traces.setdefault(robot.path, {})
-            if title not in known and robot.path not in self._stale:
+            if robot.path not in self._stale or ("trace", robot.path, title) in self._answers:
                 question = Question("trace", robot.path, self._workspace.overlay(), title)
                 with suppress(TimeoutError):
-                    await asyncio.wait_for(self._shared_answer(question), _TRACE_SECONDS)
-                known = self._workspace.traces.get(robot.path, {})
-            if title in known:
-                return {title: known[title]}
+                    answer = await asyncio.wait_for(self._shared_answer(question), _TRACE_SECONDS)
+                    if isinstance(answer, str):
+                        return {title: answer}
         return {}
 
     def definition(self, params: types.DefinitionParams) -> list[types.Location]:
@@ -446,19 +442,12 @@ class _Server(LanguageServer):
         chosen = [] if here is None else [*fix_actions(found), *spelling_actions(here.text, found)]
         if any(each.title for each in found):
             for robot in self._workspace.robots_of(path):
-                chosen += actions_at(await self._repaired(robot.path), found)
+                question = Question("repairs", robot.path, self._workspace.overlay())
+                answer = await self._shared_answer(question)
+                chosen += () if isinstance(answer, Failed) else actions_at(answer, found)
         if self._workspace.texts.get(path) != text:
             return []
         return [self._protocol.action(*each) for each in chosen]
-
-    async def _repaired(self, queried: str) -> tuple[QuickFix, ...]:
-        if queried not in self._workspace.repairs:
-            texts = self._workspace.overlay()
-            answer = await self._shared_answer(Question("repairs", queried, texts))
-            if isinstance(answer, Failed) or texts != self._workspace.overlay():
-                return ()
-            self._workspace.repairs[queried] = answer
-        return self._workspace.repairs[queried]
 
     async def format(self, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
         """Return the changes of `mars-asp fmt` as one edit of the whole text, or no edit."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 
-from mars_asp.lsp.actions import QuickFix
 from mars_asp.lsp.occurrences import is_configuration, outline
 from mars_asp.lsp.places import Place, changed_lines
 from mars_asp.lsp.questions import Survey
@@ -22,9 +21,6 @@ class EditorWorkspace:
         self.rules: dict[str, Rules] = {}
         #: The findings of the last analysis that could read a robot, and the texts at that time.
         self.readable: dict[str, tuple[tuple[EditorFinding, ...], dict[str, str]]] = {}
-        #: Repairs of robots, and traces of their findings; an edit deletes both.
-        self.repairs: dict[str, tuple[QuickFix, ...]] = {}
-        self.traces: dict[str, dict[str, str]] = {}
         #: The configurations of each source that was searched for.
         self.owners: dict[str, tuple[str, ...]] = {}
 
@@ -63,14 +59,6 @@ class EditorWorkspace:
             return tuple(dict.fromkeys((path, *robots)))
         owners = [each for each in robots if each != path] or list(self.owners.get(path, ()))
         return tuple(owners) or (path,)
-
-    def invalidate(self, path: str) -> frozenset[str]:
-        """Delete the repairs and traces of a changed file's robots; return the analysed files."""
-        queried = frozenset({path, *(robot.path for robot in self.robots_of(path))})
-        for each in queried:
-            self.repairs.pop(each, None)
-            self.traces.pop(each, None)
-        return queried
 
     def store(
         self, queried: str, found: tuple[EditorFinding, ...], robot: EditorRobot | None
