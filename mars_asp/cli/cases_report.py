@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 from mars_asp.asp.cases import Check, Failure, Outcome
 from mars_asp.asp.cases.outcomes import difference
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.lines import location_json
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.output import counted, visible
 
@@ -75,9 +76,7 @@ def _check_json(outcome: Outcome, check: Check) -> dict[str, object]:
 
 def _failure_json(failure: Failure) -> dict[str, object]:
     return {
-        "path": failure.span.path,
-        "line": failure.span.line,
-        "column": failure.span.column,
+        **location_json(failure.span),
         "expected": failure.expected,
         "found": list(failure.found),
         "nearest": failure.nearest,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mars_asp.annotations.languages import LANGUAGES
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import FileText, Span
 from mars_asp.language.parse import MOST_BYTES, plain_lines
 from mars_asp.model.names import QUOTED
 from mars_asp.reading import decoded, overlay_bytes, read_file
@@ -62,13 +62,7 @@ def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ig
     if "mars:" not in text or re.search(_DIRECTIVE, text) is None:
         return
     directive, opens = re.compile(_DIRECTIVE), re.compile(_OPENING)
-    starts = [0, *(match.end() for match in re.finditer("\n", text))]
-
-    def span(begin: int, end: int) -> Span:
-        line = bisect_right(starts, begin)
-        before = starts[line - 1]
-        return Span(path, line, begin - before + 1, line, end - before + 1)
-
+    file = FileText(path, text)
     for begin, end in _comments(text, language or _language_of(path, text)):
         for match in directive.finditer(text, begin, end):
             at = match.start()
@@ -79,12 +73,12 @@ def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ig
                     continue
             first = match.start("kinds")
             kinds = tuple(
-                (kind[0], span(first + kind.start(), first + kind.end()))
+                (kind[0], file.span(first + kind.start(), first + kind.end()))
                 for kind in re.finditer(_KIND, match["kinds"] or "")
             )
             reason = re.sub(_CLOSING, "", match["reason"] or "").strip()
             named = match.end("kinds") + 1 if match["kinds"] is not None else match.end()
-            yield Ignore(kinds, reason, span(at, named))
+            yield Ignore(kinds, reason, file.span(at, named))
 
 
 def ignores_of(path: str) -> Iterator[Ignore]:

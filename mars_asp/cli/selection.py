@@ -135,9 +135,7 @@ class Selection:
 
             check_replaceable(arguments.write_baseline)
         if arguments.baseline is not None and arguments.write_baseline is None:
-            files: Sequence[str] | None = getattr(arguments, "files", None)
-            inputs = [arguments.file] if files is None else files
-            check_inputs(*inputs, arguments.baseline)
+            check_inputs(*arguments.files, arguments.baseline)
             self._baseline(arguments.baseline)
 
     def of(
