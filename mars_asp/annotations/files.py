@@ -327,7 +327,9 @@ def read_source(path: Path) -> Source:
 
 def reread(found: Extraction, path: str, text: str) -> Extraction:
     """Return an extraction in which one of its files has another text."""
-    modules, problems = read_modules(read_source(Path(path)).replaced(text))
+    language = _language(Path(path).name)
+    assert language is not None, "the file is a source"
+    modules, problems = read_modules(Source(path, language, text))
     kept = [module for module in found.modules if module.span.path != path]
     others = [problem for problem in found.diagnostics if problem.span.path != path]
     return Extraction((*kept, *modules), by_place([*others, *problems]))

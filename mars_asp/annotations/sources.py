@@ -178,10 +178,6 @@ class Source(FileText):
         """Whether annotations have no comment marks, as in the blocks of a `.mars` file."""
         return self._lexicon == "mars"
 
-    def replaced(self, text: str) -> "Source":
-        """Return the source with another text."""
-        return Source(self.path, self._lexicon, text)
-
     def excerpt(self, offset: int) -> str:
         """Return the line of an offset, at most its first 400 characters."""
         start = self.text.rfind("\n", 0, offset) + 1

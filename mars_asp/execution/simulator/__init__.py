@@ -18,7 +18,7 @@ from mars_asp.execution.simulator.devices import (
 from mars_asp.execution.simulator.fleet import Fleet
 from mars_asp.execution.simulator.motion import MotionSegment, Pose, move
 from mars_asp.execution.simulator.ramp import Ramp
-from mars_asp.execution.simulator.world import Circle, Mark, World, regular_polygon
+from mars_asp.execution.simulator.world import Circle, Mark, World
 
 __all__ = [
     "Body",
@@ -36,6 +36,5 @@ __all__ = [
     "marks",
     "move",
     "odometry",
-    "regular_polygon",
     "sonar",
 ]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
-from math import cos, dist, inf, pi, sin
+from math import dist, inf
 
 import numpy as np
 import numpy.typing as npt
@@ -76,12 +76,6 @@ class Mark:
 
     at: Point
     colour: str
-
-
-def regular_polygon(centre: Point, radius: float, corners: int) -> list[Point]:
-    """Return the corners of a regular polygon."""
-    angles = [2 * pi * k / corners for k in range(corners)]
-    return [(centre[0] + radius * cos(a), centre[1] + radius * sin(a)) for a in angles]
 
 
 @dataclass(frozen=True, slots=True)

@@ -150,35 +150,24 @@ class Compiler:
         return described_modules(self.configuration, self.modules)
 
     @cached_property
-    def ends(self) -> Ends:
-        """Return the names of outputs and inputs in facts."""
-        if self._naming is not None:
-            return self._naming.ends
-        return ends_in(self.configuration, self.described)
-
-    @cached_property
-    def rates(self) -> Rates:
-        """Return the numbers of rates in facts."""
-        if self._naming is not None:
-            return self._naming.rates
-        return rates_in(self.configuration, self.described)
+    def naming(self) -> FactNaming:
+        """Return the names of ports, rates and representations in facts."""
+        described = self.described
+        return self._naming or FactNaming(
+            ends_in(self.configuration, described),
+            rates_in(self.configuration, described),
+            _names(described),
+        )
 
     @cached_property
     def _called(self) -> Mapping[tuple[str, int], str]:
         """Return the output names of modules with several services, by module and service."""
         return {
-            (name, id(module.services[number])): self.ends.output(name, port)
+            (name, id(module.services[number])): self.naming.ends.output(name, port)
             for name, module in self.described.items()
             if len(module.services) > 1
             for port, number in outputs(module).items()
         }
-
-    @cached_property
-    def names(self) -> RepresentationNames:
-        """Return the names of representations in facts."""
-        if self._naming is not None:
-            return self._naming.names
-        return _names(self.described)
 
     @cached_property
     def numbered(self) -> Sequence[tuple[int, Relationship]]:
@@ -290,12 +279,12 @@ class Compiler:
         span = relationship.span
         match relationship:
             case Data(client):
-                source = self.ends.source(relationship)
+                source = self.naming.ends.source(relationship)
                 self.add(span, "uses_data_from", number, client, source)
                 if relationship.mode is not None:
                     self.add(span, "required_mode", number, mode_term(relationship.mode))
                     if relationship.hz is not None:
-                        rate = self.rates.millihertz(relationship.hz)
+                        rate = self.naming.rates.millihertz(relationship.hz)
                         self.add(span, "required_rate", number, rate)
             case Control(controlled, controller):
                 self.add(span, "is_controlled_by", number, controlled, controller)
@@ -323,7 +312,7 @@ class Compiler:
                 continue
             known.add((mode, mode.text, hz, otherwise))
             term = mode_term(mode)
-            rate = otherwise if hz is None else self.rates.millihertz(hz)
+            rate = otherwise if hz is None else self.naming.rates.millihertz(hz)
             if (str(term), rate) not in entries:
                 entries.add((str(term), rate))
                 text = mode.text or mode.name
@@ -344,11 +333,11 @@ class Compiler:
 
     def service(self, number: int, name: str, service: Service) -> None:
         """Add a service annotation of a module."""
-        span = service.span
+        span, (canonical, ambiguous) = service.span, self.naming.names
         if service.kind == "Converts":
             source, target = (*service.inputs, None)[0], service.output
             if source is not None and target is not None:
-                ends = (self.names.canonical[source], self.names.canonical[target])
+                ends = canonical[source], canonical[target]
                 self.add(span, "converts", number, name, *ends, service.cost)
             return
         if service.kind in ("Sense", "DataOut"):
@@ -356,10 +345,10 @@ class Compiler:
         for function in service.commands:
             self.add(span, "commands", number, name, function)
         for index, representation in enumerate(service.inputs):
-            if representation is None or representation in self.names.ambiguous:
+            if representation is None or representation in ambiguous:
                 self.add(span, "unknown_input", number, name, index)
             else:
-                self.add(span, "input", number, name, index, self.names.canonical[representation])
+                self.add(span, "input", number, name, index, canonical[representation])
             self.candidates(number, name, representation, span)
 
     def offer(self, number: int, name: str, service: Service) -> None:
@@ -367,8 +356,8 @@ class Compiler:
         span = service.span
         name = self._called.get((name, id(service)), name)
         self.add(span, "delivers", number, name)
-        if service.output is not None and service.output not in self.names.ambiguous:
-            self.add(span, "output", number, name, self.names.canonical[service.output])
+        if service.output is not None and service.output not in self.naming.names.ambiguous:
+            self.add(span, "output", number, name, self.naming.names.canonical[service.output])
         self.candidates(number, name, service.output, span)
         if self.wanted is not None and self.wanted.isdisjoint(("offered_mode", "offered_rate")):
             return
@@ -376,32 +365,30 @@ class Compiler:
             term = mode_term(mode)
             self.add(span, "offered_mode", number, index, term)
             if mode.name == PERIODIC and service.hz is not None:
-                self.add(span, "offered_rate", number, self.rates.millihertz(service.hz))
+                self.add(span, "offered_rate", number, self.naming.rates.millihertz(service.hz))
 
     def ports(self) -> None:
         """Add the outputs of modules with several, and the inputs that lines use."""
-        self.take(output_facts(self.configuration, self.ends))
-        self.take(named_inputs(self.ends, self.numbered))
+        self.take(output_facts(self.configuration, self.naming.ends))
+        self.take(named_inputs(self.naming.ends, self.numbered))
         # The facts of the configuration contain these already if this is its specification.
         if self._naming is None:
-            self.take(input_facts(self.configuration, self.described, self.ends))
-            self.take(turns(self.configuration, self.ends, self.numbered))
+            self.take(input_facts(self.configuration, self.described, self.naming.ends))
+            self.take(turns(self.configuration, self.naming.ends, self.numbered))
 
     def loose_ends(self) -> None:
         """Add the unconnected outputs, and the inputs for which each of them may be meant."""
-        canonical = self.names.canonical
-        self.take(
-            loose_ends(self.configuration, self.described, self.ends, self.numbered, canonical)
-        )
+        ends, canonical = self.naming.ends, self.naming.names.canonical
+        self.take(loose_ends(self.configuration, self.described, ends, self.numbered, canonical))
 
     def exact_rates(self) -> None:
         """Add the rounded rates, with the comparisons that need the exact rates."""
-        services = self.ends.services(self.described)
-        self.take(rounded_rates(self.configuration, self.ends, services, self.rates))
+        services = self.naming.ends.services(self.described)
+        self.take(rounded_rates(self.configuration, self.naming.ends, services, self.naming.rates))
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
         """Add the possible meanings of an ambiguous representation."""
-        for candidate in self.names.ambiguous.get(written or "", ()):
+        for candidate in self.naming.names.ambiguous.get(written or "", ()):
             self.add(span, "ambiguous_name", number, name, written or "", candidate)
 
     def resemblances(self) -> None:
@@ -414,7 +401,7 @@ class Compiler:
             unknown = self._not_nodes(declared - set(self.known))
             pools.append((unknown, sorted(set(self.known) - declared)))
         places = {name.text: name.span for name in self.configuration.modules}
-        for written, known in unknown_ports(self.described, self.ends).items():
+        for written, known in unknown_ports(self.described, self.naming.ends).items():
             near = nearest(written, known)
             if near is not None:
                 self.add(self.configuration.span, "resembles", written, near)

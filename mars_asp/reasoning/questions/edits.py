@@ -16,7 +16,7 @@ from clingo import Symbol, SymbolType
 
 from mars_asp.annotations.blocks import block_source, read_blocks
 from mars_asp.annotations.files import read_source
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import FileText, Span
 from mars_asp.language.layout import lay_out
 from mars_asp.language.print import WIDTH
 from mars_asp.language.statement_edits import ListEdit, Member
@@ -52,12 +52,8 @@ class ImpossibleEditError(Exception):
     """An edit has no place in the text, or two edits exclude each other."""
 
 
-@dataclass
-class MarsFile:
+class MarsFile(FileText):
     """The configuration or a file that it includes, before any edit."""
-
-    path: str
-    text: str
 
     @cached_property
     def blocks(self) -> tuple[tuple[int, int], ...]:
@@ -71,7 +67,7 @@ class MarsFile:
 
     def statement_at(self, span: Span) -> tuple[Token, ...]:
         """Return the tokens of the statement at a span."""
-        return self.token_rows[bisect_right(self._begins, self._draft.begin(span)) - 1]
+        return self.token_rows[bisect_right(self._begins, self.offset(span.line, span.column)) - 1]
 
     def headed(self, *words: str) -> tuple[Token, ...]:
         """Return the statement that begins with one of some words."""
@@ -80,10 +76,6 @@ class MarsFile:
     @cached_property
     def _begins(self) -> list[int]:
         return [tokens[0].begin for tokens in self.token_rows]
-
-    @cached_property
-    def _draft(self) -> Draft:
-        return Draft(self.path, self.text)
 
 
 class EditedTexts:

@@ -7,10 +7,11 @@ from random import Random
 import numpy as np
 import pytest
 
-from mars_asp.execution.simulator import Circle, MotionSegment, Pose, World, regular_polygon
+from mars_asp.execution.simulator import Circle, MotionSegment, Pose, World
 from mars_asp.execution.simulator.motion import Floats
 from tests.support.bodies import alone
 from tests.support.campaigns import seeds
+from tests.support.polygons import regular_polygon
 
 SEEDS = seeds(10, 60)
 

@@ -9,8 +9,9 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mars_asp.execution.simulator import Circle, World, regular_polygon
+from mars_asp.execution.simulator import Circle, World
 from tests.support.campaigns import seeds
+from tests.support.polygons import regular_polygon
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 Point: TypeAlias = tuple[float, float]
