@@ -9,8 +9,8 @@ from functools import lru_cache
 from typing import TypeAlias
 
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, Mode, Transformation
-from mars_asp.model.modes import ModeProblem, parse_mode
-from mars_asp.model.ranges import BOUND, COST, FREQUENCY, PERIODS, RATE, VERTEX, NumberProblem
+from mars_asp.model.modes import parse_mode
+from mars_asp.model.ranges import BOUND, COST, FREQUENCY, PERIODS, RATE, VERTEX, Problem
 from mars_asp.model.rates import Rate, every, read_frequency
 from mars_asp.model.transformation import read_transformation
 from mars_asp.spelling import suggestion
@@ -69,7 +69,7 @@ def read_cost(text: str) -> int | list[ArgumentProblem]:
     if not text:
         return 1
     cost = COST.read(text)
-    if isinstance(cost, NumberProblem):
+    if isinstance(cost, Problem):
         return [ArgumentProblem("MARS115", cost.message, cost.help, 0, len(text))]
     return int(cost)
 
@@ -85,10 +85,10 @@ def read_delivery(text: str) -> Delivery | list[ArgumentProblem]:
             wrong.append(_no_mode(part.strip(), begin + len(part) - len(part.lstrip())))
             continue
         mode = parse_mode(words[1])
-        if isinstance(mode, ModeProblem):
+        if isinstance(mode, Problem):
             at = begin + words.start(1)
             end = at + len(words[1].strip())
-            wrong.append(ArgumentProblem("MARS111", mode.message, mode.help, at + mode.offset, end))
+            wrong.append(ArgumentProblem("MARS111", mode.message, mode.help, at + mode.begin, end))
         else:
             modes.append(mode)
         written = words[2].strip()
@@ -96,7 +96,7 @@ def read_delivery(text: str) -> Delivery | list[ArgumentProblem]:
             at = begin + words.start(2)
             end = at + len(written)
             value = read_rate(written)
-            if isinstance(value, NumberProblem):
+            if isinstance(value, Problem):
                 wrong.append(ArgumentProblem("MARS113", value.message, value.help, at, end))
             elif hz is not None:
                 help_text = f"`{_PERIODIC}` takes one frequency; drop the other"
@@ -117,13 +117,13 @@ def read_delivery(text: str) -> Delivery | list[ArgumentProblem]:
 
 
 @lru_cache(maxsize=1024)
-def read_rate(text: str) -> Rate | NumberProblem:
+def read_rate(text: str) -> Rate | Problem:
     """Return the rate of `HZ`, `every N ms` or `every N s`, or its problem."""
     period = _PERIOD.fullmatch(text)
     if period is None:
         return read_frequency(text)
     number = PERIODS[period[2]].read(period[1])
-    return number if isinstance(number, NumberProblem) else every(number, period[2])
+    return number if isinstance(number, Problem) else every(number, period[2])
 
 
 def _no_mode(found: str, at: int) -> ArgumentProblem:
@@ -141,7 +141,7 @@ def read_bounds(text: str) -> Bounds | list[ArgumentProblem]:
     for position, word in enumerate(words):
         wanted = RATE if position == _RATE_POSITION else BOUND
         value = None if word[0] == "_" else wanted.read(word[0])
-        if isinstance(value, NumberProblem):
+        if isinstance(value, Problem):
             wrong.append(ArgumentProblem("MARS116", value.message, value.help, *word.span()))
             value = None
         values.append(value)
@@ -169,7 +169,7 @@ def read_vertex(text: str) -> tuple[int, Transformation] | list[ArgumentProblem]
         ]
     wrong: list[ArgumentProblem] = []
     number = VERTEX.read(match[1])
-    if isinstance(number, NumberProblem):
+    if isinstance(number, Problem):
         wrong.append(ArgumentProblem("MARS118", number.message, number.help, *match.span(1)))
         number = Decimal(0)
     if match[2] is None:
@@ -187,7 +187,7 @@ def read_vertex(text: str) -> tuple[int, Transformation] | list[ArgumentProblem]
         return int(number), found
     for problem in () if isinstance(found, Transformation) else found:
         wrong.append(
-            ArgumentProblem("MARS118", problem.message, problem.help, *spans[problem.slot])
+            ArgumentProblem("MARS118", problem.message, problem.help, *spans[problem.begin])
         )
     return wrong
 

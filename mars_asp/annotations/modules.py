@@ -16,9 +16,10 @@ from mars_asp.annotations.problems import Problems
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model import attributes
-from mars_asp.model.attributes import Attribute, AttributeProblem, read_attribute
+from mars_asp.model.attributes import Attribute, read_attribute
 from mars_asp.model.declarations import SERVICE_KINDS, Function, Module, Service, Vertex
 from mars_asp.model.names import read_name
+from mars_asp.model.ranges import Problem
 
 #: The number of errors after which a file is not read further.
 MOST_ERRORS = 500
@@ -200,7 +201,7 @@ class _ModuleReader:
 
     def attribute(self, module: _OpenBlock, directive: Directive) -> None:
         read = read_attribute(directive.word, directive.rest)
-        if isinstance(read, AttributeProblem):
+        if isinstance(read, Problem):
             place = (None,) if not directive.rest else (read.begin, read.end)
             self.problems.note_wrong(
                 directive, ArgumentProblem("MARS125", read.message, read.help, *place)

@@ -14,7 +14,6 @@ from mars_asp.model.attributes import (
     TAG,
     Attribute,
     Attributed,
-    AttributeProblem,
     read_attribute,
 )
 from mars_asp.model.declarations import (
@@ -31,7 +30,7 @@ from mars_asp.model.declarations import (
     Relationship,
     Transformation,
 )
-from mars_asp.model.modes import ModeProblem, parse_mode
+from mars_asp.model.modes import parse_mode
 from mars_asp.model.names import BARE, QUOTED, read_name
 from mars_asp.model.ranges import (
     HOLD,
@@ -39,8 +38,8 @@ from mars_asp.model.ranges import (
     PERIODS,
     PRIORITY,
     VERTEX,
-    NumberProblem,
     NumberRange,
+    Problem,
 )
 from mars_asp.model.rates import every, read_frequency
 from mars_asp.model.transformation import read_transformation
@@ -195,7 +194,7 @@ class Builder:
         module, first, last = children[0], children[1], children[-1]
         text = self.layout.grammatical[self._base + first.begin : self._base + last.end]
         read = read_attribute(word, text)
-        if isinstance(read, AttributeProblem):
+        if isinstance(read, Problem):
             begin = self._base + first.begin
             self._note_problem(begin + read.begin, begin + read.end, read.message, read.help)
         else:
@@ -232,7 +231,7 @@ class Builder:
             end = text.index(")", self._base + slots[-1].end) + 1
             return replace(found, text=text[begin:end])
         for problem in found:
-            self._note_word(slots[problem.slot], problem.message, problem.help)
+            self._note_word(slots[problem.begin], problem.message, problem.help)
         return None
 
     def _add_control(self, children: list["Word | Raw"]) -> None:
@@ -278,8 +277,8 @@ class Builder:
             self._note_word(written, "a period without a unit", help_text)
         elif written is not None:
             read = parse_mode(str(written))
-            if isinstance(read, ModeProblem):
-                begin, end = written.begin + read.offset, written.end
+            if isinstance(read, Problem):
+                begin, end = written.begin + read.begin, written.end
                 self._note_problem(self._base + begin, self._base + end, read.message, read.help)
             else:
                 mode = read
@@ -316,7 +315,7 @@ class Builder:
         if child is None:
             return None, None
         found = read_frequency(str(child))
-        if isinstance(found, NumberProblem):
+        if isinstance(found, Problem):
             self._note_word(child, found.message, found.help)
             return None, child
         return found, child
@@ -326,7 +325,7 @@ class Builder:
         if not isinstance(word, Word):
             return None
         found = wanted.read(str(word))
-        if isinstance(found, NumberProblem):
+        if isinstance(found, Problem):
             self._note_word(word, found.message, found.help)
             return None
         return found

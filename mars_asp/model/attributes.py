@@ -5,10 +5,10 @@ Rule packs declare the attributes and their values; this module only reads the s
 
 import re
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.model.names import BARE, QUOTED
+from mars_asp.model.ranges import Problem
 
 TAG, PROPERTY = "Tag", "Property"
 WORDS = (TAG, PROPERTY)
@@ -41,39 +41,28 @@ class Attributed:
     attribute: Attribute
 
 
-class AttributeProblem(NamedTuple):
-    """An error in an attribute, with advice; it is from `begin` to `end` of the text."""
-
-    message: str
-    help: str
-    begin: int
-    end: int
-
-
-def read_attribute(word: str, text: str) -> tuple[str, str | None] | AttributeProblem:
+def read_attribute(word: str, text: str) -> tuple[str, str | None] | Problem:
     """Return the name and the value after `@Tag` or `@Property`, or the error."""
     name, value = (*re.split(r"\s+", text.strip(), maxsplit=1), "")[:2]
     begin = len(text.rstrip()) - len(value)
     if not re.fullmatch(_NAME, name):
         found = f"found `{name}`" if name else "found nothing"
         help_text = f"write `{_attribute_form(word)}`, the name in letters, digits and `_`"
-        return AttributeProblem(
-            f"expected a name after `@{word}`, {found}", help_text, 0, len(name)
-        )
+        return Problem(f"expected a name after `@{word}`, {found}", help_text, 0, len(name))
     if word == TAG:
         if value:
             message = f"expected nothing after `@Tag {name}`, found `{value}`"
             help_text = f"a tag has no value; write `@Property {name} VALUE` for one that has"
-            return AttributeProblem(message, help_text, begin, len(text))
+            return Problem(message, help_text, begin, len(text))
         return name, None
     if not value:
         message = f"`@Property {name}` without a value"
         help_text = f"write `{_attribute_form(word)}`, or `@Tag {name}` for what has no value"
-        return AttributeProblem(message, help_text, 0, len(text))
+        return Problem(message, help_text, 0, len(text))
     if not re.fullmatch(_VALUE, value):
         message = f"expected a value, found `{value}`"
         help_text = "write a number, a word, or text in double quotes"
-        return AttributeProblem(message, help_text, begin, len(text))
+        return Problem(message, help_text, begin, len(text))
     return name, value if value.startswith('"') else " ".join(value.split())
 
 

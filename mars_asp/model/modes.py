@@ -2,10 +2,9 @@
 
 import re
 from decimal import Decimal
-from typing import NamedTuple
 
 from mars_asp.model.declarations import DELIVERY_MODES, MODE_ARGUMENTS, Mode
-from mars_asp.model.ranges import ARGUMENT, NumberProblem
+from mars_asp.model.ranges import ARGUMENT, Problem
 from mars_asp.spelling import nearest
 
 _MODE = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:\(([^()]*)\))?\s*")
@@ -13,22 +12,14 @@ _MODE = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:\(([^()]*)\))?\s*")
 _DISTANCES = {("NotifyOnValue", 1): "a tolerance", ("NotifyOnChange", 0): "a least difference"}
 
 
-class ModeProblem(NamedTuple):
-    """An error in a mode: the offset in its text (from 0), the message and advice."""
-
-    offset: int
-    message: str
-    help: str
-
-
-def parse_mode(text: str) -> Mode | ModeProblem:
+def parse_mode(text: str) -> Mode | Problem:
     """Read one mode, such as `NotifyOnValue(30, 0.5)` or `NotifyOnMin(300, of=nearest)`."""
     match = _MODE.fullmatch(text)
     if match is None:
-        return ModeProblem(0, f"`{text.strip()}` is not a delivery mode", _expected(text))
+        return Problem(f"`{text.strip()}` is not a delivery mode", _expected(text))
     name, inside = match[1], match[2]
     if name not in DELIVERY_MODES:
-        return ModeProblem(match.start(1), f"`{name}` is not a delivery mode", _expected(name))
+        return Problem(f"`{name}` is not a delivery mode", _expected(name), match.start(1))
     written = re.sub(r"\s+", " ", text.strip())
     if inside is None:
         return Mode(name, text=written)
@@ -44,13 +35,12 @@ def parse_mode(text: str) -> Mode | ModeProblem:
             of = named[1]
         elif len(arguments) < most and of is None:
             number = _mode_argument(stripped, name, len(arguments))
-            if isinstance(number, NumberProblem):
-                return ModeProblem(at, number.message, number.help)
+            if isinstance(number, Problem):
+                return number._replace(begin=at)
             arguments.append(number)
         else:
-            return ModeProblem(
-                at, f"`{stripped}` is not an argument of `{name}`", _takes(name, most)
-            )
+            message = f"`{stripped}` is not an argument of `{name}`"
+            return Problem(message, _takes(name, most), at)
         offset += len(part) + 1
     # A distance of zero is what is meant where none is stated.
     if arguments and arguments[-1] == 0 and (name, len(arguments) - 1) in _DISTANCES:
@@ -58,18 +48,18 @@ def parse_mode(text: str) -> Mode | ModeProblem:
     return Mode(name, tuple(arguments), of, written)
 
 
-def _mode_argument(text: str, name: str, position: int) -> Decimal | NumberProblem:
+def _mode_argument(text: str, name: str, position: int) -> Decimal | Problem:
     """Return an argument of a mode, or the error in it."""
     number = ARGUMENT.read(text)
-    if isinstance(number, NumberProblem):
+    if isinstance(number, Problem):
         if not re.match(r"[-+]?\.?[0-9]", text):
-            return NumberProblem(
+            return Problem(
                 f"`{text}` is not an argument of `{name}`", _takes(name, MODE_ARGUMENTS[name])
             )
-        return NumberProblem(f"`{name}`: {number.message}", number.help)
+        return Problem(f"`{name}`: {number.message}", number.help)
     if number < 0 and (name, position) in _DISTANCES:
         what = _DISTANCES[name, position]
-        return NumberProblem(f"`{text}` is negative, and {what} must not be", "write its magnitude")
+        return Problem(f"`{text}` is negative, and {what} must not be", "write its magnitude")
     return number
 
 

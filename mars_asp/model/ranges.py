@@ -17,11 +17,16 @@ _FARTHEST = Decimal(MOST) / 1000
 _WIDEST = Decimal(MOST) / 1_000_000
 
 
-class NumberProblem(NamedTuple):
-    """An error in a number, with advice."""
+class Problem(NamedTuple):
+    """An error in a number, mode, attribute or tuple, with advice.
+
+    `begin` is its offset in the text, or its slot in the tuple; `end` is stated for attributes.
+    """
 
     message: str
     help: str
+    begin: int = 0
+    end: int = 0
 
 
 class NumberRange(NamedTuple):
@@ -38,11 +43,11 @@ class NumberRange(NamedTuple):
     decimals: int | None = None
     above: bool = False
 
-    def read(self, text: str) -> Decimal | NumberProblem:
+    def read(self, text: str) -> Decimal | Problem:
         """Return the number in a text, or the error in it."""
         fault = self._fault(text)
         # Zero has no sign.
-        return Decimal(text) + 0 if fault is None else NumberProblem(fault, self.help)
+        return Decimal(text) + 0 if fault is None else Problem(fault, self.help)
 
     def _fault(self, text: str) -> str | None:
         shown = f"`{_shortened(text)}`"

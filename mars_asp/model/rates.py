@@ -5,7 +5,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Self
 
-from mars_asp.model.ranges import FREQUENCY, NumberProblem
+from mars_asp.model.ranges import FREQUENCY, Problem
 
 #: Milliseconds of the units in which a period is written.
 _UNITS = {"ms": 1, "s": 1000}
@@ -37,10 +37,10 @@ class Rate(Fraction):
 
 
 @lru_cache(maxsize=1024)
-def read_frequency(text: str) -> Rate | NumberProblem:
+def read_frequency(text: str) -> Rate | Problem:
     """Return the rate in a number of Hertz, or the error in it."""
     hz = FREQUENCY.read(text)
-    return hz if isinstance(hz, NumberProblem) else Rate(hz)
+    return hz if isinstance(hz, Problem) else Rate(hz)
 
 
 def every(period: Decimal | int, unit: str) -> Rate:

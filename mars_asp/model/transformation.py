@@ -2,25 +2,16 @@
 
 from collections.abc import Sequence
 from decimal import Decimal
-from typing import NamedTuple
 
 from mars_asp.model.declarations import Transformation
-from mars_asp.model.ranges import ANGLE, LENGTH, NumberProblem, NumberRange
+from mars_asp.model.ranges import ANGLE, LENGTH, NumberRange, Problem
 
 AXES = ("x", "y", "z")
 NONE = "_"
 _MOST_SLOTS = 7
 
 
-class TupleProblem(NamedTuple):
-    """An error in a slot of a tuple, counted from 0, with advice."""
-
-    slot: int
-    message: str
-    help: str
-
-
-def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TupleProblem, ...]:
+def read_transformation(slots: Sequence[str]) -> Transformation | tuple[Problem, ...]:
     """Read the slots of a tuple, or return all that is wrong with them.
 
     The last three slots are always the translation. Of an odd number before them one, the last
@@ -28,10 +19,10 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TuplePro
     """
     if not 3 <= len(slots) <= _MOST_SLOTS:
         return (
-            TupleProblem(
-                len(slots) - 1,
+            Problem(
                 f"a tuple of {len(slots)} slots",
                 "write `(axis, degrees, axis, degrees, x, y, z)` with `_` for none",
+                len(slots) - 1,
             ),
         )
     before, after = list(slots[:-3]), slots[-3:]
@@ -44,13 +35,13 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TuplePro
             offset = 1
         else:
             message = f"`{before[-1]}` is only half of a rotation"
-            return (TupleProblem(len(before) - 1, message, "write axis and degrees"),)
-    problems: list[TupleProblem] = []
+            return (Problem(message, "write axis and degrees", len(before) - 1),)
+    problems: list[Problem] = []
 
     def number(place: int, wanted: NumberRange) -> Decimal:
         found = wanted.read(slots[place])
-        if isinstance(found, NumberProblem):
-            problems.append(TupleProblem(place, found.message, found.help))
+        if isinstance(found, Problem):
+            problems.append(found._replace(begin=place))
             return Decimal(0)
         return found
 
@@ -61,7 +52,7 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TuplePro
             continue
         if axis not in AXES:
             message = f"expected an axis, found `{axis}`"
-            problems.append(TupleProblem(place, message, "write `x`, `y`, `z` or `_`"))
+            problems.append(Problem(message, "write `x`, `y`, `z` or `_`", place))
         rotations.append((axis, number(place + 1, ANGLE)))
     x, y, z = (
         Decimal(0) if slot == NONE else number(place, LENGTH)

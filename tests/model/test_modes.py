@@ -3,7 +3,8 @@ from decimal import Decimal
 import pytest
 
 from mars_asp.model.declarations import DELIVERY_MODES, Mode
-from mars_asp.model.modes import ModeProblem, parse_mode
+from mars_asp.model.modes import parse_mode
+from mars_asp.model.ranges import Problem
 
 
 @pytest.mark.parametrize("name", sorted(DELIVERY_MODES))
@@ -58,5 +59,5 @@ def test_an_error_in_a_mode_is_reported_at_its_location(
     text: str, offset: int, message: str
 ) -> None:
     found = parse_mode(text)
-    assert isinstance(found, ModeProblem)
-    assert (found.offset, found.message[: len(message)]) == (offset, message)
+    assert isinstance(found, Problem)
+    assert (found.begin, found.message[: len(message)]) == (offset, message)

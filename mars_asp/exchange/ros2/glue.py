@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from mars_asp.exchange.ros2.interface import Interface, InterfaceTopic
 from mars_asp.exchange.ros2.parameters import GivenParameter
 from mars_asp.exchange.ros2.programs import RosProgram
-from mars_asp.model.ranges import NumberProblem
+from mars_asp.model.ranges import Problem
 from mars_asp.model.rates import Rate, read_frequency
 
 #: The input of a joystick's teleoperation, and the parameters for the types of its outputs.
@@ -75,7 +75,7 @@ def _copied(
     hz, left_out = None, list[tuple[str, str]]()
     if kind == "throttle" and named == "messages":
         rate = read_frequency(_one(values, "msgs_per_sec") or next(iter(amounts), ""))
-        if isinstance(rate, NumberProblem):
+        if isinstance(rate, Problem):
             left_out.append(("rates of throttles", target))
         else:
             hz = rate
@@ -126,7 +126,7 @@ def _published(words: Sequence[str]) -> Interface | None:
     for word in given:
         if word in ("-r", "--rate"):
             rate = read_frequency(next(given, ""))
-            hz = None if isinstance(rate, NumberProblem) else rate
+            hz = None if isinstance(rate, Problem) else rate
         elif word in ("-f", "--file"):
             next(given, None)
         elif not word.startswith("-"):
