@@ -28,7 +28,7 @@ from mars_asp.reasoning.analysis import Consequence, Key
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
 from mars_asp.reasoning.facts.rates import Rates
 from mars_asp.reasoning.project import Project, has_mounts, identified
-from mars_asp.reasoning.questions.sharing import APART, apart
+from mars_asp.reasoning.questions.sharing import APART, Atoms, apart
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.derived import decided_by
@@ -44,8 +44,6 @@ OTHERWISE = Signature("made_otherwise", 3)
 _BORROWS, _EMERGENT = Signature("borrows", 4), Signature("emergent", 2)
 #: A node of a rule pack, and its kind.
 INSERTED = Signature("inserted", 2)
-#: The atoms of predicates, as far as they are true.
-Atoms: TypeAlias = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
 #: The name under which the messages of deciding rules are read.
 _DECIDING = "deciding"
 #: The case of a node, in place of that of a consequence.

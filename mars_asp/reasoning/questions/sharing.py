@@ -6,10 +6,9 @@ is resolved once unchanged and once with these holds, each by search.
 """
 
 import time
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from itertools import count
+from typing import TypeAlias
 
 import clingo
 
@@ -37,24 +36,15 @@ _RECEIVES, _ARCHITECTURE = Signature("receives", 2), Signature("architecture", 1
 _ARBITER, _SPLITTER = Signature("arbiter", 1), Signature("control_splitter", 1)
 
 #: Returns the true atoms of predicates.
-_Atoms = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
-
-
-@dataclass(frozen=True)
-class _Heard:
-    """The control inputs of a component that control connects."""
-
-    #: Relationships by the controlled module.
-    of: Mapping[str, Sequence[TermId]]
-    stated: Mapping[Signature, Sequence[TermId]]
+Atoms: TypeAlias = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
 
 
 def apart(
-    project: Project, evidence: Evidence, node: IntroducedNode, atoms_of: _Atoms
+    project: Project, evidence: Evidence, node: IntroducedNode, atoms_of: Atoms
 ) -> TermId | None:
     """Return `apart(N, X, Y, K, L)` of a shared arbiter N, or None if it is not computed.
 
-     The component that control connects has X nodes, and Y without sharing: K arbiters, and
+    The component that control connects has X nodes, and Y without sharing: K arbiters, and
     splitters for the controllers in the list L. It is computed if each module receives the
     arbiter's commands unchanged, no command is only inherited, and a short search decides.
     """
@@ -72,8 +62,8 @@ def apart(
         return None
     deadline = time.monotonic() + _MOST_SECONDS
     rules = evidence.rulebook.fragments("resolve")
-    together = Grounding((), heard.stated).resolve(rules, deadline)
-    parted = {**heard.stated, _HOLD: _parted(sharing, heard)}
+    together = Grounding((), heard).resolve(rules, deadline)
+    parted = {**heard, _HOLD: _parted(sharing, heard)}
     alone = Grounding((), parted).resolve(rules, deadline)
     if not together.proven or not alone.proven:
         return None
@@ -82,8 +72,8 @@ def apart(
 
 def _connected(
     modules: Sequence[str], found: Mapping[Signature, Sequence[TermId]]
-) -> _Heard | None:
-    """Return the component that control connects with modules; None if large or inherited."""
+) -> Mapping[Signature, Sequence[TermId]] | None:
+    """Return the atoms of what control connects with modules; None if large or inherited."""
     lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_CONTROL_INPUT])]
     components: DisjointSets[str] = DisjointSets()
     for module, controller in lines:
@@ -97,27 +87,26 @@ def _connected(
     ]
     if len(heard) > _MOST_LINES or any("inherited(" in text(atom) for atom in heard):
         return None
-    of: dict[str, list[TermId]] = defaultdict(list)
-    for relationship, hearer, _ in map(arguments, heard):
-        of[text(hearer)].append(relationship)
-    those = {relationship for each in of.values() for relationship in each}
-
-    def kept(atoms: Iterable[TermId]) -> Sequence[TermId]:
-        return [atom for atom in atoms if arguments(atom)[0] in those]
-
-    declared = {signature: kept(found[signature]) for signature in (_WEIGHS, _HOLD)}
-    return _Heard(of, {**declared, _CONTROL_INPUT: heard, _ARCHITECTURE: found[_ARCHITECTURE]})
+    relationships = {arguments(atom)[0] for atom in heard}
+    declared = {
+        signature: [atom for atom in found[signature] if arguments(atom)[0] in relationships]
+        for signature in (_WEIGHS, _HOLD)
+    }
+    return {**declared, _CONTROL_INPUT: heard, _ARCHITECTURE: found[_ARCHITECTURE]}
 
 
-def _parted(sharing: Sequence[str], heard: _Heard) -> Sequence[TermId]:
+def _parted(
+    sharing: Sequence[str], heard: Mapping[Signature, Sequence[TermId]]
+) -> Sequence[TermId]:
     """Return holds, different for each module but the first, and from all others."""
-    declared = {arguments(atom)[0]: atom for atom in heard.stated[_HOLD]}
+    declared = {arguments(atom)[0]: atom for atom in heard[_HOLD]}
     taken = {as_symbol(arguments(atom)[1]) for atom in declared.values()}
     free = (each for each in map(clingo.Number, count(1)) if each not in taken)
     for module, hold in zip(sharing[1:], free, strict=False):
-        for relationship in heard.of[module]:
-            own = clingo.Function(_HOLD.name, [as_symbol(relationship), hold])
-            declared[relationship] = as_term(own)
+        for relationship, hearer, _ in map(arguments, heard[_CONTROL_INPUT]):
+            if text(hearer) == module:
+                own = clingo.Function(_HOLD.name, [as_symbol(relationship), hold])
+                declared[relationship] = as_term(own)
     return tuple(declared.values())
 
 
