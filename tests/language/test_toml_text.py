@@ -101,17 +101,16 @@ class Writer:
         return self.text
 
 
-@pytest.mark.parametrize("seed", range(400))
-def test_places_are_those_that_the_writer_notes(seed: int) -> None:
-    writer = Writer(seed)
-    text = writer.document()
-    tomllib.loads(text)
-    places = Places(text.replace("\r\n", "\n"), "s.toml")
-    paths = list(writer.noted)
-    writer.rng.shuffle(paths)
-    for path in paths:
-        place = places.of(*path)
-        assert (place.line, place.column) == writer.noted[path], (path, text)
+def test_places_are_those_that_the_writer_notes() -> None:
+    for writer in map(Writer, range(400)):
+        text = writer.document()
+        tomllib.loads(text)
+        places = Places(text.replace("\r\n", "\n"), "s.toml")
+        paths = list(writer.noted)
+        writer.rng.shuffle(paths)
+        for path in paths:
+            place = places.of(*path)
+            assert (place.line, place.column) == writer.noted[path], (path, text)
 
 
 @pytest.mark.parametrize(

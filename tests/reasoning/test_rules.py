@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp import cache
-from mars_asp.asp.cases import find_cases
 from mars_asp.asp.rules.expansions import labels
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -19,9 +18,7 @@ from tests.support.campaigns import sample
 from tests.support.cases_at_once import outcomes, together_or_apart
 from tests.support.documents import ROOT
 from tests.support.fixtures import Patch
-from tests.support.rule_coverage import covered, fired_in, labelled, places, unnoticed
-
-CASES = find_cases([ROOT / "tests" / "rules"])
+from tests.support.rule_coverage import CASES, covered, fired_in, labelled, places, unnoticed
 
 
 @pytest.fixture(scope="module")

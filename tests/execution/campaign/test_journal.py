@@ -34,13 +34,13 @@ def test_a_line_begins_with_seed_and_keys_and_has_the_result() -> None:
     assert json.loads(line) == {**RESULT, "seed": 3, "vary": {"b": 1, "a": [2]}}
 
 
-@pytest.mark.parametrize("size", range(len(WHOLE) + 1))
-def test_whatever_is_torn_off_the_lines_before_stay(size: int) -> None:
-    read = read_journal(WHOLE[:size], HEADER, "o.jsonl")
-    whole = WHOLE[:size].count(b"\n")
-    assert len(read.ended) == max(0, whole - 1)
-    assert read.kept == (WHOLE.rfind(b"\n", 0, size) + 1)
-    assert read.size == size
+def test_whatever_is_torn_off_the_lines_before_stay() -> None:
+    for size in range(len(WHOLE) + 1):
+        read = read_journal(WHOLE[:size], HEADER, "o.jsonl")
+        whole = WHOLE[:size].count(b"\n")
+        assert len(read.ended) == max(0, whole - 1)
+        assert read.kept == (WHOLE.rfind(b"\n", 0, size) + 1)
+        assert read.size == size
 
 
 def test_a_summary_is_cut_off_torn_or_not() -> None:
