@@ -161,6 +161,14 @@ Drive = { python = "drive.py:go", period = 100 }
 ROBOT = "@configuration\n@modules Base, Drive\nBase is_controlled_by Drive\n"
 
 
+def run_in(folder: Path) -> tuple[str, ...]:
+    """Write a scenario and a robot beside `drive.py`; return the command that runs them."""
+    scenario, robot = folder / "s.toml", folder / "c.mars"
+    scenario.write_text(SCENARIO)
+    robot.write_text(ROBOT)
+    return "run", str(robot), "--scenario", str(scenario)
+
+
 @pytest.mark.parametrize(
     ("body", "status", "mentions"),
     [
@@ -183,9 +191,7 @@ def test_a_behaviour_that_ends_the_program_fails_the_run(
     body: str, status: int, mentions: str, tmp_path: Path
 ) -> None:
     (tmp_path / "drive.py").write_text(body)
-    (tmp_path / "s.toml").write_text(SCENARIO)
-    (tmp_path / "c.mars").write_text(ROBOT)
-    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    words = run_in(tmp_path)
     command = start(*words, "--record", str(tmp_path / "r.jsonl"))
     output, result = command.communicate(timeout=HANGING)
     assert command.returncode == status, result
@@ -249,9 +255,7 @@ def test_a_forked_child_of_a_behaviour_does_not_delay_the_command(tmp_path: Path
         "        file.write(str(child))\n"
         "    os.kill(os.getpid(), signal.SIGSEGV)\n"
     )
-    (tmp_path / "s.toml").write_text(SCENARIO)
-    (tmp_path / "c.mars").write_text(ROBOT)
-    command = start("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*run_in(tmp_path))
     assert command.wait(timeout=HANGING) == 1
     os.kill(int((tmp_path / "child").read_text()), signal.SIGKILL)
 
@@ -263,9 +267,7 @@ def test_a_forked_child_of_a_behaviour_may_end(tmp_path: Path) -> None:
         "    if not os.fork():\n        print('heard by nobody' * 9999, flush=True)\n"
         "        os._exit(0)\n"
     )
-    (tmp_path / "s.toml").write_text(SCENARIO)
-    (tmp_path / "c.mars").write_text(ROBOT)
-    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    words = run_in(tmp_path)
     command = start(*words)
     output, result = command.communicate(timeout=HANGING)
     assert command.returncode == 0, output + result
@@ -276,9 +278,7 @@ def test_the_time_limit_counts_until_the_worker_has_ended(tmp_path: Path) -> Non
         "import sys, time\nclass Slow:\n    def write(self, text): return len(text)\n"
         "    def flush(self): time.sleep(1000)\nsys.stderr = Slow()\ndef go(): pass\n"
     )
-    (tmp_path / "s.toml").write_text(SCENARIO)
-    (tmp_path / "c.mars").write_text(ROBOT)
-    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    words = run_in(tmp_path)
     command = start(*words, "--time-limit", "5")
     output, result = command.communicate(timeout=HANGING)
     assert (command.returncode, output) == (3, b"")
@@ -351,9 +351,7 @@ def test_ctrl_z_pauses_the_worker_too_and_ctrl_c_ends_both(pack: Path) -> None:
 
 def test_a_dry_run_lists_the_code_and_imports_none(tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text("raise SystemExit(7)\n")
-    (tmp_path / "s.toml").write_text(SCENARIO)
-    (tmp_path / "c.mars").write_text(ROBOT)
-    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"), "--dry-run")
+    words = (*run_in(tmp_path), "--dry-run")
     output, result = start(*words, "--format", "json").communicate(timeout=HANGING)
     found = json.loads(output)
     file = str(tmp_path / "drive.py")
@@ -371,9 +369,7 @@ def test_a_dry_run_lists_the_code_and_imports_none(tmp_path: Path) -> None:
 )
 def test_a_crash_has_a_message_of_its_own(body: str, tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(body)
-    (tmp_path / "s.toml").write_text(SCENARIO)
-    (tmp_path / "c.mars").write_text(ROBOT)
-    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    words = run_in(tmp_path)
     command = start(*words)
     _, result = command.communicate(timeout=HANGING)
     assert command.returncode == 1
