@@ -45,7 +45,7 @@ FILES = {
         "near_misses conflicts proofs explainer absence"
     ),
     "model": (
-        "cycles names attributes declarations remembered described ranges modes transformation "
+        "cycles names ranges attributes declarations remembered described modes transformation "
         "rates ports graph"
     ),
     "annotations": (
