@@ -201,7 +201,7 @@ def _topics(
     traced: bool,
 ) -> tuple[Topic, ...]:
     """Return topics with their accounts, and with their traces as far as requested."""
-    # An atom of another kind is no thing, and has no account.
+    # Only consequences and nodes have an account, so other atoms have None for their thing.
     accounts = iter(
         told_of(project, evidence, nodes, [thing for _, thing, _ in asked if thing is not None])
     )
