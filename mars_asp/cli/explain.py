@@ -494,8 +494,8 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     if answer is None:
         answer = why_not_answer(reasoner, arguments.why_not, depth)
     elif not answer.present:
-        # The rules on robots may have a reason. What they find in the nodes of all launch files
-        # together is no finding of `check`.
+        # The rules on robots may have a reason. `check` does not report what they find in the nodes
+        # of all launch files together.
         with suppress(MarsError):
             of_robot = why_not_answer(reasoner, arguments.why_not, depth)
             answer = answer if of_robot.present else of_robot

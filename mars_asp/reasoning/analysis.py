@@ -152,7 +152,7 @@ def analyse(
     """
     facts = tuple(facts)
     speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
-    asked = [
+    queries = [
         Fragment(telling(at, each), "rules", each.span)
         for at, each in enumerate(rulebook.arithmetic)
     ]
@@ -166,7 +166,7 @@ def analyse(
         *rulebook.fragments("base"),
         *saying(_STAGE, speakers),
         *labelling(_STAGE, labelled),
-        *asked,
+        *queries,
         fact_fragment(text, {fact.atom.name for fact in facts}),
     ]
     try:
@@ -311,7 +311,7 @@ def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCo
     rows = _collect(analysis.grounding.control, ("condition_at", 7), wanted)
     if not rows:
         return {}
-    stated = {
+    spans = {
         fact.atom.arguments: fact.span for fact in analysis.facts if fact.atom.name == "starts_if"
     }
     found: dict[Key, list[LaunchCondition]] = {}
@@ -319,7 +319,7 @@ def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCo
         for test in tests:
             variable, value, how = map(written, test[:3])
             node = as_symbol(test[3]).number
-            span = stated.get((node, variable, value, Atom(how)))
+            span = spans.get((node, variable, value, Atom(how)))
             found.setdefault(key, []).append(LaunchCondition(variable, value, how, span))
     return {
         key: sorted(each, key=lambda condition: (condition.variable, condition.value))

@@ -87,7 +87,7 @@ CONTRACT = Contract(
 )
 
 
-def check_severities(said: Iterable[RenderedMessage]) -> None:
+def check_severities(messages: Iterable[RenderedMessage]) -> None:
     """Check that each consequence has a known severity.
 
     A rule may take the severity from its body, and a `#const` of a pack may replace it.
@@ -95,7 +95,7 @@ def check_severities(said: Iterable[RenderedMessage]) -> None:
     Raises:
         MarsError: a severity is unknown; with the locations of the rules.
     """
-    words = {(each.number, each.rule, str(as_symbol(arguments(each.head)[1]))) for each in said}
+    words = {(each.number, each.rule, str(as_symbol(arguments(each.head)[1]))) for each in messages}
     wrong = sorted((number, word, rule) for number, rule, word in words if word not in SEVERITIES)
     if wrong:
         raise MarsError(

@@ -291,12 +291,12 @@ def without_idle(configuration: Configuration, described: Iterable[str]) -> Conf
     """Return a configuration without references from included modules to missing descriptions."""
     known = frozenset(described)
 
-    def told(name: Name) -> Name:
+    def with_known_description(name: Name) -> Name:
         idle = name.described is not None and name.described not in known
         own = idle and name.text.endswith(f"/{name.described}".replace("//", "/"))
         return replace(name, described=None) if own else name
 
-    return replace(configuration, modules=tuple(map(told, configuration.modules)))
+    return replace(configuration, modules=tuple(map(with_known_description, configuration.modules)))
 
 
 def undescribed(configuration: Configuration, described: Iterable[str]) -> Iterator[Name]:

@@ -430,16 +430,16 @@ def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
                 advice = f"also give its folder with `--rules`; {found}"
                 yield Diagnostic(_CODE, "error", message, need.span, help=advice)
             elif not _suffices(there, need):
-                asked = f"{need.comparison} {need.version}"
-                message = f"pack `{manifest.name}` needs `{need.name}` {asked}, this is {there}"
+                needed = f"{need.comparison} {need.version}"
+                message = f"pack `{manifest.name}` needs `{need.name}` {needed}, this is {there}"
                 yield Diagnostic(_CODE, "error", message, need.span)
 
 
 def _suffices(version: str, need: Requirement) -> bool:
     if not need.comparison:
         return True
-    there, asked = (_version_parts(each) for each in (version, need.version))
-    return {">=": there >= asked, "==": there == asked, "<": there < asked}[need.comparison]
+    there, needed = (_version_parts(each) for each in (version, need.version))
+    return {">=": there >= needed, "==": there == needed, "<": there < needed}[need.comparison]
 
 
 def _version_parts(version: str) -> tuple[int, ...]:

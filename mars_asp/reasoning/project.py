@@ -282,12 +282,12 @@ def _project_of(parsed: Parsed, text: str, found: "Extraction | None") -> Projec
 
 
 def project_facts(
-    project: Project, asked: Iterable[tuple[str, str]] = (), wanted: Set[str] | None = None
+    project: Project, queried: Iterable[tuple[str, str]] = (), wanted: Set[str] | None = None
 ) -> tuple[Fact, ...]:
     """Return the facts of a project, restricted to the predicates in `wanted`.
 
     Facts about motions by carriers are made for sensors, end-effectors, controlled modules, and
-    the pairs of function and module in `asked`.
+    the pairs of function and module in `queried`.
     """
     facts = configuration_facts(project.configuration, project.modules, wanted)
     facts += tuple(f for f in _attributes(project) if wanted is None or f.atom.name in wanted)
@@ -299,7 +299,7 @@ def project_facts(
         return facts
     from mars_asp.reasoning.facts.motion import frame_facts  # noqa: PLC0415 -- numpy
 
-    frames = frame_facts(project.configuration, project.modules, asked)
+    frames = frame_facts(project.configuration, project.modules, queried)
     return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
 
 

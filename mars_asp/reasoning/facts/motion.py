@@ -35,17 +35,17 @@ _MILLION = 1_000_000
 def frame_facts(
     configuration: Configuration,
     modules: Mapping[str, Module],
-    asked: Iterable[tuple[str, str]] = (),
+    queried: Iterable[tuple[str, str]] = (),
 ) -> tuple[Fact, ...]:
     """Return the motions that modules get from the native functions of their carriers, as facts.
 
     The facts are about sensors, end-effectors, controlled modules, and the pairs of function and
-    module in `asked`; `rules/vocabulary.lp` has the predicates. The location of each fact is the
+    module in `queried`; `rules/vocabulary.lp` has the predicates. The location of each fact is the
     mount of its module.
     """
     mounts, known, heirs = scene(configuration, modules)
     functions: dict[str, list[str]] = {}
-    for function, name in dict.fromkeys(asked):
+    for function, name in dict.fromkeys(queried):
         functions.setdefault(name, []).append(function)
     robot = build_robot(mounts, known)
     heirs = {name for name in (*heirs, *functions) if name in robot.carrier}
@@ -101,7 +101,7 @@ def observations(
     name: str,
     rest: Posture,
     generic: tuple[Posture, ...],
-    asked: Sequence[str],
+    queried: Sequence[str],
 ) -> Iterator[Atom]:
     """Yield the facts about the carriers of one mounted module, in the frame of this module."""
     ancestors = robot.ancestors(name)
@@ -132,7 +132,7 @@ def observations(
                         yield Atom("combines", (name, provider, posture, function, shared))
     if len(providers) > 1:
         yield from _supports(robot, name, free, alone)
-        for function in asked:
+        for function in queried:
             yield from _circuits(robot, name, free, function)
 
 

@@ -62,9 +62,9 @@ def rates_in(configuration: Configuration, described: Mapping[str, Module]) -> R
     return rates_of(_written_rates(configuration, described))
 
 
-def rates_of(stated: Iterable[Fraction]) -> Rates:
+def rates_of(rates: Iterable[Fraction]) -> Rates:
     """Return the numbers of rates that are compared with each other."""
-    every = {hz: hz for hz in stated}
+    every = {hz: hz for hz in rates}
     if all((hz * 1000).denominator == 1 for hz in every):
         return Rates({}, {}, {int(hz * 1000) for hz in every})
     ordered = sorted(every)

@@ -179,13 +179,13 @@ class Vocabulary:
                 raise self._other_arity(kind)
         return clingo.Function(found.name, list(map(self._known, found.arguments)), found.positive)
 
-    def _relationship(self, asked: clingo.Symbol) -> clingo.Symbol | None:
+    def _relationship(self, relationship: clingo.Symbol) -> clingo.Symbol | None:
         """Return the pattern of a relationship from its two modules, or None for another atom."""
-        shape = RELATIONSHIPS.get(asked.name)
-        if shape is None or len(asked.arguments) != 2:
+        shape = RELATIONSHIPS.get(relationship.name)
+        if shape is None or len(relationship.arguments) != 2:
             return None
-        ends = map(self._relationship_end, asked.arguments)
-        return clingo.Function(asked.name, [next(ends) if end else hole() for end in shape])
+        ends = map(self._relationship_end, relationship.arguments)
+        return clingo.Function(relationship.name, [next(ends) if end else hole() for end in shape])
 
     def _relationship_end(self, term: clingo.Symbol) -> clingo.Symbol:
         """Return the module at an end of a relationship, however its name is written."""

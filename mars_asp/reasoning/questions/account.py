@@ -243,7 +243,7 @@ class Explanations:
     sentences: Mapping[TermId, str]
 
 
-def told(
+def explanations(
     rules: Sequence[Rule],
     deciding: Sequence[Rule],
     atoms_of: Atoms,
@@ -324,15 +324,15 @@ def _sentence(each: RenderedMessage, names: TermNames) -> str:
 
 
 def _sorted_messages(
-    told: Sequence[RenderedMessage], names: TermNames
+    reasons: Sequence[RenderedMessage], names: TermNames
 ) -> Sequence[RenderedMessage]:
     """Return messages sorted by order, then by rules, then by values."""
-    if len(told) < 2:
-        return told
+    if len(reasons) < 2:
+        return reasons
     # If each message has a rule of its own, the values decide no order.
-    if len({each.number for each in told}) < len(told):
-        told = sorted(told, key=lambda each: text(each.values))
-    return sorted(told, key=lambda each: (names.order(arguments(each.head)[4]), each.number))
+    if len({each.number for each in reasons}) < len(reasons):
+        reasons = sorted(reasons, key=lambda each: text(each.values))
+    return sorted(reasons, key=lambda each: (names.order(arguments(each.head)[4]), each.number))
 
 
 def key_of(thing: Consequence | IntroducedNode) -> Key:
@@ -344,7 +344,7 @@ def key_of(thing: Consequence | IntroducedNode) -> Key:
     return kind, subject, case
 
 
-def told_of(
+def explanations_of(
     project: Project,
     evidence: Evidence,
     nodes: Iterable[IntroducedNode],
@@ -374,7 +374,9 @@ def told_of(
     if OTHERWISE in reads(rules):
         given |= _otherwise(project, atoms_of)
     keys = list(map(key_of, things))
-    found = told(rules, deciding, lambda read: {**atoms_of(read), **given}, names, set(keys))
+    found = explanations(
+        rules, deciding, lambda read: {**atoms_of(read), **given}, names, set(keys)
+    )
     return [
         _account_and_rule(thing, key, found, names) for thing, key in zip(things, keys, strict=True)
     ]

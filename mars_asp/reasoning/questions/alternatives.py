@@ -206,8 +206,8 @@ class _AlternativesSearch:
         return found
 
     def _explained(self, needs: Sequence[CertificateEntry]) -> Iterator[CertificateEntry]:
-        asked = [node for need in needs for node in need.nodes]
-        found = self._reasons(asked)
+        terms = [node for need in needs for node in need.nodes]
+        found = self._reasons(terms)
         for need in needs:
             entries = [found[node] for node in need.nodes if node in found]
             # Nodes of the minimal specification come first, with the reason why they are needed.
@@ -221,12 +221,12 @@ class _AlternativesSearch:
         found = self._reasons(applying[:MOST_CONVERSIONS])
         return tuple(reason.cost for reason in found.values() if reason.cost is not None)
 
-    def _reasons(self, asked: Sequence[str]) -> Mapping[str, NodeReason]:
-        if not asked:
+    def _reasons(self, terms: Sequence[str]) -> Mapping[str, NodeReason]:
+        if not terms:
             return {}
         nodes = self.synthesis.specification.nodes
-        found = reasons(self.project, self.evidence, nodes, asked)
-        return {node: found[node] for node in asked if node in found}
+        found = reasons(self.project, self.evidence, nodes, terms)
+        return {node: found[node] for node in terms if node in found}
 
     def _choices(self, part: Part, most: int) -> list[_OpenChoice]:
         """Return other answers of a component in the order of their additional cost."""

@@ -34,7 +34,7 @@ class _Marks:
     """The form of a comment line: the text before an annotation, and the text after it."""
 
     before: str
-    behind: str
+    after: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +158,7 @@ class Annotations:
         marks = self._marks(directive)
         last, end = self._draft.position(directive.end)
         after = self._draft.line(last)[end - 1 :].strip().removeprefix("*/")
-        if marks is None or ("/*" in marks.before) != bool(marks.behind) or after:
+        if marks is None or ("/*" in marks.before) != bool(marks.after) or after:
             self._draft.put(directive.offset, directive.end, "")
             return
         for line in range(self._draft.line_at(directive.offset), last + 1):
@@ -189,13 +189,13 @@ class Annotations:
             self._draft.insert(line, "behind", [self._mark(directive) + text])
             return
         opened = _BLOCK_MARK.fullmatch(marks.before)
-        if opened and not marks.behind:
+        if opened and not marks.after:
             self._draft.insert(line, "behind", [f"{opened[1]} * {text}"])
-        elif marks.behind and not opened:
+        elif marks.after and not opened:
             line = self._draft.line_at(directive.offset)
             self._draft.insert(line, "before", [marks.before + text])
         else:
-            self._draft.insert(line, "behind", [marks.before + text + marks.behind])
+            self._draft.insert(line, "behind", [marks.before + text + marks.after])
 
     def _before(self, directive: Directive, lines: list[str]) -> None:
         """Write annotations on lines of their own before another; after it if code precedes."""

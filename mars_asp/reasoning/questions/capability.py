@@ -24,7 +24,13 @@ from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from mars_asp.model.names import read_name
 from mars_asp.reasoning.analysis import Key, analyse
 from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.questions.account import Account, names_of, speakers, told, true_atoms
+from mars_asp.reasoning.questions.account import (
+    Account,
+    explanations,
+    names_of,
+    speakers,
+    true_atoms,
+)
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 from mars_asp.spelling import nearest
@@ -70,8 +76,10 @@ class CapabilityVerdict:
         """Return the missing conditions, from the help of the rules that deny the demand."""
         if self.able:
             return ()
-        told = (fill(t.rule.help, t.bindings, shown) for t in self.traces if isinstance(t, Derived))
-        return tuple(dict.fromkeys(help_text for help_text in told if help_text))
+        helps = (
+            fill(t.rule.help, t.bindings, shown) for t in self.traces if isinstance(t, Derived)
+        )
+        return tuple(dict.fromkeys(help_text for help_text in helps if help_text))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,12 +105,12 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAn
         MarsError: the query cannot be read, or names unknown functions or modules.
     """
     demands = tuple(_demands(query, project))
-    asked = [
+    queries = [
         Fact(Atom("requested", (number, demand.function, demand.module)), demand.span)
         for number, demand in enumerate(demands, 1)
     ]
     wanted = [(demand.function, demand.module) for demand in demands]
-    facts = (*project_facts(project, wanted), *asked)
+    facts = (*project_facts(project, wanted), *queries)
     analysis = analyse(facts, rulebook, project.configuration.span)
     with costs_of(facts):
         resolution = analysis.grounding.resolve(rulebook.fragments("can"))
@@ -133,7 +141,7 @@ def _accounts(project: Project, evidence: Evidence, count: int) -> Sequence[Acco
     """Return the explanation of each demand."""
     keys: list[Key] = [(_KIND, as_term(clingo.Number(i)), _CASE) for i in range(1, count + 1)]
     rules, atoms_of = speakers(evidence.rulebook, ["capability"]), partial(true_atoms, evidence)
-    accounts = told(rules, (), atoms_of, names_of(project, ()), set(keys)).accounts
+    accounts = explanations(rules, (), atoms_of, names_of(project, ()), set(keys)).accounts
     return [accounts.get(key, Account(None, (), ())) for key in keys]
 
 

@@ -294,11 +294,11 @@ class _Drafts:
         """Return the statement of the relationship with an identifier."""
         return self.statement_of(self.texts.relationships[number.number])
 
-    def statement_of(self, stated: Relationship) -> _Statement:
+    def statement_of(self, relationship: Relationship) -> _Statement:
         """Return the statement of a relationship."""
-        tokens = self.texts.mars_files[stated.span.path].statement_at(stated.span)
-        prefix = prefix_of(ends_of(stated)[0], tokens[0].name)
-        return _Statement(self.file(stated.span.path), tokens, prefix)
+        tokens = self.texts.mars_files[relationship.span.path].statement_at(relationship.span)
+        prefix = prefix_of(ends_of(relationship)[0], tokens[0].name)
+        return _Statement(self.file(relationship.span.path), tokens, prefix)
 
     def naming(self, name: Name) -> tuple[_Statement, Member]:
         """Return the `@modules` that names a module, and the member of it that does."""

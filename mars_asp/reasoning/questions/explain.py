@@ -22,7 +22,7 @@ from mars_asp.output import brief_repr
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, port_names
-from mars_asp.reasoning.questions.account import Account, told_of
+from mars_asp.reasoning.questions.account import Account, explanations_of
 from mars_asp.reasoning.questions.subject import (
     absent_subject,
     quoted,
@@ -88,7 +88,7 @@ class Explanation:
 
 
 #: A topic before its account and trace are made, with its thing and the atom to be traced.
-_Asked: TypeAlias = tuple[Topic, Consequence | IntroducedNode | None, clingo.Symbol | None]
+_Subject: TypeAlias = tuple[Topic, Consequence | IntroducedNode | None, clingo.Symbol | None]
 
 
 def explain(
@@ -102,7 +102,7 @@ def explain(
 
     Traces are made if `traced`, and always for atoms. With `every`, each step of a trace also has
     the `others` derivations of its atom. `only` limits the topics to one sort, of everything or of
-    a module; for consequences no specification is searched.
+    a module. No specification is searched for consequences.
 
     Raises:
         MarsError: the subject cannot be explained, or does not hold.
@@ -135,11 +135,11 @@ def _explained(
     if resolving:
         evidence = reasoner.evidence(resolved=True)
     synthesis = reasoner.synthesis if resolving else None
-    asked = _things_named(project, evidence, synthesis, subject, only, chosen, traced)
+    found = _things_named(project, evidence, synthesis, subject, only, chosen, traced)
     # Of thousands of consequences no more is needed, and their traces take as much memory.
     del chosen
     nodes = () if synthesis is None else synthesis.specification.nodes
-    topics = _topics(project, evidence, nodes, asked, every, traced)
+    topics = _topics(project, evidence, nodes, found, every, traced)
     return Explanation(subject, topics, evidence.analysis, synthesis)
 
 
@@ -151,7 +151,7 @@ def _things_named(
     only: Sort | None,
     chosen: Sequence[Consequence],
     traced: bool,
-) -> list[_Asked]:
+) -> list[_Subject]:
     """Return the topics that a subject names: consequences, nodes, or an atom.
 
     Consequences are those `chosen`, nodes those of the `synthesis`. A node has no atom unless its
@@ -161,23 +161,23 @@ def _things_named(
         MarsError: it names nothing.
     """
     specification = None if synthesis is None else synthesis.specification
-    asked: list[_Asked] = []
+    found: list[_Subject] = []
     for each in chosen if only != "nodes" else ():
         title = f"{each.kind}({each.subject})"
-        asked.append((_topic(title, title, "consequence", each), each, each.atom))
+        found.append((_topic(title, title, "consequence", each), each, each.atom))
     if only != "consequences" and specification is not None:
         for node in _nodes(specification, subject, chosen):
             resolves = tuple(specification.resolves[node.name])
             title = f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
             atom = _node_atom(node, evidence, synthesis) if traced else None
             topic = replace(_topic(title, node.name, "node"), resolves=resolves)
-            asked.append((topic, node, atom))
-    if not asked and subject is not None:
+            found.append((topic, node, atom))
+    if not found and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis, evidence.analysis)
         name, atom = _true_atom(subject, project, evidence, synthesis)
-        asked = [(_topic(plain(name), plain(name), "atom"), None, atom)]
-    return asked
+        found = [(_topic(plain(name), plain(name), "atom"), None, atom)]
+    return found
 
 
 def _topic(
@@ -196,21 +196,23 @@ def _topics(
     project: Project,
     evidence: Evidence,
     nodes: Sequence[IntroducedNode],
-    asked: Sequence[_Asked],
+    found: Sequence[_Subject],
     every: bool,
     traced: bool,
 ) -> tuple[Topic, ...]:
     """Return topics with their accounts, and with their traces as far as requested."""
     # Only consequences and nodes have an account, so other atoms have None for their thing.
     accounts = iter(
-        told_of(project, evidence, nodes, [thing for _, thing, _ in asked if thing is not None])
+        explanations_of(
+            project, evidence, nodes, [thing for _, thing, _ in found if thing is not None]
+        )
     )
     atoms = dict.fromkeys(
-        atom for _, thing, atom in asked if atom is not None and (traced or thing is None)
+        atom for _, thing, atom in found if atom is not None and (traced or thing is None)
     )
     traces = evidence.explainer.why(atoms, every) if atoms else {}
     topics = []
-    for topic, thing, atom in asked:
+    for topic, thing, atom in found:
         account, rule = (None, None) if thing is None else next(accounts)
         trace = topic.trace if atom is None else traces.get(atom, topic.trace)
         topics.append(replace(topic, rule=rule, account=account, trace=trace))
@@ -273,11 +275,11 @@ def _consequences(
     if subject is None:
         return read_consequences(evidence.analysis, participants=False)
     # What concerns a port concerns its module.
-    asked = {subject, *port_names(project, subject)}
+    names = {subject, *port_names(project, subject)}
     return tuple(
         c
         for c in read_consequences(evidence.analysis)
-        if not asked.isdisjoint((c.subject, *c.participants))
+        if not names.isdisjoint((c.subject, *c.participants))
         or subject in (c.kind, f"{c.kind}({c.subject})", str(c.atom))
     )
 

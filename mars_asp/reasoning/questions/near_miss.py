@@ -109,10 +109,14 @@ def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
     if found is not None and found.name in _LINES and len(found.arguments) > 2:
         ends = [found.arguments[place] for place in _LINES[found.name][1]]
         named = [end.type == clingo.SymbolType.String for end in ends]
-        asked = [name and end.string in kept for name, end in zip(named, ends, strict=True)]
+        kept_names = [name and end.string in kept for name, end in zip(named, ends, strict=True)]
         if ends[0] == ends[1]:
-            asked[1] = False
-        wider = _missing_line(found.name, ends, asked) if asked != named and any(asked) else None
+            kept_names[1] = False
+        wider = (
+            _missing_line(found.name, ends, kept_names)
+            if kept_names != named and any(kept_names)
+            else None
+        )
         return replace(_missing_line(found.name, ends, named), wider=wider)
     if found is not None and found.name == "architecture":
         kind = found.arguments[0]

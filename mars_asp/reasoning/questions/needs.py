@@ -47,11 +47,11 @@ class NodeReason:
 
 
 def reasons(
-    project: Project, evidence: Evidence, nodes: Iterable[IntroducedNode], asked: Iterable[str]
+    project: Project, evidence: Evidence, nodes: Iterable[IntroducedNode], queried: Iterable[str]
 ) -> Mapping[str, NodeReason]:
     """Return why nodes are needed, by the texts of their terms, if a rule derives a reason.
 
-    `nodes` are those of the specification, `asked` the terms of nodes that it has or may have.
+    `nodes` are those of the specification, `queried` the terms of nodes that it has or may have.
 
     Raises:
         MarsError: clingo refuses a rule.
@@ -61,7 +61,7 @@ def reasons(
     names = names_of(project, nodes)
     read = sorted(reads(rules) - {_QUERIED})
     grounding = Grounding((), true_atoms(evidence, read))
-    facts = fact_fragment("".join(f"queried_node({term}).\n" for term in asked), {_QUERIED.name})
+    facts = fact_fragment("".join(f"queried_node({term}).\n" for term in queried), {_QUERIED.name})
     grounding.derive([facts, *map(fragment_of, rules), *saying(_STAGE, speaking)])
     found: dict[str, dict[str, list[RenderedMessage]]] = {}
     for each in rendered_messages(grounding.control, _STAGE, speaking):
@@ -78,18 +78,18 @@ def _reason(parts: Mapping[str, Sequence[RenderedMessage]], names: TermNames) ->
         lines.setdefault(span, {})[each.filled(each.rule.because, names.written) or ""] = None
     whats, whys, costs = (parts.get(part, ()) for part in ("what", "why", "cost"))
 
-    def told(each: RenderedMessage) -> str:
+    def text_of(each: RenderedMessage) -> str:
         return each.filled(each.rule.because, lambda term: _term_text(term, names, lines)) or ""
 
     first = min(whats, key=lambda each: each.number)
     why = min(whys, key=lambda each: each.number) if whys else None
     clause = as_symbol(arguments((first if why is None else why).head)[2]).number
     return NodeReason(
-        told(first),
+        text_of(first),
         clause,
-        None if why is None else told(why),
+        None if why is None else text_of(why),
         tuple(sorted(lines)) if why is not None else (),
-        told(costs[0]) if costs else None,
+        text_of(costs[0]) if costs else None,
         tuple(dict.fromkeys(each.rule.id for part in parts.values() for each in part)),
     )
 

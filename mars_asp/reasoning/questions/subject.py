@@ -76,12 +76,12 @@ def absent_subject(
         near = nearest(about, names)
         help_text = f"did you mean `{kind}({near})`?" if near else f"write `{kind}(NAME)`"
         return wrong_subject(project, f"unknown module `{about}`", help_text)
-    asked = f"`--why-not '{kind}({about or 'NAME'})'`"
+    question = f"`--why-not '{kind}({about or 'NAME'})'`"
     if is_kind:
         message = f"there is no `{subject}` in this configuration"
-        return _nothing_to_explain(project, message, f"{asked} shows why")
+        return _nothing_to_explain(project, message, f"{question} shows why")
     message = f"`{subject}` is not the name of a node"
-    return wrong_subject(project, message, f"{asked} shows why there is one or none")
+    return wrong_subject(project, message, f"{question} shows why there is one or none")
 
 
 def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:

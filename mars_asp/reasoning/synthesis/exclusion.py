@@ -72,8 +72,8 @@ def _relaxed(number: int, rule: Rule) -> str:
     return f"_broken({number},none,v({','.join(holes)})) :- {rule.written[1] or '#true'}."
 
 
-def _diagnostics(said: Sequence[RenderedMessage]) -> Iterator[Diagnostic]:
-    for each in said[:_MOST]:
+def _diagnostics(messages: Sequence[RenderedMessage]) -> Iterator[Diagnostic]:
+    for each in messages[:_MOST]:
         rule = each.rule
         message = each.message
         if message is None:

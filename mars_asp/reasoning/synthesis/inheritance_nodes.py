@@ -44,7 +44,7 @@ class InheritanceNodes:
             elif isinstance(relationship, Control):
                 self._into[relationship.controlled].append(relationship)
                 self._out_of[relationship.controller].append(relationship)
-        self.said = {each.node: each.module for each in configuration.stand_ins}
+        self.named = {each.node: each.module for each in configuration.stand_ins}
         self._given: dict[tuple[str, str, Allocation | None], frozenset[str]] = {}
         self._effects: dict[tuple[str, tuple[str, ...], Allocation | None], _Effect] = {}
 
@@ -102,9 +102,9 @@ class InheritanceNodes:
 
         Of modules that are moved in the same way, one is returned.
         """
-        if node in self.said:
-            return (self.said[node],)
-        elsewhere = set(self.said.values())
+        if node in self.named:
+            return (self.named[node],)
+        elsewhere = set(self.named.values())
         riders = [name for name in self.riders(node) if name not in elsewhere]
         fitting = self._fitting(node, riders)
         return self._different(node, fitting)
