@@ -22,7 +22,6 @@ import numpy as np
 import pygraphviz
 from numpy.typing import NDArray
 
-from mars_asp.diagnostic import point
 from mars_asp.draw import depict
 from mars_asp.draw.layered import Drawing, LayeredEdge, Point, Route, Size
 from mars_asp.draw.packing import draw_graph
@@ -262,7 +261,7 @@ def draw(folder: Path) -> None:
             f'font-family="{FONT}"><rect width="100%" height="100%" fill="#bbbbbb"/>{words}'
             f"{''.join(text for text, _ in parts)}</svg>"
         )
-        (folder / f"{number:02}.png").write_bytes(png_bytes(both, point("pair", 1, 1)))
+        (folder / f"{number:02}.png").write_bytes(png_bytes(both, "pair"))
         measures = {who: counted._asdict() for who, (_, counted) in found.items()}
         key[f"{number:02}"] = {"name": name, "A": names[0], "B": names[1], **measures}
     (folder / "key.json").write_text(json.dumps(key, indent=1), encoding="utf-8")
