@@ -41,7 +41,7 @@ FILES = {
     ),
     "asp/trace": (
         "firings scope sentences tree counted counting_rules given heights "
-        "literal_order patterns premise_order derivable firing_rules text document "
+        "literal_order patterns premise_order dominators firing_rules text document "
         "near_misses conflicts proofs explainer absence"
     ),
     "model": (

@@ -106,7 +106,7 @@ class _Part:
         self.open = open_premises
 
 
-class Uses:
+class _Uses:
     """The users of atoms: firings by their premises, elements of groups by theirs."""
 
     def __init__(self, firings: Sequence[Firing]) -> None:
@@ -166,7 +166,7 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[TermId, Firing], dict
     Ties go to the first rule, then to the first bindings and premises, so that the result is
     independent of the order of grounding.
     """
-    uses = Uses(firings)
+    uses = _Uses(firings)
     best: dict[TermId, Firing] = {}
     heights: dict[TermId, int] = {}
     level = uses.ready

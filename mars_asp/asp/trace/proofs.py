@@ -8,7 +8,7 @@ import clingo
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.term_ids import TermId, as_term, text
 from mars_asp.asp.trace.counted import CountedBelow, CountedWithout, Support, support
-from mars_asp.asp.trace.derivable import Derivable
+from mars_asp.asp.trace.dominators import Needs
 from mars_asp.asp.trace.firings import Firing, firing_order
 from mars_asp.asp.trace.given import GivenFacts, is_cited
 from mars_asp.asp.trace.heights import least_heights
@@ -41,7 +41,7 @@ class Proofs:
         self._counted = CountedBelow(heights)
         self._traces: dict[TermId, Trace | None] = {}
         self._absences: dict[TermId, Absent | None] = {}
-        self._derivable = Derivable(firings, heights) if every else None
+        self._needs = Needs(firings, heights) if every else None
         del firings
         self._heights = heights
         #: The other derivations of each derived atom; filled after all traces are made, because
@@ -61,8 +61,8 @@ class Proofs:
         """Return the trace of a true atom, of minimal height."""
         root = as_term(atom)
         trace = self._least(root) or self._leaf(root)
-        if self._derivable is not None:
-            self._add_others(root, self._derivable)
+        if self._needs is not None:
+            self._add_others(root, self._needs)
         return trace
 
     def _least(self, atom: TermId) -> Trace | None:
@@ -72,7 +72,7 @@ class Proofs:
             self._traces[atom] = leaf if is_cited(leaf) else None
         return self._traces[atom]
 
-    def _add_others(self, root: TermId, derivable: Derivable) -> None:
+    def _add_others(self, root: TermId, needs: Needs) -> None:
         """Add the other derivations of an atom and of all atoms in its derivations.
 
         Firings of one rule with equal values and equal premises are one derivation.
@@ -87,9 +87,9 @@ class Proofs:
             below = support(best, partial(self._counted.of, self._heights[atom]))
             waiting += below[0]
             entries = {_derivation(best, below)}
-            counted = CountedWithout(partial(derivable.stands_without, atom))
+            counted = CountedWithout(partial(needs.holds_without, atom))
             alike: set[tuple[object, ...]] = set()
-            for firing in sorted(derivable.firings_of(atom), key=firing_order):
+            for firing in sorted(needs.firings_of(atom), key=firing_order):
                 if firing is best:
                     continue
                 own = _beside_groups(firing, counted)
