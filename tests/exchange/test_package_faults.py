@@ -734,6 +734,11 @@ def test_a_topic_of_a_known_node_that_nothing_starts_is_the_border_of_the_robot(
         ("sys.argv[1]", ("name='n'", "name='n'"), True),
         ("'drive'", ("name=os.environ['A']", "name=os.environ['B']"), False),
         ("'drive'", ("namespace=os.environ['A']", "namespace=os.environ['B']"), False),
+        (
+            "'drive'",
+            tuple(f"arguments=['--ros-args', '-r', '__node:=' + os.environ['{x}']]" for x in "AB"),
+            False,
+        ),
     ],
 )
 def test_nodes_whose_names_only_a_run_knows_are_not_of_one_name(
@@ -748,3 +753,16 @@ def test_nodes_whose_names_only_a_run_knows_are_not_of_one_name(
     read({"scripts/drive.py": program, "launch/x.launch.py": launch}, tmp_path)
     run_here(["check", str(tmp_path)])
     assert ("duplicate_node" in capsys.readouterr().out) is is_reported
+
+
+def test_nodes_in_namespaces_that_only_a_run_knows_are_not_of_one_name(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    group = (
+        '<group><push-ros-namespace namespace="$(env {0})"/>'
+        '<node pkg="mine" exec="drive.py" name="n"/></group>'
+    )
+    launch = f"<launch>{group.format('A')}{group.format('B')}</launch>"
+    read({"launch/x.launch.xml": launch}, tmp_path)
+    run_here(["check", str(tmp_path)])
+    assert "duplicate_node" not in capsys.readouterr().out

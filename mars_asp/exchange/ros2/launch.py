@@ -129,6 +129,8 @@ class _Scope:
     #: The launch file of the actions, after the files that include it.
     launched: tuple[Path, ...]
     namespace: str = "/"
+    #: Whether only a run knows a part of the namespace.
+    is_namespace_open: bool = False
     remaps: list[tuple[Renaming, Span]] = field(default_factory=list)
     arguments: dict[str, str | None] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
@@ -154,6 +156,7 @@ class _Scope:
         return (
             self.launched,
             self.namespace,
+            self.is_namespace_open,
             tuple(self.remaps),
             tuple(self.arguments.items()),
             self.files,
@@ -234,6 +237,7 @@ class Launch:
                 case PushNamespace(namespace, span):
                     pushed = self._known_text(namespace, scope)
                     if pushed is None:
+                        scope.is_namespace_open = True
                         self.unread.append(
                             Unread(
                                 "namespaces made at run time",
@@ -650,7 +654,11 @@ class Launch:
                 tuple(words),
                 any(self._is_unknown(path, scope) for path in paths),
                 action.is_rewritten,
-                namespace is None or name is None or _ANONYMOUS.search(name) is not None,
+                # An unknown word, which is empty, may rename the node.
+                scope.is_namespace_open
+                or None in (name, namespace)
+                or "" in words
+                or _ANONYMOUS.search(name or "") is not None,
             )
         )
 
