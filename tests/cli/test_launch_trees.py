@@ -196,6 +196,25 @@ def test_the_order_of_launch_files_changes_no_finding(workspace: Path, capsys: C
     assert shown[0] == shown[1] and shown[0]
 
 
+@pytest.mark.parametrize("guard", ["a_guard", "z_guard"])
+@pytest.mark.parametrize("at", range(4))
+def test_neither_the_order_of_nodes_nor_their_names_change_the_nodes_past_a_guard(
+    workspace: Path, capsys: Captured, guard: str, at: int
+) -> None:
+    nodes = [f'<node pkg="drive" exec="sender" name="{name}"/>' for name in "pqr"]
+    nodes.insert(
+        at,
+        '<node pkg="nav2_velocity_smoother" exec="velocity_smoother" '
+        f'name="{guard}"><remap from="cmd_vel" to="raw"/>'
+        '<remap from="cmd_vel_smoothed" to="cmd_vel"/></node>',
+    )
+    file = workspace / "src" / "drive" / "launch" / "both.launch.xml"
+    file.write_text(f"<launch>{''.join(nodes)}</launch>")
+    run_here(["check", str(file), "--format", "json"])
+    (found,) = (f for f in findings(capsys.readouterr().out) if f["kind"] == "guard_bypass")
+    assert str(found["message"]).startswith("commands of `/p`, `/q` and `/r` reach `/cmd_vel`")
+
+
 def test_a_difference_of_workspaces_has_the_findings_of_check(
     workspace: Path, capsys: Captured
 ) -> None:
