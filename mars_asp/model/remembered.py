@@ -20,7 +20,7 @@ def remembered(function: Callable[[*_Arguments], _Result]) -> Callable[[*_Argume
     def remembering(*arguments: *_Arguments) -> _Result:
         given: tuple[object, ...] = arguments
         for known, result in last:
-            if all(map(is_, known, given)):
+            if len(known) == len(given) and all(map(is_, known, given)):
                 return result
         result = function(*arguments)
         last[:] = [(given, result)]
