@@ -36,6 +36,16 @@ def notes_of(found: Parsed) -> list[str]:
 
 #: The body of the description, the nodes of all its branches, and how many depend on conditions.
 BODIES = [
+    # Entries of a dictionary are replaced, chosen by their keys, and taken out.
+    (
+        "x = {'a': 'one', 'b': 'two', 'c': 'three'}\nkept = ('a', 'b')\n"
+        "y = {k: v for k, v in x.items() if k in kept}\ny['b'] = 'new'\n"
+        "if 'a' in y:\n    y['d'] = y.pop('a')\nif 'c' in y:\n    y['c'] = 'x'\n"
+        "y.update({'e': 'five'})\n"
+        "return LaunchDescription([eye(k + v) for k, v in y.items()])",
+        ["/bnew", "/done", "/efive"],
+        0,
+    ),
     # A value before the condition is one of those that it may have.
     (
         "x = 'a'\nif os.environ.get('B'):\n    x = 'b'\nreturn LaunchDescription([eye(x)])",

@@ -369,3 +369,18 @@ def test_a_script_of_a_shell_is_not_read_as_python(tmp_path: Path, capsys: Captu
     (tmp_path / "base/scripts/create_rules").chmod(0o755)
     run_here(["check", str(tmp_path)])
     assert "broken_file" not in "".join(capsys.readouterr())
+
+
+def test_a_path_out_of_the_share_folder_may_lead_to_the_sources(tmp_path: Path) -> None:
+    up = "$(find-pkg-share arm)/../../../../src/arm/config/{}.yaml"
+    node = '<node pkg="joy" exec="joy_node"><param from="{}"/></node>'
+    files = launch(node.format(up.format("arm")), node.format(up.format("other")))
+    within = {f"src/{name}": text for name, text in files.items()}
+    within |= {"src/arm/package.xml": PACKAGE.format("arm"), "src/arm/config/arm.yaml": "a: [\n"}
+    for name, text in within.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert not tree.missing
+    assert [Path(span.path).name for _, span in tree.broken] == ["arm.yaml"]

@@ -42,6 +42,7 @@ from mars_asp.exchange.ros2.python_values import (
     items_of,
     known,
     known_method,
+    picked,
 )
 
 #: How deep functions may call each other, how many are called and expressions evaluated.
@@ -187,7 +188,7 @@ class Evaluator(ExpressionEvaluator[Names]):
                 before = names.get(name)
                 if isinstance(before, MappedValue):
                     at = self.value(key, names)
-                    names[name] = MappedValue((*before.pairs, (at, value)))
+                    names[name] = before.updated(MappedValue(((at, value),)))
             case _:
                 bind(target, value, names)
 
@@ -339,6 +340,14 @@ class Evaluator(ExpressionEvaluator[Names]):
             )
             bound: tuple[Value, ...] = (owner,) if is_bound else ()
             return self.call_local(Local(found, self.globals), (*bound, *arguments), named)
+        if isinstance(owner, MappedValue) and isinstance(func.value, ast.Name):
+            match func.attr, first:
+                case "pop", _:
+                    names[func.value.id] = owner.without(first)
+                    return picked(owner, first)
+                case "update", MappedValue():
+                    names[func.value.id] = owner.updated(first)
+                    return None
         return known_method(owner, func.attr, arguments, named)
 
     def instance(

@@ -1,14 +1,21 @@
 """Conditions of statements in launch files in Python, as tests of launch arguments."""
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import LaunchArgument, Test, Text, plain
 from mars_asp.exchange.ros2.conditions import tests_of
-from mars_asp.exchange.ros2.python_values import NoneValue, Plain, PythonCall, Value
+from mars_asp.exchange.ros2.python_values import (
+    Listed,
+    MappedValue,
+    NoneValue,
+    Plain,
+    PythonCall,
+    Value,
+)
 
 #: Texts that mean true or false, lower case.
 _TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
@@ -53,7 +60,10 @@ def tested(node: ast.expr, value: Evaluate, span: Span) -> Tested:
         case ast.Name() if _is_none(node, value):
             return _literal(False, span)
         case ast.Compare(left=left, ops=[operator], comparators=[right]):
-            return _comparison(_tested_text(left, value), operator, right, span)
+            text = _tested_text(left, value)
+            if isinstance(left, ast.Constant) and isinstance(right, ast.Name):
+                text = (str(left.value),)
+            return _comparison(text, operator, _items(right, value), span)
         case ast.Call(
             func=ast.Attribute(
                 value=ast.Call(func=ast.Name(id="IfCondition" | "UnlessCondition")) as made,
@@ -77,21 +87,44 @@ def _literal(holds: bool, span: Span) -> Tested:
     return Tested((Test(("true",), None, holds, span),), True)
 
 
-def _comparison(text: Text | None, operator: ast.cmpop, right: ast.expr, span: Span) -> Tested:
-    """Return the test of a comparison with texts that are written out."""
-    listed = right.elts if isinstance(right, ast.Tuple | ast.List | ast.Set) else [right]
-    values = [str(each.value) for each in listed if isinstance(each, ast.Constant)]
+def _items(node: ast.expr, value: Evaluate) -> Sequence[str | None] | str | None:
+    """Return the literal on the right of a comparison, or the items or keys of a value there.
+
+    None is a value that is not known.
+    """
+    match node:
+        case ast.Constant(value=literal):
+            return str(literal)
+        case ast.Tuple(elts=items) | ast.List(elts=items) | ast.Set(elts=items):
+            return [str(each.value) if isinstance(each, ast.Constant) else None for each in items]
+        case ast.Name():
+            found = value(node)
+            if isinstance(found, MappedValue):
+                found = Listed([key for key, _ in found.pairs])
+            if isinstance(found, Listed):
+                return [
+                    plain(each.text) if isinstance(each, Plain) else None for each in found.items
+                ]
+    return None
+
+
+def _comparison(
+    text: Text | None,
+    operator: ast.cmpop,
+    right: Sequence[str | None] | str | None,
+    span: Span,
+) -> Tested:
+    """Return the test of a comparison with a literal or the items of a list."""
     is_list = isinstance(operator, ast.In | ast.NotIn)
-    if (
-        text is None
-        or len(values) < len(listed)
-        or "None" in values
-        or is_list == (listed == [right])
-    ):
+    items = [right] if right is None or isinstance(right, str) else right
+    values = [each for each in items if each is not None and each != "None"]
+    if text is None or len(values) < len(items) or is_list == isinstance(right, str):
         return Tested()
     wanted = isinstance(operator, ast.Eq | ast.In | ast.Is)
     if not wanted and not isinstance(operator, ast.NotEq | ast.NotIn | ast.IsNot):
         return Tested()
+    if is_list and (known := plain(text)) is not None:
+        return _literal((known in values) == wanted, span)
     lower = {each.lower() for each in values}
     for truths, is_true in ((_TRUE, True), (_FALSE, False)):
         if lower <= truths and lower & {"true", "false"}:

@@ -81,6 +81,16 @@ class MappedValue:
 
     pairs: "tuple[tuple[Value, Value], ...]"
 
+    def without(self, *keys: "Value") -> "MappedValue":
+        """Return the dictionary without the entries of keys; a key that is not known stays."""
+        gone = {at for each in keys if (at := _key(each)) is not None}
+        return MappedValue(tuple(pair for pair in self.pairs if _key(pair[0]) not in gone))
+
+    def updated(self, other: "MappedValue") -> "MappedValue":
+        """Return the dictionary with the entries of another, which replace those of equal keys."""
+        kept = self.without(*(key for key, _ in other.pairs)).pairs
+        return MappedValue((*kept, *other.pairs)[:MOST_ITEMS])
+
 
 @dataclass(frozen=True, slots=True)
 class Local:
@@ -298,17 +308,22 @@ def _whole(number: int, span: Span) -> Plain:
     return Plain((str(number),), span, Fraction(number))
 
 
+def _key(value: Value) -> str | None:
+    """Return the text of a key, or None if it is not known."""
+    return None if value is None else plain(text_from(value))
+
+
 def picked(owner: Value, key: Value) -> Value:
     """Return the item of a list or dictionary at a key, or the file of which it is a part."""
     if isinstance(owner, PythonFile):
         return owner
-    at = plain(text_from(key)) if key is not None else None
+    at = _key(key)
     match owner:
         case Listed(items) if at is not None and _WHOLE.fullmatch(at):
             index = int(at)
             return items[index] if -len(items) <= index < len(items) else None
         case MappedValue(pairs):
-            return next((v for k, v in pairs if k is not None and plain(text_from(k)) == at), None)
+            return next((v for k, v in pairs if k is not None and _key(k) == at), None)
         case _:
             return None
 

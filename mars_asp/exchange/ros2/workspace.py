@@ -39,6 +39,7 @@ _SKIPPED = frozenset(
 _SHARE = re.compile(
     r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/\1(?=/|$))?/?"
 )
+_UP_FROM_SHARE = "../../../../"
 _SOURCES = frozenset({".py", ".cpp", ".cc", ".cxx", ".c", ".hpp", ".h", ".hh", ".hxx"})
 _KEPT = frozenset(
     {*_SOURCES, ".xml", ".yaml", ".yml", ".launch", ".cfg", ".txt", ".test", ".toml", ".cmake"}
@@ -363,6 +364,9 @@ class Workspace:
                 for package in self._meant(match[1], folder)
                 for file in (package.folder / inner, *self._installed_sources(package, inner))
             ]
+            # Four folders above `install/PACKAGE/share/PACKAGE` is the workspace.
+            if inner.startswith(_UP_FROM_SHARE):
+                candidates.append(above / inner.removeprefix(_UP_FROM_SHARE))
         for candidate in candidates:
             try:
                 found = self._inside(candidate)
@@ -412,7 +416,7 @@ class Workspace:
         else:
             package = self._sole(match[1], folder)
             inside = PurePosixPath(path[match.end() :].lstrip("/")).as_posix()
-        if package is None:
+        if package is None or (inside.startswith("../") and not package.is_of_ros1):
             return None
         name = inside.rpartition("/")[2]
         is_file = _FILE_NAME.fullmatch(name) is not None and "$(" not in inside
