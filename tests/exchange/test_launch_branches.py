@@ -254,3 +254,11 @@ def test_branches_that_include_one_file_do_not_multiply(
     found = import_ros2([("", str(tmp_path))])
     assert len(nodes(found)) == depth
     assert any("includes beyond the first" in each for each in notes_of(found)) == is_cut
+
+
+def test_a_reading_may_end_before_the_entry_function() -> None:
+    lidar = "try:\n    device = Device()\nexcept KeyError:\n    rate = '1'\nport = device.port\n"
+    found = import_ros2(
+        [(START + lidar + ENTRY + "    return LaunchDescription([eye('a')])", "a.launch.py")]
+    )
+    assert nodes(found) == ["/a"]

@@ -120,7 +120,7 @@ class _LaunchReader(Evaluator):
         readings = tuple(self.readings(tree))
         same = len({actions for actions, _ in readings}) == 1
         found = readings[0][0] if same else (Readings(readings),)
-        entry = self.globals[_ENTRY]
+        entry = self.globals.get(_ENTRY)
         names = self.entered(entry) if isinstance(entry, Local) else {}
         declared = tuple(self.declared(names))
         return (*declared, *found, *self.left_out(names), *self.undefined(tree))
