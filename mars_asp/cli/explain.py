@@ -24,10 +24,12 @@ from mars_asp.cli.inputs import (
     STANDARD_INPUT,
     add_file,
     analyse_project,
+    is_other_file,
     one_of_several,
     read_project,
     rulebook_for,
     unapplied_packs,
+    workspace_of,
 )
 from mars_asp.cli.lines import line_at, located_lines
 from mars_asp.cli.output_files import ending
@@ -36,6 +38,8 @@ from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.wrapping import columns, compared, wrapped
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.exchange.recognise import recognised
+from mars_asp.language.parse import read_text
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import counted, visible
@@ -316,7 +320,8 @@ def _no_finding(
     names = names_in(analysis)
     line = _LINE.fullmatch(subject)
     if line is not None:
-        if not any(f"/{name}".endswith(f"/{line[1]}") for name in names):
+        is_read = any(f"/{name}".endswith(f"/{line[1]}") for name in names)
+        if not is_read and not Path(line[1]).is_file():
             raise unknown_name(project, analysis, line[1])
         return f"no finding at `{subject}` in {of}"
     if subject in names:
@@ -385,9 +390,16 @@ def _split_location(arguments: argparse.Namespace) -> None:
     match = re.fullmatch(r"(.+?):([0-9]+)(?::[0-9]+)?", name)
     if match is None or further or arguments.subject is not None or Path(name).exists():
         return
-    if Path(match[1]).is_file():
-        arguments.files = [match[1]]
-        arguments.subject = f"{Path(match[1]).name}:{match[2]}"
+    path, line = match.groups()
+    if not Path(path).is_file():
+        return
+    arguments.files, arguments.subject = [path], f"{Path(path).name}:{line}"
+    text = read_text(Path(path))
+    if arguments.from_format is None and recognised(text) == "mars" and is_other_file(path, text):
+        # A source is read within its workspace, which may have several of its name.
+        workspace = workspace_of(path)
+        if workspace is not None:
+            arguments.files, arguments.subject = [workspace], f"{path}:{line}"
 
 
 def _place(subject: str, arguments: argparse.Namespace) -> str:

@@ -226,6 +226,8 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
         help_text = "name the workspace, package or launch file that uses it"
         if Path(path).suffix.lower() in (".md", ".toml", ".json"):
             help_text = ROBOTS
+        elif (workspace := workspace_of(path)) is not None:
+            help_text = f"name its workspace, `{workspace}`"
         raise refusal("usage", message, path, help_text)
     return ForeignFile(path, text, format)
 
@@ -236,6 +238,16 @@ def is_other_file(path: str, text: str) -> bool:
     if "\0" in text or suffix not in _PARTS:
         return False
     return suffix == ".md" or _CONFIGURATION.search(text) is None
+
+
+def workspace_of(path: str) -> str | None:
+    """Return the workspace or package of ROS that a file lies in, or None if it lies in none."""
+    from mars_asp.exchange.ros2.read import workspace_around
+
+    found = workspace_around(Path(path))
+    if found is None:
+        return None
+    return str(found) if Path(path).is_absolute() else os.path.relpath(found)
 
 
 def only_robot(arguments: argparse.Namespace, path: str) -> str:

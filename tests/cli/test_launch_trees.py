@@ -176,6 +176,27 @@ def test_subjects_of_launch_files(
     assert text in " ".join((output.err if status else output.out).split())
 
 
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("drive/sender.py:9", "ambiguous_priority(/cmd_vel), warning"),
+        ("drive/sender.py:9:5", "ambiguous_priority(/cmd_vel), warning"),
+        ("drive/sender.py:1", "no finding at `ws/src/drive/drive/sender.py:1`"),
+        ("package.xml:1", "no finding at `ws/src/drive/package.xml:1`"),
+    ],
+)
+def test_a_line_of_a_source_is_explained_within_its_workspace(
+    workspace: Path, capsys: Captured, file: str, text: str
+) -> None:
+    location = f"{workspace}/src/drive/{file}"
+    for named in (location, f"./{location}", str(Path(location).absolute())):
+        assert run_here(["explain", named, "--quiet"]) == 0
+        shown = text.replace("ws/", f"{Path.cwd()}/ws/") if named.startswith("/") else text
+        assert shown in " ".join(capsys.readouterr().out.split())
+    assert run_here(["check", f"{workspace}/src/drive/drive/sender.py"]) == 2
+    assert "name its workspace, `ws`" in capsys.readouterr().out
+
+
 def test_the_order_of_launch_files_changes_no_finding(workspace: Path, capsys: Captured) -> None:
     other = workspace / "src" / "base"
     (other / "launch").mkdir(parents=True)

@@ -209,13 +209,23 @@ def _root_of(folder: Path) -> tuple[Path, bool]:
     return root, True
 
 
+def workspace_around(file: Path) -> Path | None:
+    """Return the workspace, or the package in none, that a file is a part of; None if in none."""
+    around, is_in_package = _root_of(file.resolve().parent)
+    return _above_src(around) if is_in_package else None
+
+
+def _above_src(folder: Path) -> Path:
+    return folder.parent if folder.name == "src" else folder
+
+
 def _only_a_part(folder: Path, named: str, absent: Sequence[str]) -> Iterator[Diagnostic]:
     """Yield the note that files absent from a folder are in the workspace in which it lies."""
     around, is_deep = _root_of(folder) if absent and Path(named).is_dir() else (folder, False)
     beside = [each.parent.name for each in around.glob("*/package.xml")] if is_deep else []
     words = {word for each in absent for word in re.findall(r"[\w-]+", each)}
     if around != folder and not words.isdisjoint(beside):
-        whole = os.path.relpath(around.parent if around.name == "src" else around)
+        whole = os.path.relpath(_above_src(around))
         message = f"the folder is a part of the workspace `{whole}`; name that to read all of it"
         yield Diagnostic("launch", "note", message, whole_file(named), kind="launch")
 
