@@ -48,9 +48,9 @@ _REPEATED = re.compile(r"^([^/]+/)\1")
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument(
-        "action", nargs="?", default="list", choices=("list", "show", "lint", "doc", "new", "diff")
-    )
+    actions = ("list", "show", "lint", "doc", "new", "diff")
+    help_text = "what to do (default: list)"
+    parser.add_argument("action", nargs="?", default="list", choices=actions, help=help_text)
     parser.add_argument("what", nargs="?", metavar="ID|PREDICATE|KIND|PATH|NAME")
     parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("-o", "--output", metavar="DIR")

@@ -37,6 +37,13 @@ def test_the_help_names_each_verb_with_an_example_and_the_common_options_once(
 
 
 @pytest.mark.parametrize("name", VERBS)
+def test_each_argument_has_a_sentence_of_help(name: str) -> None:
+    _, parser = parser_of(name)
+    parser.format_help()
+    assert [action for action in parser.positionals() + parser.options() if not action.help] == []
+
+
+@pytest.mark.parametrize("name", VERBS)
 def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> None:
     assert run_command([name, "--help"]) == 0
     words = capsys.readouterr().out.split()
