@@ -96,8 +96,9 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.diff:
             return _show_changes(checked, arguments, status)
     except MarsError as error:
-        # Nothing was checked: the values of options are wrong, or files that they name.
-        if arguments.format in TEXT_FORMATS:
+        # Nothing was checked: settings are wrong, the values of options, or files that they name.
+        is_finding = _are_of_settings(error, arguments) and not arguments.diff
+        if arguments.format in TEXT_FORMATS and not is_finding:
             report(error.diagnostics, arguments)
             return error.status
         checked, remarks, status = [], [Result(each) for each in error.diagnostics], error.status
@@ -175,12 +176,9 @@ def check(
             # Many robots share settings and named sources: report each of their errors once.
             new = (each for each in error.diagnostics if each not in of_settings)
             one.append_results(map(Result, new))
-            of_settings.update(
-                each
-                for each in error.diagnostics
-                if Path(each.span.path).name in (*SETTINGS, Path(arguments.config or "").name)
-                or each.span.path in arguments.sources
-            )
+            if _are_of_settings(error, arguments):
+                of_settings.update(error.diagnostics)
+            of_settings.update(e for e in error.diagnostics if e.span.path in arguments.sources)
             one.status = 2
         one.append_results(map(Result, robot.notes))
     for one in checked:
@@ -188,6 +186,12 @@ def check(
             replace_files(one.written)
     remarks = map(Result, selection.end(all(one.status < 2 for one in checked)))
     return checked, list(remarks)
+
+
+def _are_of_settings(error: MarsError, arguments: argparse.Namespace) -> bool:
+    """Whether all problems are of a file with settings."""
+    names = (*SETTINGS, Path(arguments.config or SETTINGS[0]).name)
+    return all(Path(each.span.path).name in names for each in error.diagnostics)
 
 
 def _each_once(names: Iterable[str]) -> list[str]:

@@ -108,7 +108,7 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
     """
     if arguments.isolated and vars(arguments).get("config") is not None:
         message = "--isolated takes no settings, and --config names some"
-        raise refusal("usage", message, arguments.config, "leave out one")
+        raise refusal("usage", message, "--config", "leave out one")
     if arguments.isolated:
         return NO_SETTINGS
     if arguments.config is None:

@@ -491,6 +491,29 @@ def test_an_error_of_settings_is_reported_once_for_all_robots(
     assert "--isolated takes no settings, and --config names some" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "text", ["selct = []", 'select = ["nothing"]', "select = [", "baseline = 1"]
+)
+@pytest.mark.parametrize("named", [["own.toml"], []], ids=["config", "nearest"])
+def test_errors_of_settings_are_findings_wherever_they_are(
+    text: str, named: list[str], robots: Path, capsys: Captured
+) -> None:
+    name = "own.toml" if named else "mars.toml"
+    (robots / "sub").mkdir()
+    (robots / "sub" / "a.mars").write_text(CLEAN)
+    (robots / "sub" / name).write_text(text)
+    options = ["--config", f"sub/{name}"] if named else []
+    for files in (["sub/a.mars"], ["clean.mars", "sub"]):
+        assert run_here(["check", *files, *options]) == 2
+        output = capsys.readouterr()
+        assert output.out.startswith(f"sub/{name}:1:") and output.out.count("\n") == 1
+        assert "error: " not in output.err
+    # A difference alone is on standard output.
+    assert run_here(["check", "sub/a.mars", *options, "--diff"]) == 2
+    output = capsys.readouterr()
+    assert output.out == "" and output.err.startswith(f"sub/{name}:1:")
+
+
 def test_a_word_after_two_dashes_is_a_path(robots: Path) -> None:
     (robots / "-odd.mars").write_text(CLEAN)
     assert run_here(["check", "-vq", "--", "-odd.mars", "clean.mars"]) == 0
