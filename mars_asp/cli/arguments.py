@@ -44,8 +44,6 @@ GROUPS: Mapping[str, Sequence[str]] = {
 }
 VERBS = tuple(name for names in GROUPS.values() for name in names)
 ALIASES = {"analyze": "analyse", "synthesize": "synthesise"}
-#: Commands of other tools, with the equivalent commands of this one.
-MEANT = {"format": "fmt", "lint": "check", "plot": "draw", "simulate": "run"}
 #: The modules of commands whose names are keywords of Python.
 _MODULES = {"import": "import_robot"}
 
@@ -154,6 +152,16 @@ class Parser(argparse.ArgumentParser):
                 found.setdefault(action.dest, copy(action.default))
         return {**found, **self._defaults}
 
+    def meant(self, word: str) -> str | None:
+        """Return the words for a word of other tools, or None if the command has no such words."""
+        table = help_texts()["meant"]
+        words = table.get(f"{self.command} {word}") or table.get(word)
+        if words is None or not words.startswith("-"):
+            return words
+        name, _, value = words.partition(" ")
+        option = self._option_string_actions.get(name)
+        return words if option and value in ("", *(option.choices or ())) else None
+
     def error(self, message: str) -> NoReturn:
         """Print an error of the command line, with a similar word if there is one; exit with 2."""
         from mars_asp.cli.wrapping import columns, wrapped
@@ -161,9 +169,12 @@ class Parser(argparse.ArgumentParser):
 
         unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
         names = {name for action in self.options() for name in action.option_strings}
-        near = nearest(unknown[1], sorted(names - _WRITING), _ALIKE) if unknown else None
+        near = unknown and (
+            self.meant(unknown[1]) or nearest(unknown[1], sorted(names - _WRITING), _ALIKE)
+        )
         if choice := re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message):
-            near = nearest(choice[1], re.findall(r"'([^']*)'", choice[2]))
+            known = re.findall(r"'([^']*)'", choice[2])
+            near = self.meant(choice[1]) or nearest(choice[1], known)
             argument = re.match(r"argument ([A-Z]+):", message)
             takes_files = any(each.dest == "files" for each in self.positionals())
             if argument and takes_files and os.path.exists(choice[1]):  # noqa: PTH110 -- no error
@@ -237,7 +248,7 @@ def ordered(words: Sequence[str]) -> list[str]:
             at += 1
             continue
         if name not in takes:
-            near = nearest(name, (*takes, "--help"), _ALIKE)
+            near = parser.meant(name) or nearest(name, (*takes, "--help"), _ALIKE)
             parser.error(
                 f"unknown option `{words[at]}`{f': did you mean `{near}`?' if near else ''}"
             )
@@ -252,7 +263,7 @@ def ordered(words: Sequence[str]) -> list[str]:
         before = ["--help"]
     if ALIASES.get(rest[0], rest[0]) not in VERBS:
         is_option = f"--{rest[0]}" in (*takes, "--version")
-        near = MEANT.get(rest[0]) or (
+        near = parser.meant(rest[0]) or (
             f"--{rest[0]}" if is_option else nearest(rest[0], (*VERBS, *ALIASES))
         )
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"

@@ -77,6 +77,25 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["check", "a.mars", "--xyzzy"], "unrecognized arguments: --xyzzy; see `mars-asp check -"),
         (["--fromat", "json", "check"], "unknown option `--fromat`: did you mean `--format`?"),
         (["--vresion"], "did you mean `--version`?"),
+        (["check", "--output-format", "json"], "did you mean `--format json`?"),
+        (["check", "--output-format=json"], "did you mean `--format json`?"),
+        (["--json", "check"], "unknown option `--json`: did you mean `--format json`?"),
+        (["check", "--sarif"], "did you mean `--format sarif`?"),
+        # An option or a value that the command does not have is not proposed.
+        (["test", "--sarif"], "unrecognized arguments: --sarif; see"),
+        (["check", "-k", "guard"], "did you mean `--select`?"),
+        (["test", "-k", "guard"], "unrecognized arguments: -k; see"),
+        (["test", "-j", "2"], "did you mean `--jobs`?"),
+        (["check", "--no-color"], "did you mean `--color never`?"),
+        (["check", "-Werror"], "did you mean `--fail-on warning`?"),
+        (["check", "--show-files"], "did you mean `--verbose`?"),
+        (["check", "--fix-only"], "did you mean `--diff`?"),
+        (["check", "--explain", "guard_bypass"], "did you mean `explain`?"),
+        (["export", "dot", "a.mars"], "did you mean `draw --as dot`?"),
+        (["draw", "a.mars", "--format", "svg"], "did you mean `--as svg`?"),
+        (["rules", "explain", "guard_bypass"], "did you mean `rules show`?"),
+        (["rule", "guard_bypass"], "no command `rule`: did you mean `rules show`?"),
+        (["fix"], "no command `fix`: did you mean `check --diff`?"),
         (["version"], "there is no command `version`: did you mean `--version`?"),
         (["-x"], "unknown option `-x`; see `mars-asp --help`"),
         (["", "check"], "there is no command ``"),
@@ -92,6 +111,22 @@ def test_suggestions_for_misspelt_words(words: list[str], message: str, capsys: 
     assert message in " ".join(shown.err.split())
     assert "?;" not in shown.err
     assert "`--fix`" not in shown.err and "`--write" not in shown.err
+
+
+def test_each_meaning_of_a_word_of_other_tools_is_a_word_of_this_one() -> None:
+    meant = help_texts()["meant"]
+    assert {"--fix", "--write-baseline", "--output", "--update"}.isdisjoint(meant.values())
+    options = {
+        name
+        for verb in VERBS
+        for option in parser_of(verb)[1].options()
+        for name in option.option_strings
+    }
+    for word, words in meant.items():
+        first, *further = words.split()
+        assert first in (options if first.startswith("-") else VERBS), word
+        if further and first in VERBS:
+            parser_of(first)[1].parse_known_intermixed_args([*further, "x", "y"])
 
 
 @pytest.mark.parametrize(
