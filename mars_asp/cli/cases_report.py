@@ -10,7 +10,7 @@ from mars_asp.asp.cases import Check, Failure, Outcome
 from mars_asp.asp.cases.outcomes import difference
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import location_json
-from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import counted, visible
 
 
@@ -55,12 +55,8 @@ def print_outcomes(
 
 def _failure_lines(check: Check) -> Iterator[str]:
     for failure in check.failures:
-        yield f"  {visible(_location_text(failure.span))}: expected {visible(failure.expected)}"
+        yield f"  {visible(failure.span.location)}: expected {visible(failure.expected)}"
         yield from map(visible, failure.lines)
-
-
-def _location_text(span: Span) -> str:
-    return f"{span.path}:{span.line}:{span.column}"
 
 
 def _check_json(outcome: Outcome, check: Check) -> dict[str, object]:
@@ -111,7 +107,7 @@ def _cases(suite: ElementTree.Element, ran: CaseFileResult) -> None:
             suite, "testcase", name=visible(ran.path.name), classname=classname, file=path
         )
         for problem in ran.problems:
-            text = f"{_location_text(problem.span)}: {problem.message}"
+            text = f"{problem.span}: {problem.message}"
             ElementTree.SubElement(case, "error", message=visible(text))
         return
     for check in ran.outcome.checks:
@@ -127,6 +123,6 @@ def _cases(suite: ElementTree.Element, ran: CaseFileResult) -> None:
         )
         if not check.passed:
             first = check.failures[0]
-            message = f"{_location_text(first.span)}: expected {first.expected}"
+            message = f"{first.span}: expected {first.expected}"
             failure = ElementTree.SubElement(case, "failure", message=visible(message))
             failure.text = "\n".join(_failure_lines(check))

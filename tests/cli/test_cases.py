@@ -13,7 +13,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.cli.cases_report import CaseFileResult, junit
-from mars_asp.diagnostic import Diagnostic, point
+from mars_asp.diagnostic import Diagnostic, Span, point, whole_file
 from tests.support.documents import ROOT, answered, questions
 from tests.support.fixtures import Captured, Patch
 from tests.support.processes import HANGING, mars
@@ -96,6 +96,16 @@ def test_junit_holds_each_case(odd: Path, capsys: Captured) -> None:
     failure = suite[1].find("failure")
     assert failure is not None
     assert (failure.get("message") or "").startswith("odd/cases/facts.lp:10:7: expected")
+
+
+@pytest.mark.parametrize(
+    ("span", "place"), [(point("a.lp", 2, 1), "a.lp:2:1: "), (whole_file("a.lp"), "a.lp: ")]
+)
+def test_junit_has_the_place_of_an_error_or_its_file_alone(span: Span, place: str) -> None:
+    wrong = Diagnostic("unreadable", "error", "the file is a pipe", span)
+    (suite,) = ElementTree.fromstring(junit([CaseFileResult(Path("a.lp"), None, [wrong], 0.0)]))
+    error = suite[0].find("error")
+    assert error is not None and error.get("message") == f"{place}the file is a pipe"
 
 
 def test_junit_is_xml_whatever_a_name_holds() -> None:
