@@ -22,6 +22,7 @@ from mars_asp.diagnostic import (
     MarsError,
     Severity,
     Span,
+    refusal,
     whole_file,
 )
 from mars_asp.output import counted
@@ -134,7 +135,10 @@ class Selection:
             from mars_asp.cli.baseline import check_replaceable
 
             check_replaceable(arguments.write_baseline)
-        if arguments.baseline is not None and arguments.write_baseline is None:
+        if arguments.baseline is not None:
+            if arguments.write_baseline is not None:
+                message = "--write-baseline lists all findings, also those of a baseline"
+                raise refusal("usage", message, "--baseline", "leave out one of the two")
             check_inputs(*arguments.files, arguments.baseline)
             self._baseline(arguments.baseline)
 
@@ -315,7 +319,7 @@ class Selection:
         select = self._arguments.select or settings.select
         ignore = self._arguments.ignore or settings.ignore or ()
         path = self._arguments.baseline or settings.baseline
-        # A new baseline also lists the findings of the old one.
+        # A new baseline also lists the findings of that in the settings.
         compared = path is not None and self._arguments.write_baseline is None
         if compared and path is not None and not self._arguments.baseline:
             settings.check_named(path, "baseline")

@@ -52,7 +52,8 @@ def test_an_output_replaces_a_file_that_was_not_read(folder: Path) -> None:
     Path("old.mars").write_text("old")
     assert run_here(["synthesise", "a.mars", "-o", "old.mars"]) == 0
     assert "@specification" in Path("old.mars").read_text()
-    baseline = ["check", "a.mars", "--baseline", "b.json", "--write-baseline", "b.json"]
+    Path("mars.toml").write_text('baseline = "b.json"\n')
+    baseline = ["check", "a.mars", "--write-baseline", "b.json"]
     assert [run_here(baseline), run_here(baseline)] == [0, 0]
     assert run_here(["fmt", "a.mars"]) == 0
 

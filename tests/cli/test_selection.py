@@ -466,6 +466,15 @@ def test_an_invalid_baseline_is_refused(
     assert capsys.readouterr().err.startswith((f"k.json:{message}", message))
 
 
+@pytest.mark.parametrize("verb", ["check", "analyse"])
+def test_a_baseline_is_either_read_or_written(verb: str, folder: Path, capsys: Captured) -> None:
+    for old in ("old.json", "new.json"):
+        words = [verb, "a.mars", "--baseline", old, "--write-baseline", "new.json"]
+        assert run_here(words) == 2
+        assert "--write-baseline lists all findings" in capsys.readouterr().err
+        assert not (folder / "new.json").exists()
+
+
 def test_no_baseline_is_written_if_a_file_cannot_be_read(folder: Path, capsys: Captured) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,,\n")
     assert run_here(["check", "a.mars", "bad.mars", "--write-baseline", "k.json"]) == 2
