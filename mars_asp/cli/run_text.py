@@ -4,7 +4,7 @@ import argparse
 import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mars_asp.cli.run_json import links_json, speakers
 from mars_asp.cli.winners import in_turn
@@ -157,13 +157,16 @@ def _controllers(trial: "Trial") -> "Table":
     return _text_table(("controller", "in control", "suppressed"), rows)
 
 
-def _text_table(heads: tuple[str, ...], rows: Any) -> "Table":
+def _text_table(heads: tuple[str, ...], rows: "Iterable[Sequence[str]]") -> "Table":
+    """Return the table of the columns in which a row has a value."""
     from rich.table import Table
     from rich.text import Text
 
     table = Table(box=None, pad_edge=False)
-    for number, head in enumerate(heads):
-        table.add_column(head, justify="right" if 0 < number < 4 else "left")
-    for row in rows:
-        table.add_row(*(Text(visible(cell)) for cell in row))
+    listed = [*rows]
+    kept = [number for number in range(len(heads)) if any(r[number] for r in listed)]
+    for number in kept:
+        table.add_column(heads[number], justify="right" if 0 < number < 4 else "left")
+    for row in listed:
+        table.add_row(*(Text(visible(row[number])) for number in kept))
     return table

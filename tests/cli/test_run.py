@@ -60,7 +60,10 @@ def test_dropped_messages_are_shown(capfd: Captured, tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(BASE + hands)
     words = ["run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml")]
     assert run_command(words) == 1
-    assert re.search(r"C -> P +10\.00 +0 +31 overtaken", capfd.readouterr().out)
+    output = capfd.readouterr().out
+    assert re.search(r"C -> P +10\.00 +0 +31 overtaken", output)
+    # No link asks for a rate.
+    assert re.search(r"(?m)^link +got Hz +oldest ms +dropped *$", output)
     assert run_command([*words, "--format", "json"]) == 1
     links = json.loads(capfd.readouterr().out)["links"]
     assert [link["dropped"] for link in links] == [{"overtaken": 31}, {}]
