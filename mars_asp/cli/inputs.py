@@ -228,7 +228,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
             help_text = ROBOTS
         elif (workspace := workspace_of(path)) is not None:
             help_text = f"name its workspace, `{workspace}`"
-        raise refusal("usage", message, path, help_text)
+        raise refusal("unreadable", message, path, help_text)
     return ForeignFile(path, text, format)
 
 
@@ -335,7 +335,7 @@ def _print_settings(arguments: argparse.Namespace, folder: Path) -> None:
 
 def _nothing_in(path: str) -> Diagnostic:
     message = "the folder has nothing to read"
-    return Diagnostic("usage", "error", message, whole_file(path), help=ROBOTS)
+    return Diagnostic("unreadable", "error", message, whole_file(path), help=ROBOTS)
 
 
 class RobotFiles(NamedTuple):

@@ -565,6 +565,9 @@ def test_statistics_are_a_line_a_kind(robots: Path, capsys: Captured) -> None:
     assert f"2 errors, {numbers[0]} warnings in 3 files\n" in output.err
     run_here([*words, "--ignore", "undeclared_module,duplicate_relationship"])
     assert capsys.readouterr().out == "1 syntax\n"
+    (robots / "empty").mkdir()
+    assert run_here(["check", "empty", "gone.mars", "--statistics"]) == 2
+    assert capsys.readouterr().out == "2 unreadable\n"
     assert run_here([*words, "--format", "json"]) == 2
     assert "leave out `--format json`" in capsys.readouterr().err
 
