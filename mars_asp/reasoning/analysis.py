@@ -54,7 +54,7 @@ _MOST_TREES = 3
 
 @dataclass(frozen=True, slots=True)
 class LaunchCondition:
-    """A launch argument that must have a value, or must not if `how` is `unless`.
+    """A launch argument that must have a value; with `how` equal to `unless`, must not have it.
 
     `span` is the location in the launch file that states the condition.
     """
@@ -100,6 +100,8 @@ class Consequence:
 class Analysis:
     """The consequences and other atoms that the rules derive from facts.
 
+    `speakers` are the rules that derive consequences; `grounding` contains all derived atoms.
+
     Consequences are read from the grounding on first use, as not every question needs them.
 
     >>> analysis = load("examples/level0/config.mars").analyse()
@@ -141,7 +143,7 @@ def analyse(
     configuration: Span,
     with_labels: bool = False,
 ) -> Analysis:
-    """Ground the rules over facts.
+    """Return the consequences that the rules derive from facts.
 
     `configuration` is the location of a consequence that concerns no line. `with_labels` adds the
     sentences of the rules about each location of a finding.
@@ -277,7 +279,7 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
 
 
 def _where(consequence: Consequence) -> Iterator[str]:
-    """Yield the conditions of a finding and, if there are several, its launch trees."""
+    """Yield the conditions of a finding as text and, if it holds in several launch trees, these."""
     if consequence.conditions:
         texts = " and ".join(map(_condition_text, consequence.conditions))
         usual = ", as it is by default" if consequence.is_usual else ""
@@ -307,7 +309,7 @@ def _condition_text(condition: LaunchCondition) -> str:
 
 
 def _conditions(analysis: Analysis, wanted: Set[Key]) -> dict[Key, list[LaunchCondition]]:
-    """Return the launch conditions of findings, each with its span in a launch file."""
+    """Return the launch conditions of the findings in `wanted`, which are keys of atoms."""
     rows = _collect(analysis.grounding.control, ("condition_at", 7), wanted)
     if not rows:
         return {}
@@ -340,7 +342,7 @@ def _first_messages(analysis: Analysis) -> dict[TermId, RenderedMessage]:
 def _collect(
     control: clingo.Control, predicate: tuple[str, int], keys: Set[Key]
 ) -> dict[Key, list[Sequence[TermId]]]:
-    """Return the arguments after the key, for each atom of a predicate, grouped by consequence."""
+    """Return the further arguments of the atoms of a predicate, by the key of the consequence."""
     rows: dict[Key, list[Sequence[TermId]]] = {}
     for atom in atoms(control, *predicate, True):
         kind, about, case, *rest = arguments(atom)
@@ -352,7 +354,7 @@ def _collect(
 def _spans_by_identifier(
     facts: Iterable[Fact], identifiers: Iterable[TermId]
 ) -> dict[TermId, Span]:
-    """Return the locations of the things that terms identify."""
+    """Return the locations of the identified relationships, annotations and modules."""
     wanted = {_sortable(as_symbol(identifier)): identifier for identifier in identifiers}
     located = {"place": lambda atom: atom.arguments[0], "guard": lambda atom: atom}
     return {

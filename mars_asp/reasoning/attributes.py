@@ -130,7 +130,9 @@ def attribute_facts(
     modules: Mapping[str, Module],
     kinds: Iterable[AttributeKind],
 ) -> tuple[Fact, ...]:
-    """Return the facts of all attributes with their locations; `modules` are described in sources.
+    """Return the facts of all attributes with their locations.
+
+    `modules` are those that sources describe, by name; `kinds` are the declared attributes.
 
     Raises:
         MarsError: attributes that no pack declares, values of the wrong sort, and two values of one
@@ -166,7 +168,7 @@ class _AttributeReader:
         self._problems: dict[Diagnostic, None] = {}
 
     def facts(self) -> tuple[Fact, ...]:
-        """Return the facts, each once, in the order of modules and names."""
+        """Return the facts of the attributes, without duplicates, by module and name."""
         first: dict[tuple[str, str], Fact] = {}
         described = described_modules(self._configuration, self._described).values()
         entries = [
@@ -283,7 +285,7 @@ class _Wrong(NamedTuple):
 
 
 def _number(written: str, sort: str) -> "int | _Wrong":
-    """Return the whole number of a sort in a text with or without a unit, or the error."""
+    """Return the whole number in a text, in the unit of `sort`, or the error in the text."""
     units = units_of(sort)
     shown = f" of {', '.join(usual(units))}" if units else ""
     read = read_measure(written)

@@ -27,7 +27,7 @@ FIRST_CLAUSE = 100
 
 
 def kinds_of(rule: Rule) -> frozenset[str] | None:
-    """Return the kinds of consequence that a rule names, or None if it can derive any."""
+    """Return the kinds of consequence that a rule names, or None if a variable is the kind."""
     return rule.firsts.get(CONSEQUENCE) if CONSEQUENCE in rule.heads else frozenset()
 
 
@@ -113,7 +113,7 @@ def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagno
 
 
 def severity_place(rule: str, span: Span, variant: int = 0) -> Span:
-    """Return the location of the severity in the head of the rule at `span`.
+    """Return the location of the severity in the head of a rule whose text is `rule`, at `span`.
 
     `variant` is the index of the instance, if the rule has pools.
     """

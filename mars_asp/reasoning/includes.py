@@ -59,10 +59,10 @@ class _TooManyError(MarsError):
 
 
 class _Reading(NamedTuple):
-    """State of reading: each include takes one of `left`; `shown` has the first name of each file.
+    """The state of reading includes: how many are `left`, and the files that were read.
 
-    `top` is the user's file, which fixes the folders that may be read; `texts` are the contents of
-    files by their shown names.
+    `shown` has the first name of each file. `top` is the user's file, which fixes the folders that
+    may be read; `texts` are the contents of files by their shown names.
     """
 
     left: Iterator[int]
@@ -72,7 +72,7 @@ class _Reading(NamedTuple):
 
 
 def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Parsed:
-    """Return a configuration merged with its includes; `chain` are the files that led to it."""
+    """Return a configuration merged with its includes; `chain` are the files from the top to it."""
     own = parsed.configuration
     problems: list[Diagnostic] = []
     found: list[Parsed] = []
@@ -110,7 +110,7 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
 
 
 def _blocks(found: Iterable[Parsed]) -> dict[str, Module]:
-    """Return the modules that files describe in blocks, by the text of the block.
+    """Return the modules that files describe in `@module` blocks, by the text of the block.
 
     Raises:
         MarsError: two blocks describe one module differently.
@@ -142,7 +142,10 @@ def described_twice(module: Module, other: Module) -> Diagnostic:
 def _taken_in(
     include: Include, own: Configuration, chain: tuple[str, ...], reading: _Reading
 ) -> Parsed:
-    """Return the configuration of one include, its names prefixed with the name of the include."""
+    """Return the configuration of one include, each name prefixed with the name of the include.
+
+    `own` is the including configuration, `chain` the files from the top to it.
+    """
     if next(reading.left, None) is None:
         message = f"more than {MOST_INCLUDES} includes"
         raise _too_many(include.span, message, "include fewer, or write their modules here")
@@ -223,9 +226,10 @@ def _with_prefix(prefix: str, parsed: Parsed) -> Parsed:
 def _attributed_names(
     prefix: str, module: str, names: Iterable[Name], inner: Configuration
 ) -> Iterator[str]:
-    """Yield the modules of an attribute line of an included file.
+    """Yield the modules to which an attribute line of an included file applies, with their prefix.
 
-    If `module` only describes others, they are the modules of this file that it describes.
+    `module` is the name on the line and `names` are the prefixed modules of `inner`. If `module`
+    only describes other modules, these are yielded instead.
     """
     is_its_own = any(name.text == module for name in inner.modules)
     instances = [
@@ -237,7 +241,10 @@ def _attributed_names(
 
 
 def _prefixed_description(prefix: str, name: Name, in_blocks: Iterable[str]) -> str | None:
-    """Return the describing module of an included module, or None if it has the same name."""
+    """Return the name of the module that describes an included one, or None if it is the same.
+
+    The prefix is added if a block of the included file is the description.
+    """
     describing = name.described or name.text
     if describing in in_blocks:
         return None if name.described is None else _prefixed(prefix, describing)
@@ -249,7 +256,7 @@ def _prefixed(prefix: str, name: str) -> str:
 
 
 def prefix_of(name: str, inner: str) -> str:
-    """Return the prefix in `name`, the name of a module that is `inner` in an included file."""
+    """Return the include's prefix of the full name `name`, `inner` in its file; "" if none."""
     return name.removesuffix(inner).removesuffix("/").removeprefix("/" if inner[0] == "/" else "")
 
 
@@ -279,7 +286,10 @@ def _renamed(prefix: str, line: Relationship) -> Relationship:
 
 
 def instances(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Module]:
-    """Yield the modules that share a description, as stated in `@modules`, under their names."""
+    """Yield the description of each module that shares another one's, under its own name.
+
+    `@modules` states the sharing (`Left: Wheel`); a missing description is left out.
+    """
     for name in configuration.modules:
         if name.described is not None and name.text not in described:
             module = described.get(name.described)
@@ -288,7 +298,7 @@ def instances(configuration: Configuration, described: Mapping[str, Module]) -> 
 
 
 def without_idle(configuration: Configuration, described: Iterable[str]) -> Configuration:
-    """Return a configuration without references from included modules to missing descriptions."""
+    """Return a configuration in which included modules refer to no missing description."""
     known = frozenset(described)
 
     def with_known_description(name: Name) -> Name:
@@ -308,9 +318,9 @@ def undescribed(configuration: Configuration, described: Iterable[str]) -> Itera
 
 
 def module_named(name: str, beside: str, known: Container[str]) -> str | None:
-    """Return the module to which a name refers in a statement about the module `beside`, or None.
+    """Return the module that `name` means in a statement about `beside`, or None if unknown.
 
-    It is searched with the prefix of `beside` first, then with ever shorter prefixes.
+    The name is tried with the prefix of `beside` first, then with ever shorter prefixes.
     """
     inner = beside.strip("/").split("/")[:-1]
     prefixes = ("/".join(inner[:length]) for length in range(len(inner), 0, -1))
@@ -323,7 +333,7 @@ def _real(path: str) -> str:
 
 
 def _without_dots(path: Path) -> str:
-    """Return a path without `..`, if it then still leads to the same file."""
+    """Return a path without `..`, or unchanged if it would then name another file."""
     plain = os.path.normpath(path)
     return plain if _real(plain) == _real(str(path)) else str(path)
 

@@ -26,7 +26,7 @@ def launch_rules(rulebook: Rulebook) -> Rulebook:
 
 
 def analyse_trees(project: Project, rulebook: Rulebook) -> Analysis:
-    """Return the findings in the launch trees of a project; `rulebook` holds their stage.
+    """Return the findings in the launch trees of a project; `rulebook` has the launch rules.
 
     Raises:
         MarsError: rules that clingo refuses.

@@ -89,7 +89,7 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
 
 
 def _companions(packs: Sequence[Path]) -> tuple[Path, ...]:
-    """Return the packs next to these that they need, without these."""
+    """Return the packs in the same folders that the packs need, without the packs themselves."""
     given = {each.resolve() for each in packs}
     found = {each.resolve(): each for pack in packs for each in with_companions(pack)}
     return tuple(each for place, each in found.items() if place not in given)

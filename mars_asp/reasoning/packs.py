@@ -79,7 +79,7 @@ class Requirement(NamedTuple):
 
 
 class Manifest(NamedTuple):
-    """The content of a manifest."""
+    """The content of `pack.toml`; `kinds` are the kinds of nodes that the pack provides."""
 
     name: str
     version: str
@@ -153,7 +153,7 @@ def is_pack(folder: Path) -> bool:
 
 
 def with_companions(pack: Path) -> tuple[Path, ...]:
-    """Return a pack after the packs next to it that it needs."""
+    """Return a pack, last, after the packs next to it that it needs, also indirectly."""
     found: dict[Path, None] = {}
     waiting = [pack]
     while waiting:
@@ -169,7 +169,7 @@ def with_companions(pack: Path) -> tuple[Path, ...]:
 
 
 def folders_around(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Yield a folder and its parents, each with the name of the one before, or "" at first."""
+    """Yield a folder and its parents, each with the name of its child on the path ("" first)."""
     name = ""
     for outer in (folder, *folder.parents):
         yield name, outer
@@ -203,7 +203,7 @@ def _entry_points(name: str | None = None) -> "EntryPoints":
 
 
 def _installed(offers: "EntryPoints") -> Iterator[tuple[str, Path]]:
-    """Yield the name and the folder of each pack, without importing its code."""
+    """Yield the name and the folder of each pack in entry points, without importing its code."""
     for offer in offers:
         first, *inner = offer.value.split(".")
         try:
@@ -274,7 +274,7 @@ def _with_manifest(folder: Path, problems: list[Diagnostic]) -> Iterator[Pack]:
 
 
 def _stray(folder: Path) -> Iterator[Diagnostic]:
-    """Yield an error for each folder with rules that belongs to no stage and would be ignored."""
+    """Yield an error for each folder with rules that is not named after a stage."""
     for each in sorted(folder.iterdir()):
         if each.is_dir() and each.name not in (*FOLDERS, *_OTHERS) and any(each.glob("*.lp")):
             near = nearest(each.name, FOLDERS)
@@ -408,7 +408,7 @@ class _ManifestReader:
 
 
 def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
-    """Yield errors for duplicates among packs, and for requirements that are not met."""
+    """Yield errors for duplicate packs or kinds, and for unmet requirements."""
     named = {each.manifest.name: each.manifest for each in packs if each.manifest is not None}
     first: dict[str, Span] = {}
     for manifest in (pack.manifest for pack in packs if pack.manifest is not None):

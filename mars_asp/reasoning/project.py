@@ -49,9 +49,10 @@ class Project:
     """A configuration, the modules described for it, and the diagnostics of their files.
 
     `text` is the text of the configuration, `found` the content of the sources; `blocks` are the
-    texts of the configuration's own module blocks. `brought` is the content of rule packs besides
-    rules, `None` until it is known; `attributes` are the facts of attributes that packs declare.
-    `included` are the texts of included files by path, `trees` the launch trees.
+    texts of the configuration's own module blocks. `brought` are the kinds of nodes and the
+    attributes that rule packs declare, `None` until it is known; `attributes` are the facts of
+    attributes that packs declare. `included` are the texts of included files by path, `trees` the
+    launch trees.
 
     >>> project = load_project("examples/level0/config.mars")
     >>> len(project.configuration.modules)
@@ -73,12 +74,12 @@ class Project:
 
     @property
     def described(self) -> Mapping[str, Module]:
-        """Return the modules that rules know, by name."""
+        """Return the modules described in sources or blocks, by name."""
         return described_modules(self.configuration, self.modules)
 
     @property
     def rates(self) -> Rates:
-        """Return the rates as rules know them."""
+        """Return the numbers that represent the rates of the configuration in facts."""
         return rates_in(self.configuration, self.described)
 
     @property
@@ -181,7 +182,9 @@ def revised(project: Project, texts: Mapping[str, str]) -> Project:
 
 
 def with_brought(project: Project, brought: tuple[object, ...]) -> Project:
-    """Return a project that knows the kinds of nodes and the attributes of rule packs.
+    """Return a project with the kinds of nodes and the attributes that rule packs declare.
+
+    `brought` contains values of `PackKind` and `AttributeKind`.
 
     Raises:
         MarsError: attributes that no pack declares, values of the wrong sort, and nodes of missing
@@ -237,7 +240,9 @@ def has_attributes(project: Project) -> bool:
 
 
 def _project_of(parsed: Parsed, text: str, found: "Extraction | None") -> Project:
-    """Return a configuration with the modules that describe it.
+    """Return a project of a parsed configuration and its sources, with warnings about names.
+
+    `text` is the text of the configuration, `found` the content of its sources, None without any.
 
     Raises:
         MarsError: errors in the annotations.
@@ -304,7 +309,7 @@ def project_facts(
 
 
 def port_names(project: Project, module: str | None = None) -> Mapping[str, tuple[str, str]]:
-    """Return the module and the port of each port name in facts, of one module if one is named."""
+    """Return the module and port for each name of a port in facts; only of `module` unless None."""
     described = project.described
     ends = ends_in(project.configuration, described)
     named = {
@@ -319,7 +324,7 @@ def port_names(project: Project, module: str | None = None) -> Mapping[str, tupl
 
 
 def identified(attribute: Fact) -> Atom:
-    """Return the term that identifies an attribute, with the name that its pack uses."""
+    """Return the term that identifies an attribute in facts, with the name that its pack uses."""
     return attribute.atom._replace(name=plain(attribute.atom.name))
 
 
@@ -356,7 +361,7 @@ def _source_paths(
     folder: Path = _HERE,
     entries: "Entries | None" = None,
 ) -> list[Path]:
-    """Return the paths that a path or glob matches in a folder; note an error if there are none."""
+    """Return the paths that a path or glob matches; if none, add `missing` to `problems`."""
     from mars_asp.annotations.files import find_paths  # noqa: PLC0415 -- only where there are sources
 
     try:
@@ -375,7 +380,7 @@ def _missing(written: str, place: Span, advice: str) -> Diagnostic:
 
 
 def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
-    """Yield warnings for names without annotations that resemble an annotated, unused name."""
+    """Yield warnings for unannotated modules named almost like an annotated, unused one."""
     # A module that another one describes is not misspelt, and uses the other one's name.
     spans = {name.text: name.span for name in configuration.modules if name.described is None}
     used = {name.described or name.text for name in configuration.modules}
@@ -397,7 +402,7 @@ def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> It
 
 
 def _has_its_own(name: Name) -> Diagnostic:
-    """Return the warning that a module has two descriptions, of which only its own counts."""
+    """Return the warning that a description is ignored, as the module has one of its own."""
     return Diagnostic(
         "module-twice",
         "warning",
@@ -408,7 +413,7 @@ def _has_its_own(name: Name) -> Diagnostic:
 
 
 def _not_described(name: Name, described: Mapping[str, Module]) -> Diagnostic:
-    """Return the warning that the module that shall describe another one has no description."""
+    """Return the warning that the module named as the description of another has none."""
     near = nearest(name.described or "", described)
     return Diagnostic(
         "annotations-missing",

@@ -77,7 +77,7 @@ COSTS: Mapping[str, int] = {
 
 
 def by_name(cost: Mapping[int, int]) -> dict[str, int]:
-    """Return a cost by the names of its levels."""
+    """Return the cost by level with the names of levels as keys."""
     return {name: cost.get(level, 0) for name, level in COSTS.items()}
 
 
@@ -112,12 +112,11 @@ def load_rulebook(
     trusted: bool = False,
     noted: list[Diagnostic] | None = None,
 ) -> Rulebook:
-    """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
+    """Return the built-in rules of the base and of `stages`, and the rules of the packs `extra`.
 
-    The following stage of each is read as well. The holes of the built-in messages are only checked
-    if `strict`, as the tests check them. Packs that are `trusted` may rank their minimisation above
-    nodes, conversions and lines. If `noted` is a list, errors are added to it, and the readable
-    rules are returned.
+    Stages that always follow these are read as well. `strict` also checks the variables in built-in
+    messages. Packs that are `trusted` may rank their minimisation above nodes, conversions and
+    lines. If `noted` is a list, errors are added to it, and the readable rules are returned.
 
     Raises:
         MarsError: files that cannot be read or break the limits for packs, wrong metadata, and
@@ -182,7 +181,7 @@ def load_rulebook(
 
 
 def brought_by(extra: Iterable[Path]) -> tuple[object, ...]:
-    """Return the content of rule packs besides rules, without their diagnostics.
+    """Return the kinds of nodes and the attributes that rule packs declare.
 
     Raises:
         MarsError: files that cannot be read, and attributes that are declared in two ways.
@@ -207,7 +206,7 @@ def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace:
 
 
 def _kind_rule(kind: PackKind) -> Rule:
-    """Return the fact of a kind of node, at its location in the manifest."""
+    """Return the fact that declares a kind of node, located in the manifest."""
     declared = kind.kind, kind.carries, kind.inputs, kind.outputs
     atom = Atom("node_kind", tuple(map(Atom, declared)))
     name = f"{kind.span.path}:{kind.span.line}"
@@ -273,7 +272,7 @@ def _frozen(found: Mapping[Signature, set[str]]) -> dict[Signature, frozenset[st
 
 
 def _made(files: Iterable[_RuleText]) -> list[_Read]:
-    """Return the content of built-in files, from the table of the build if it is current."""
+    """Return the content of built-in files, from the table that the build made if it is current."""
     keys = {(file.shown, file.stage, _digest(file.path)): file for file in files}
     return list(
         memoized("rules", _makers(), keys, lambda key: _read_rules(keys[key], False)).values()

@@ -17,7 +17,7 @@ from mars_asp.reasoning.project import Project, load_project, project_facts
 
 
 def samples() -> tuple[Project, ...]:
-    """Return the robots."""
+    """Return the sample robots as projects."""
     ranked, flat, ports = (
         load_project(
             f"{name}.mars",
@@ -59,7 +59,7 @@ def _sampled(number: int) -> Sampled:
 
 @cache
 def _makers() -> tuple[Path, ...]:
-    """Return the source files on which the facts of the samples depend."""
+    """Return the source files that determine the facts of the samples."""
     package = Path(__file__).parents[1]
     folders = ("annotations", "kinematics", "language", "model", "reasoning/facts")
     found = [path for folder in folders for path in (package / folder).rglob("*.py")]

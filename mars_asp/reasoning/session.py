@@ -32,7 +32,6 @@ class Evidence:
 
     `resolution` is the chosen answer of the resolution, or None if none is requested or exists;
     `derived` are the atoms that follow from it.
-    from it.
     """
 
     rulebook: Rulebook
@@ -43,7 +42,7 @@ class Evidence:
 
     @cached_property
     def explainer(self) -> "Explainer":
-        """Return the tracer of derived and chosen atoms; it ends the computation of answers."""
+        """Return the tracer of atoms; afterwards the grounding cannot be solved any more."""
         # Questions without traces do not load the tracer.
         from mars_asp.asp.trace import Explainer  # noqa: PLC0415
         from mars_asp.asp.trace.given import GivenFacts  # noqa: PLC0415
@@ -54,7 +53,7 @@ class Evidence:
 
     @property
     def is_explained(self) -> bool:
-        """Whether something was explained from this evidence already."""
+        """Whether `explainer` was used, so that the grounding cannot be solved any more."""
         return "explainer" in self.__dict__
 
 
@@ -116,7 +115,7 @@ class Reasoner:
         return "_resolved" in self.__dict__
 
     def evidence(self, resolved: bool) -> Evidence:
-        """Return the consequences of the whole project, if `resolved` with the resolution.
+        """Return the rules, facts and consequences of the project, if `resolved` also nodes.
 
         Once there is a resolution it is always included: one grounding has one explainer only.
 
@@ -127,7 +126,7 @@ class Reasoner:
         return self._resolved[0] if resolved or self.is_resolved else self._consequences
 
     def verify(self, specification: Configuration) -> "tuple[Violation, ...]":
-        """Return the violations of a specification of the project; `rulebook` contains `verify`."""
+        """Return the violations of a specification of the project; the rules include `verify`."""
         from mars_asp.reasoning.verification import verify  # noqa: PLC0415
 
         return verify(specification, self.project, self.rulebook)

@@ -62,7 +62,7 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class Caution:
-    """A deviation from the configuration that does not keep it from being realised."""
+    """A difference from the configuration that does not violate a clause."""
 
     message: str
     help: str | None
@@ -103,7 +103,7 @@ def judge_specification(
     grounding: Grounding | None = None,
     modules: Mapping[str, Module] | None = None,
 ) -> Verification:
-    """Return the violations and cautions of a specification, and the grounding that has them.
+    """Return the violations and cautions of a specification, with their grounding.
 
     `modules` are the ones that the specification's own sources describe. The result rests on facts
     and built-in rules alone. The findings of packs are added; the grounding is then that of the
@@ -153,7 +153,7 @@ def _judged_by(
     grounding: Grounding | None,
     judges: Sequence[Rule] | None,
 ) -> Verification:
-    """Return the findings of all rules, or of the rules in `judges` alone."""
+    """Return the violations and cautions that rules find; `judges` restricts the rules."""
     if judges is None:
         judges = [rule for rule in rulebook.rules if _is_judge(rule)]
     judging = [*rulebook.fragments(_STAGE), *saying(_STAGE, judges), facts]
@@ -208,7 +208,7 @@ def written_cost(
 
 
 def _judged(rulebook: Rulebook) -> frozenset[str]:
-    """Return the predicates that configurations and specifications both have as facts."""
+    """Return the names of facts that configurations and specifications both have."""
     base = set(given_in(rulebook, "base"))
     judged = given_in(rulebook, "verify")
     given = (each._replace(name=each.name.removeprefix(_OF_SPECIFICATION)) for each in judged)
@@ -307,7 +307,7 @@ def _shared_names(
 
 
 def _conversion_facts(specification: Configuration, names: RepresentationNames) -> Iterator[Fact]:
-    """Yield the conversions in comments, with the representation names of the project's rules."""
+    """Yield the conversions that comments state, with canonical representations."""
     for conversion in specification.conversions:
         node, span = conversion.transformer, conversion.span
         ends = (names.canonical[name] for name in (conversion.source, conversion.target))

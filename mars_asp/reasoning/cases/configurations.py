@@ -45,7 +45,7 @@ _NUMBERED = ("nodes", "cost", "findings", "order")
 
 @dataclass(frozen=True)
 class ExpectedFinding:
-    """The finding of an expectation; None matches any value."""
+    """The finding of an expectation; a field that is None (`lines`: empty) matches any value."""
 
     severity: str | None
     kind: str
@@ -77,7 +77,10 @@ class ReportedFinding:
 
 @dataclass(frozen=True)
 class ExpectationLine:
-    """A line with an expectation: its keyword `what`, and the texts `before` and after it."""
+    """A line with an expectation: its keyword `what`, and the texts `before` and after it.
+
+    `wanted` are the findings that it lists, `counts` its counts, None if it has none.
+    """
 
     what: str
     before: str
@@ -157,7 +160,10 @@ class _Robot:
         return tuple(map(self._reported_finding, self._reasoner.analysis.consequences))
 
     def counted_of(self, what: str) -> Mapping[str, int] | None:
-        """Return the counts for the keyword of a line, or None if there is no specification."""
+        """Return the actual counts for an expectation with the keyword `what`.
+
+        They are None if no specification exists; `expect findings` has counts even then.
+        """
         if what == "expect findings":
             return self.findings
         if not self.is_realised:
@@ -215,7 +221,7 @@ class _Robot:
 
     @cached_property
     def own_kinds(self) -> frozenset[str] | None:
-        """Return the kinds of findings of packs; None without packs, or if a rule finds any."""
+        """Return the kinds of findings of packs; None without packs, or if one is a variable."""
         own = self.rulebook.rules[len(self.rulebook.rules) - self.rulebook.pack_rules :]
         kinds = [kinds_of(rule) for rule in own]
         if not self.rulebook.packs or None in kinds:
@@ -224,7 +230,7 @@ class _Robot:
 
     @cached_property
     def is_open(self) -> bool:
-        """Whether a rule can find any kind."""
+        """Whether some rule computes the kinds of its findings, so that any kind is possible."""
         return any(kinds_of(rule) is None for rule in self.rulebook.rules)
 
     def _reported_finding(self, found: Consequence) -> ReportedFinding:
@@ -358,7 +364,7 @@ def _unmet(
 
 
 def _order_of(line: ExpectationLine, robot: _Robot) -> str | None:
-    """Return the order of the controllers of the module that a line names."""
+    """Return the actual order of the controllers of the line's module, or None if it has one."""
     module = line.text.partition(":")[0]
     return next((each for each in robot.orders if each.partition(":")[0] == module), None)
 
@@ -401,8 +407,9 @@ def _failure(span: Span, expected: str, found: Iterable[object], near: object = 
 
 
 def _updated(text: str, lines: Sequence[ExpectationLine], robot: _Robot) -> str:
-    """Return a text with updated expectations; a text without expectations receives some.
+    """Return the text of a configuration with its expectations changed to the actual results.
 
+    `lines` are the expectations in it. If there are none, expectations of all results are appended.
     `never` lines stay unchanged, and so do expected findings without a similar result.
     """
     if not lines:

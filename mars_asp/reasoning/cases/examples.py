@@ -37,9 +37,10 @@ def example_of(rule: Rule) -> Path | None:
 
 
 def example_trace(rule: Rule, rulebook: Rulebook) -> tuple[str, Trace] | None:
-    """Return an atom that a rule of the base or about launch files derives in its example, or None.
+    """Return an atom that a rule derives in its example, with the trace of the atom.
 
-    The second value is the trace of the atom.
+    The result is None if the rule has no readable example, or derives nothing there. Only rules of
+    the base and rules about launch files are supported.
 
     Raises:
         MarsError: the example cannot be read.
@@ -67,7 +68,7 @@ def example_trace(rule: Rule, rulebook: Rulebook) -> tuple[str, Trace] | None:
 
 
 def _can_derive(rule: Rule, symbol: clingo.Symbol) -> bool:
-    """Whether the heads of a rule allow the first argument of an atom."""
+    """Whether the heads of a rule can derive an atom, judged by its first argument."""
     firsts = {name for named in rule.firsts.values() for name in named}
     return not firsts or not symbol.arguments or str(symbol.arguments[0]) in firsts
 

@@ -28,9 +28,9 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
 
 
 def stages_of(path: Path) -> tuple[str, ...]:
-    """Return the stages after which the folders of a case are named, and those that follow.
+    """Return the stages whose rules a case needs, read from the names of the folders around it.
 
-    A configuration also has the rules of `resolve`.
+    They include the stages that always follow these, and `resolve` for a configuration.
     """
     named = cases.stages_of(path, STAGES)
     if path.suffix == SUFFIX:
@@ -39,7 +39,7 @@ def stages_of(path: Path) -> tuple[str, ...]:
 
 
 def tried(path: Path, rulebook: Rulebook) -> Case:
-    """Return the cases of a file as facts, with their stages and a function that runs them.
+    """Return the cases in a file as texts of facts, with their stages and a function to run them.
 
     Raises:
         MarsError: clingo must not read it, or an expectation cannot be read.

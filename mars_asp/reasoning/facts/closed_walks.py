@@ -37,7 +37,7 @@ def closed_walks(lines: Iterable[tuple[int, Relationship]]) -> Iterator[Fact]:
 
 
 def _spelt(kind: str, knot: Knot) -> str:
-    """Return the text of a cycle, as `A -> B -> A`; control goes against the steps of the walk."""
+    """Return a cycle as `A -> B -> A`, from the controller on if `kind` is `control`."""
     first, *others = (start for start, _, _ in knot.walk)
     if kind == "control":
         others.reverse()

@@ -56,7 +56,7 @@ from mars_asp.spelling import nearest, resemblances
 
 
 class FactNaming(NamedTuple):
-    """The names of ports, numbers of rates and names of representations in facts."""
+    """The names of ports and representations in facts, and the numbers that represent rates."""
 
     ends: Ends
     rates: Rates
@@ -161,7 +161,7 @@ class Compiler:
 
     @cached_property
     def _called(self) -> Mapping[tuple[str, int], str]:
-        """Return the output names of modules with several services, by module and service."""
+        """Return the output names of modules with several, by module and `id` of the service."""
         return {
             (name, id(module.services[number])): self.naming.ends.output(name, port)
             for name, module in self.described.items()
@@ -222,7 +222,7 @@ class Compiler:
                 self.add(file.span, "builds", file.module)
 
     def each_module(self) -> None:
-        """Add the modules that the configuration names."""
+        """Add a fact for each module that the configuration names, with its location."""
         for name in self.configuration.modules:
             self.add(name.span, "module", name.text)
             self.place(name.text, name.span)
@@ -245,7 +245,7 @@ class Compiler:
             self.annotation(number, module, annotation)
 
     def description(self, module: Module) -> None:
-        """Add the description of a module: its classes and its guard."""
+        """Add the classes of a described module and its guard."""
         self.add(module.named or module.span, "described", module.name)
         for module_class, span in annotated_classes(module).items():
             self.add(span, "class", module.name, Atom(module_class))
@@ -253,7 +253,7 @@ class Compiler:
             self.add(module.guard, "guard", module.name)
 
     def annotation(self, number: int, module: Module, annotation: Service | Function) -> None:
-        """Add one annotation of a module."""
+        """Add one annotation of a module; `number` is its identifier."""
         if isinstance(annotation, Service):
             self.service(number, module.name, annotation)
         else:
@@ -266,16 +266,16 @@ class Compiler:
             self.facts.append(Fact(Atom(name, arguments), span))
 
     def take(self, facts: Iterable[Fact]) -> None:
-        """Add the facts whose predicates are wanted."""
+        """Add those of some facts whose predicates are wanted."""
         wanted = self.wanted
         self.facts += (fact for fact in facts if wanted is None or fact.atom.name in wanted)
 
     def place(self, identifier: Term, span: Span) -> None:
-        """Add the location of a statement or annotation."""
+        """Add the location of the statement or annotation with an identifier."""
         self.add(span, "place", identifier, encodable(span.path), span.line, span.column)
 
     def relationship(self, number: int, relationship: Relationship) -> None:
-        """Add one relationship."""
+        """Add the facts of one relationship; `number` is its identifier."""
         span = relationship.span
         match relationship:
             case Data(client):
@@ -303,7 +303,7 @@ class Compiler:
         self.place(number, span)
 
     def words(self) -> None:
-        """Add the text of each mode with its rate, once."""
+        """Add the text of each mode together with its rate, once for each."""
         known = set()
         entries = set()
         for mode, hz, otherwise, span in self.written_modes():
@@ -332,7 +332,7 @@ class Compiler:
                         yield mode, hz, NONE, service.span
 
     def service(self, number: int, name: str, service: Service) -> None:
-        """Add a service annotation of a module."""
+        """Add a service annotation of the module `name`; `number` is its identifier."""
         span, (canonical, ambiguous) = service.span, self.naming.names
         if service.kind == "Converts":
             source, target = (*service.inputs, None)[0], service.output
@@ -352,7 +352,7 @@ class Compiler:
             self.candidates(number, name, representation, span)
 
     def offer(self, number: int, name: str, service: Service) -> None:
-        """Add the output of a module, with its modes and rates."""
+        """Add the output of the module `name`, with modes and rates; `number` identifies it."""
         span = service.span
         name = self._called.get((name, id(service)), name)
         self.add(span, "delivers", number, name)
@@ -387,7 +387,10 @@ class Compiler:
         self.take(rounded_rates(self.configuration, self.naming.ends, services, self.naming.rates))
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
-        """Add the possible meanings of an ambiguous representation."""
+        """Add the possible meanings of a `written` representation, if it is ambiguous.
+
+        `number` identifies its annotation, `name` is its port.
+        """
         for candidate in self.naming.names.ambiguous.get(written or "", ()):
             self.add(span, "ambiguous_name", number, name, written or "", candidate)
 

@@ -21,7 +21,10 @@ _IDENTITY = "(_,_,_,_,_,_,_)"
 def instance_facts(
     prefix: str, configuration: Configuration, described: Mapping[str, Module]
 ) -> Iterator[Fact]:
-    """Yield the module that describes each module of a configuration, where one is known."""
+    """Yield a fact with the describing module of each module of a configuration that has one.
+
+    `prefix` precedes the name of the predicate; `described` are the described modules by name.
+    """
     for name in configuration.modules:
         own = name.text if name.text in described else None
         if (instance := name.described or own) is not None:
@@ -31,9 +34,10 @@ def instance_facts(
 def description_facts(
     prefix: str, described: Mapping[str, Module], canonical: Mapping[str, str]
 ) -> Iterator[Fact]:
-    """Yield the parts of each module's description.
+    """Yield a fact for each detail of each module's description, so that two can be compared.
 
-    `canonical` are the representations as the rules compare them.
+    `prefix` precedes the names of the predicates. `canonical` maps each representation to the name
+    that the rules compare.
     """
     for module in described.values():
         place = module.named or module.span
@@ -54,7 +58,7 @@ def _location(span: Span) -> Atom:
 def _details(
     module: Module, canonical: Mapping[str, str]
 ) -> Iterator[tuple[str, str, str, str, Span]]:
-    """Yield part, name, aspect, value and location of each detail of a description."""
+    """Yield part, name, aspect, value and location of each detail of a module's description."""
     if module.guard is not None:
         yield "annotation", "@Guard", "place", "stated", module.guard
     for function in module.functions:
@@ -98,7 +102,7 @@ def _named_services(module: Module) -> Mapping[int, tuple[str, str]]:
 def _aspects(
     service: Service, own: list[str], canonical: Mapping[str, str]
 ) -> Iterator[tuple[str, str]]:
-    """Yield the aspects of a service; `own` are the names of its inputs."""
+    """Yield each aspect of a service with its value; `own` are the names of its inputs."""
     yield "annotation", f"@{service.kind}"
     if service.kind == "Converts":
         ends = (*service.inputs[:1], service.output)

@@ -46,31 +46,35 @@ class Ends:
     _port_of: Mapping[str, str]
 
     def source(self, data: Data) -> str:
-        """Return the name of the output that a line uses."""
+        """Return the name of the output from which a data line takes its data."""
         port = data.source_port
         unknown = data.source if port is None else end(data.source, port)
         return self._sources.get((data.source, port), unknown)
 
     def entry(self, data: Data) -> str | None:
-        """Return the name of the input that a line uses, or None if it needs none."""
+        """Return the name of the input at which a data line arrives, or None if it needs none."""
         port = data.client_port
         if port is None:
             return self._clients.get((data.client, None))
         return self._clients.get((data.client, port), end(data.client, port))
 
     def output(self, module: str, port: str) -> str:
-        """Return the name of an output of a module."""
+        """Return the name of an output in facts: `MODULE.PORT`, or `MODULE` if it has only one."""
         return self._sources.get((module, port), module)
 
     def services(self, described: Mapping[str, Module]) -> dict[str, Service]:
-        """Return the delivering service of each output, if exactly one is described."""
+        """Return the service that delivers each output, by the name of the output.
+
+        An output without exactly one delivering service is left out. `described` are the described
+        modules.
+        """
         delivering = ((name, _delivering(module)) for name, module in described.items())
         found = {name: services[0] for name, services in delivering if len(services) == 1}
         several = ((name, output.service) for name, output in self.outputs.items())
         return found | {name: service for name, service in several if service is not None}
 
     def written(self, name: str) -> tuple[str, str | None]:
-        """Return the module and, if lines name it, the port of an output."""
+        """Return the module and port of an output in facts; None if no line names the port."""
         found = self.outputs.get(name)
         return (name, self._port_of.get(name)) if found is None else (found.module, found.port)
 
@@ -159,7 +163,7 @@ def _delivering(module: Module) -> list[Service]:
 
 
 def _outputs(name: str, module: Module | None, named: Iterable[str]) -> Sequence[Output]:
-    """Return the outputs that a module has, and the outputs that lines name."""
+    """Return the outputs of a module, with those that lines name (`named`)."""
     known = {} if module is None else outputs(module)
     services: Sequence[Service] = () if module is None else module.services
     return [
@@ -169,7 +173,7 @@ def _outputs(name: str, module: Module | None, named: Iterable[str]) -> Sequence
 
 
 def _free(taken: set[str], module: str, port: str) -> str:
-    """Return a name of a port that is not taken, and take it."""
+    """Return `MODULE.PORT`, with `'` appended until it is not in `taken`, and add it to `taken`."""
     text = end(module, port)
     while text in taken:
         text += "'"

@@ -45,7 +45,7 @@ def numbered_annotations(
 def annotation_numbers(
     configuration: Configuration, described: Mapping[str, Module]
 ) -> Mapping[tuple[str, int], tuple[int, Span]]:
-    """Return the identifier and the location of each annotation, by its module and its `id`."""
+    """Return the identifier and location of each annotation, by its module and its `id`."""
     return {
         (module.name, id(annotation)): (number, annotation.span)
         for number, module, annotation in numbered_annotations(configuration, described)
@@ -71,12 +71,12 @@ def hold_term(hold: Hold) -> int | Atom:
 
 
 def hold_of(term: Symbol) -> Hold:
-    """Return the hold of a term."""
+    """Return the hold time that a term of facts represents."""
     return term.number if term.type == SymbolType.Number else FOREVER
 
 
 def mode_of(term: Symbol) -> Mode:
-    """Return the mode of a term mode(Name, Arguments)."""
+    """Return the mode that a term `mode(Name, Arguments)` represents."""
     name, inside = (argument.string for argument in term.arguments)
     mode = parse_mode(f"{name}({inside})" if inside else name)
     if not isinstance(mode, Mode):

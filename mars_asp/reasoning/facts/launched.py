@@ -56,9 +56,9 @@ def launch_facts(trees: Iterable[LaunchTree]) -> tuple[Fact, ...]:
 
 
 def _similar_names(nodes: Sequence[GraphNode]) -> Iterator[Fact]:
-    """Yield topics without a publisher beside topics and nodes that are named like them.
+    """Yield each subscribed topic without a publisher, with the topics and nodes of similar names.
 
-    These are the topics without a subscriber and the nodes that are not wholly read.
+    Only topics without a subscriber are compared, and nodes whose program could not be read wholly.
     """
     heard = {end.topic: end.span for node in nodes for end in node.subscribed}
     sent = {end.topic for node in nodes for end in node.published}
@@ -75,7 +75,7 @@ def _similar_names(nodes: Sequence[GraphNode]) -> Iterator[Fact]:
 
 
 def _are_alike(topic: str, other: str) -> bool:
-    """Whether names differ by a namespace, or in one word by its spelling or a part of it."""
+    """Whether names differ by a namespace, or in one word by its spelling or missing components."""
     words, others = topic.split("/")[1:], other.split("/")[1:]
     if len(words) != len(others):
         short, long = sorted((words, others), key=len)
@@ -157,13 +157,13 @@ class _TreeFacts:
                 yield _fact_at(key.span, "rewrites", path, file)
 
     def with_place(self, span: Span, name: str, *arguments: Term) -> Iterator[Fact]:
-        """Yield a fact about something new, and the place of that."""
+        """Yield a fact `name(Number, ...)` with a new number, and the location of the number."""
         number = next(self.numbers)
         yield _fact_at(span, name, number, *arguments)
         yield _fact_at(span, "place", number, span.path, span.line, span.column)
 
     def of_start(self, started: GraphNode | Mux | Relay, package: str) -> tuple[int, list[Fact]]:
-        """Return the number of a node, mux or relay, and its facts."""
+        """Return the number of a node, mux or relay of `package`, and the facts of its start."""
         found = list(self.with_place(started.span, "launched", self.tree.path, started.name))
         number = found[0].atom.arguments[0]
         assert isinstance(number, int)
@@ -210,13 +210,13 @@ class _TreeFacts:
             yield from self.with_place(span, "manages", number, managed)
 
     def of_files(self, number: int, files: Iterable[GivenFile]) -> Iterator[Fact]:
-        """Yield the facts of the parameter files that a node or mux is given."""
+        """Yield the facts of the parameter files that the node or mux `number` is given."""
         for file in files:
             fits = Atom(_FITS[file.is_for_it])
             yield from self.with_place(file.span, "given", number, file.path, fits)
 
     def of_end(self, name: str, node: int, end: Endpoint) -> Iterator[Fact]:
-        """Yield the facts of an end of a topic."""
+        """Yield the facts of a publisher or subscriber of the node; `name` is the predicate."""
         first, *others = self.with_place(end.span, name, node, end.topic)
         yield from (first, *others)
         number = first.atom.arguments[0]

@@ -33,7 +33,10 @@ _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W_A-Za-z0-9]+")
 
 
 class PortEnd(NamedTuple):
-    """An output or input: its annotation, its place there, its module, name and representation."""
+    """An output or input of the module `module`, named `port`.
+
+    `annotation` is the identifier of the annotation that declares it, and `place` its index there.
+    """
 
     annotation: int
     place: int
@@ -46,10 +49,11 @@ class PortEnd(NamedTuple):
 def nearest(
     inputs: Iterable[PortEnd], outputs: Iterable[PortEnd], free: Set[PortEnd]
 ) -> Iterator[tuple[PortEnd, PortEnd, int]]:
-    """Yield inputs with the free outputs of other modules that are most like them, and their rank.
+    """Yield each input with the outputs that are most similar to it, and their rank from 0.
 
-    Of parts that are alike (`left/...`, `right/...`) each has outputs of its own, so an input is
-    compared with no output of another part that its own part has as well.
+    Only outputs in `free` of other modules and the same representation are candidates. In robots
+    with similar components (`left/...`, `right/...`), an input is not compared with the output of
+    another component if its own component has such an output as well.
     """
     by_representation: dict[str, list[PortEnd]] = {}
     for output in outputs:
@@ -68,7 +72,10 @@ def nearest(
 
 
 class _Pool:
-    """Outputs of one representation; arrays have an entry for each free output."""
+    """Outputs of one representation, to be searched for those that are most similar to an input.
+
+    The arrays have an entry for each free output.
+    """
 
     def __init__(self, outputs: Sequence[PortEnd], free: Set[PortEnd]) -> None:
         # Few configurations have loose ends of one type.
@@ -114,7 +121,7 @@ class _Pool:
 
 
 class _Namespaces:
-    """Where modules with outputs are in nested namespaces."""
+    """The namespaces of modules with outputs, and how far they are from each other."""
 
     def __init__(self, outputs: Sequence[PortEnd], free: Sequence[PortEnd]) -> None:
         import numpy as np  # noqa: PLC0415
@@ -167,7 +174,7 @@ class _Namespaces:
 def _columns(
     features: Sequence[Counter[str]],
 ) -> "tuple[NDArray[np.int64], dict[str, _Column]]":
-    """Return the number of features of each name, and how often names have each feature."""
+    """Return the number of features of each name, and a column of counts for each feature."""
     import numpy as np  # noqa: PLC0415
 
     found: dict[str, dict[int, int]] = {}

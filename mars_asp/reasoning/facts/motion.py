@@ -78,14 +78,17 @@ def frames(
 
 
 def postures(robot: KinematicTree) -> tuple[Posture, tuple[Posture, ...]]:
-    """Return a robot at rest and in several generic postures."""
+    """Return a robot's posture at rest, and several random ones without axes aligned by chance."""
     return take_posture(robot), tuple(generic_posture(robot, seed) for seed in _SEEDS)
 
 
 def scene(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> tuple[list[Mount], Mapping[str, Module], set[str]]:
-    """Return the mounts by identifier, the described modules, and the possible heirs of motions."""
+    """Return the mounts, the described modules, and the names of modules that may inherit motions.
+
+    Sensors, end-effectors and controlled modules may inherit motions of their carriers.
+    """
     known = described_modules(configuration, modules)
     numbers = [relationship for _, relationship in numbered(configuration.relationships)]
     mounts = [relationship for relationship in numbers if isinstance(relationship, Mount)]
@@ -103,7 +106,11 @@ def observations(
     generic: tuple[Posture, ...],
     queried: Sequence[str],
 ) -> Iterator[Atom]:
-    """Yield the facts about the carriers of one mounted module, in the frame of this module."""
+    """Yield the facts about the motions that a mounted module gets from its carriers.
+
+    All are in the frame of the module `name`. `rest` and `generic` are the postures of `postures`;
+    `queried` are functions whose minimal combinations are added.
+    """
     ancestors = robot.ancestors(name)
     yield Atom("rooted", (name, ancestors[-1], len(ancestors)))
     providers = [ancestor for ancestor in ancestors if robot.joints[ancestor]]
@@ -141,7 +148,10 @@ def _matrix_rank(columns: Matrix) -> int:
 
 
 def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Iterator[Atom]:
-    """Yield the motion that a carrier's function gives a module: one axis, or shares of several."""
+    """Yield the motion that a carrier's function gives a module: one axis, or several shares.
+
+    `name` is the module, `provider` the carrier, `twist` the velocity of the module, in its frame.
+    """
     turns = function.startswith("Rotn")
     direction = twist[:3] if turns else twist[3:]
     names = MOTION_FUNCTIONS[:3] if turns else MOTION_FUNCTIONS[3:]
@@ -156,7 +166,7 @@ def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Itera
 
 
 def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iterator[Atom]:
-    """Yield the distances between a module's origin and the axes of a provider that turn it.
+    """Yield the distance of a module's origin from each axis by which a provider turns it.
 
     The axes of a provider meet in its origin, which is at `place` in the module's frame.
     """
@@ -169,9 +179,9 @@ def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iter
 
 
 def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the motions to which one provider's joints combine, with the joints that contribute.
+    """Yield the motions that one provider's joints, with these `twists`, give together.
 
-    Translations include those along an arc.
+    Each comes with the contributing joints. Translations include those along an arc.
     """
     for rows, functions in ((twists[:3], MOTION_FUNCTIONS[:3]), (twists, MOTION_FUNCTIONS)):
         for index in np.flatnonzero(spanned(rows)):
@@ -182,7 +192,10 @@ def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str
 
 
 def _supports(robot: KinematicTree, name: str, free: Matrix, alone: Set[str]) -> Iterator[Atom]:
-    """Yield the smallest, nearest sets of carriers that only together provide a function."""
+    """Yield the smallest, nearest sets of carriers that provide a function only together.
+
+    `free` has the twists of all joints in a generic posture; functions in `alone` are left out.
+    """
     distance = {ancestor: n for n, ancestor in enumerate(robot.ancestors(name), 1)}
     providers = [ancestor for ancestor in distance if robot.joints[ancestor]]
     joints = [joint for provider in providers for joint in robot.joints[provider]]
@@ -207,7 +220,7 @@ def _supports(robot: KinematicTree, name: str, free: Matrix, alone: Set[str]) ->
 
 
 def _circuits(robot: KinematicTree, name: str, free: Matrix, function: str) -> Iterator[Atom]:
-    """Yield minimal sets of motions of several carriers that together give a function."""
+    """Yield minimal sets of joints, of several carriers, that together give a function."""
     joints = [joint for ancestor in robot.ancestors(name) for joint in robot.joints[ancestor]]
     if function not in MOTION_FUNCTIONS:
         return

@@ -21,7 +21,7 @@ _Parts: TypeAlias = Mapping[str, frozenset[Joint]]
 def otherwise(
     configuration: Configuration, modules: Mapping[str, Module], wanted: Set[str]
 ) -> Iterator[Atom]:
-    """Yield how functions of the modules `wanted` are made up without each motion and mount.
+    """Yield facts on how functions of the modules in `wanted` combine without each motion or mount.
 
     See `rules/account/vocabulary.lp` for the predicates.
     """
@@ -46,7 +46,10 @@ def otherwise(
 def _changed(
     robot: KinematicTree, carrier: str
 ) -> Iterator[tuple[Atom, KinematicTree, Set[Joint]]]:
-    """Yield a robot without each motion and the mount of a module, and the joints it lacks."""
+    """Yield each variant of a robot in which a module lacks one of its motions, or its mount.
+
+    Each comes with the atom of the change and with the joints that no longer act.
+    """
     joints = robot.joints[carrier]
     for joint in joints:
         others = tuple(each for each in joints if each != joint)
@@ -59,7 +62,10 @@ def _changed(
 
 
 def _joint_sets(robot: KinematicTree, names: Iterable[str]) -> Mapping[str, _Parts]:
-    """Return the motions that make up each function: the first support, which rules choose."""
+    """Return, by module and function, the joints that give the function together.
+
+    Of several sets of joints it is the first one, which the rules choose as well.
+    """
     rest, generic = postures(robot)
     result = {}
     for name in names:

@@ -40,7 +40,10 @@ def named_inputs(ends: Ends, lines: Numbered) -> Iterator[Fact]:
 
 
 def turns(configuration: Configuration, ends: Ends, lines: Numbered) -> Iterator[Fact]:
-    """Yield the order of the lines that name no input, for each client of `ends.entries`."""
+    """Yield the index of each line that names no input, among such lines of its client.
+
+    Only clients with an entry in `ends.entries` are included.
+    """
     clients = {each.module for each in ends.entries.values() if each.found is not None}
     if not clients:
         return
@@ -53,7 +56,7 @@ def turns(configuration: Configuration, ends: Ends, lines: Numbered) -> Iterator
 
 
 def input_facts(configuration: Configuration, described: Described, ends: Ends) -> Iterator[Fact]:
-    """Yield the inputs of clients that have several, or of which a line names one."""
+    """Yield the inputs of clients that have several inputs or whose input is named by a line."""
     if not ends.entries:
         return
     places, numbers = _module_spans(configuration), annotation_numbers(configuration, described)
@@ -100,7 +103,7 @@ def loose_ends(
 
 
 def unknown_ports(described: Described, ends: Ends) -> Mapping[str, Iterable[str]]:
-    """Return the ports that lines name and modules lack, with the actual ports of the modules."""
+    """Return the ports that lines name but their modules lack, with the module's actual ports."""
     found: dict[str, Iterable[str]] = {}
     for text, output in ends.outputs.items():
         if output.service is None and output.module in described:
@@ -124,7 +127,10 @@ def _module_spans(configuration: Configuration) -> Mapping[str, Span]:
 def _port_ends(
     described: Described, of: _PortsOf, numbers: _Numbers, canonical: Mapping[str, str]
 ) -> Iterator[PortEnd]:
-    """Yield the ports of described modules."""
+    """Yield the ports of described modules; `of` returns the outputs or the inputs of one module.
+
+    `numbers` are the identifiers of annotations, `canonical` the canonical representations.
+    """
     for name, module in described.items():
         for called, service, place, representation in of(module):
             number, span = numbers[name, id(module.services[service])]

@@ -34,7 +34,7 @@ class Rates:
         return sorted(self._meant)
 
     def millihertz(self, hz: Fraction) -> int:
-        """Return the number of a rate in facts."""
+        """Return the number that represents a rate in facts, close to its millihertz."""
         result = self._numbers.get(hz)
         if result is not None:
             return result
@@ -63,7 +63,7 @@ def rates_in(configuration: Configuration, described: Mapping[str, Module]) -> R
 
 
 def rates_of(rates: Iterable[Fraction]) -> Rates:
-    """Return the numbers of rates that are compared with each other."""
+    """Return distinct numbers of rates that are compared with each other, in the same order."""
     every = {hz: hz for hz in rates}
     if all((hz * 1000).denominator == 1 for hz in every):
         return Rates({}, {}, {int(hz * 1000) for hz in every})

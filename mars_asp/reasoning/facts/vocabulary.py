@@ -29,7 +29,7 @@ THINGS = frozenset({"relationship", "annotation", "module", "representation"})
 
 
 def given_in(rulebook: "Rulebook", *stages: str) -> "tuple[Signature, ...]":
-    """Return the predicates that files of some stages declare as facts, from a table made once."""
+    """Return the predicates that the rule files of some stages declare as input facts."""
     from mars_asp.asp.cache import memoized  # noqa: PLC0415 -- with rules alone
     from mars_asp.asp.rules import declarations  # noqa: PLC0415
 

@@ -47,14 +47,18 @@ CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
 
 
 def at_module(kind: str, name: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
-    """Return the atoms that represent a node of a kind at a module, also for kinds of packs."""
+    """Return the atoms that represent a node of `kind` at a module; kinds may be of packs."""
     if kind in _AT_MODULE:
         return _AT_MODULE[kind](name)
     return (clingo.Function("inserted_at", [clingo.Function(kind), name, hole()]),)
 
 
 class AbsenceQuestion(NamedTuple):
-    """A question about a kind of consequence or node, at one module or any, or about an atom."""
+    """A question why something is absent: a node or consequence of a `kind`, or an atom.
+
+    `module` is None for any module. `patterns` are the atoms that would be an answer, with holes;
+    `shown` is the question in messages.
+    """
 
     shown: str
     patterns: tuple[clingo.Symbol, ...]
@@ -68,7 +72,7 @@ class AbsenceQuestion(NamedTuple):
 
 
 class Vocabulary:
-    """The names that can occur in a question."""
+    """The names that can occur in a question about an absence."""
 
     def __init__(self, reasoner: Reasoner) -> None:
         self._reasoner, rulebook = reasoner, reasoner.rulebook
@@ -132,7 +136,7 @@ class Vocabulary:
         )
 
     def question(self, subject: str) -> AbsenceQuestion:
-        """Return the question of a subject."""
+        """Return the parsed question: `KIND(MODULE)` or an atom; MarsError for unknown names."""
         call = CALL.fullmatch(subject)
         if call is not None:
             name = call[2] if call[2] is not None else call[3]
@@ -152,7 +156,10 @@ class Vocabulary:
         return AbsenceQuestion(subject, (self._known_atom(subject),))
 
     def _module_term(self, name: str | None, word: str) -> tuple[clingo.Symbol, str]:
-        """Return the term of a name, or of any name, and the text of the subject in the answer."""
+        """Return the term of a module and the text `word(name)`, which answers show.
+
+        Without a name (None, "" or `_`) they are a term that matches any module, and `word` alone.
+        """
         if name in (None, "", "_"):
             return hole(), word
         # The rules of the base are only about modules.
@@ -160,7 +167,7 @@ class Vocabulary:
         return self._string(name or "", names), f"{word}({name})"
 
     def _is_kind(self, name: str) -> bool:
-        """Whether rules that derive any kind could derive one of this name."""
+        """Whether a name may be a kind, as a rule with a variable for the kind could derive it."""
         return self._any_kind and name in self._constants and not self._is_predicate(name)
 
     def _is_predicate(self, name: str) -> bool:
@@ -180,7 +187,7 @@ class Vocabulary:
         return clingo.Function(found.name, list(map(self._known, found.arguments)), found.positive)
 
     def _relationship(self, relationship: clingo.Symbol) -> clingo.Symbol | None:
-        """Return the pattern of a relationship from its two modules, or None for another atom."""
+        """Return the pattern of any relationship of its two modules; None for another atom."""
         shape = RELATIONSHIPS.get(relationship.name)
         if shape is None or len(relationship.arguments) != 2:
             return None
@@ -196,7 +203,7 @@ class Vocabulary:
         return self._string(term.name, self._modules) if is_word else term
 
     def _known(self, term: clingo.Symbol) -> clingo.Symbol:
-        """Check the constants of a term; a variable with the name of a module is that module."""
+        """Return a term with module names as strings; raise MarsError for an unknown constant."""
         if is_hole(term):
             name = term.arguments[0].string
             # Making all facts takes long, and most questions are about modules.
@@ -269,7 +276,7 @@ def _module(term: clingo.Symbol) -> str | None:
 
 
 def collect_names(symbol: clingo.Symbol, constants: set[str], strings: set[str]) -> None:
-    """Note the constants and strings that a term is made of."""
+    """Add the constants and strings in a term to the two sets."""
     if symbol.type == clingo.SymbolType.String:
         strings.add(symbol.string)
     elif symbol.type == clingo.SymbolType.Function:

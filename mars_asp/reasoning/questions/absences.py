@@ -51,14 +51,14 @@ class Absence:
 
     @property
     def title(self) -> str:
-        """Return the absent thing in the syntax of `--why-not`."""
+        """Return the absent thing as `KIND(MODULE)`."""
         return f"{self.kind}({self.module})"
 
 
 def absences(
     reasoner: Reasoner, modules: Sequence[str], only: Sort | None = None
 ) -> Iterator[Absence]:
-    """Yield the absent nodes and consequences of modules, or only one sort, with the reasons.
+    """Yield the absent nodes and consequences of modules with the reasons; `only` selects one sort.
 
     Kinds without a rule in `rules/absence`, such as those of rule packs, are left out, and for a
     subset of the modules also kinds that depend on the whole. Above `MOST_MODULES` there are none.
@@ -125,7 +125,10 @@ def _consequences(evidence: Evidence) -> Iterator[tuple[tuple[str, str], Absence
 def _nodes(
     evidence: Evidence, synthesis: Synthesis, words: Mapping[str, str], modules: Sequence[str]
 ) -> Iterator[tuple[tuple[str, str], Absence]]:
-    """Yield the nodes at modules, or that resolve their consequences, by kind and module."""
+    """Yield the existing nodes at modules or for their consequences, by kind and module.
+
+    `words` are the names of kinds in answers.
+    """
     specification = synthesis.specification
     resolving: dict[tuple[str, str], IntroducedNode] = {}
     for node in specification.nodes:
@@ -155,7 +158,7 @@ def _nodes(
 def _true_nodes(
     evidence: Evidence, synthesis: Synthesis, kinds: Iterable[str]
 ) -> Mapping[tuple[str, clingo.Symbol], Sequence[clingo.Symbol]]:
-    """Return the true atoms that represent nodes, by name and first argument."""
+    """Return the true atoms of nodes of some kinds, by predicate name and first argument."""
     grounding, taken = evidence.analysis.grounding, synthesis.resolution.taken
     held: dict[tuple[str, clingo.Symbol], list[clingo.Symbol]] = {}
     patterns = [pattern for kind in kinds for pattern in at_module(kind, clingo.String(""))]

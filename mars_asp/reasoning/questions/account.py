@@ -100,7 +100,7 @@ class TermNames:
         return found
 
     def word(self, symbol: clingo.Symbol) -> str:
-        """Return a term as a sentence shows it."""
+        """Return a symbol as a sentence shows it."""
         if symbol.type == clingo.SymbolType.Function and len(symbol.arguments) == 1:
             write = _WORDS.get(symbol.name)
             if write is not None:
@@ -112,7 +112,7 @@ class TermNames:
         return self._place(as_symbol(thing))
 
     def order(self, term: TermId) -> "_Order":
-        """Return the sort key of a term: modules are in the order of the configuration."""
+        """Return the sort key of a term, by which modules have the order of the configuration."""
         found = self._orders.get(term)
         if found is None:
             found = self._orders[term] = tuple(map(self._place_of, _flatten(as_symbol(term))))
@@ -156,7 +156,7 @@ class TermNames:
         return f"; splitter{'s' * several} for {self.word(controllers)}"
 
     def _hz(self, number: clingo.Symbol) -> str:
-        """Return a rate in Hertz, with the period after it if the user states one."""
+        """Return a rate in Hertz, with the period after it if the user states a period."""
         rate = self.rates.hertz(number.number)
         words = as_written(rate)
         if words[0].isdigit():
@@ -193,7 +193,7 @@ def _flatten(symbol: clingo.Symbol) -> Iterator[clingo.Symbol]:
 
 
 def speakers(rulebook: Rulebook, kinds: Iterable[str] | None = None) -> tuple[Rule, ...]:
-    """Return the rules that explain things of some kinds, with the rules on which these depend."""
+    """Return the rules that explain some kinds (None: all), with the rules they depend on."""
     wanted = None if kinds is None else frozenset(kinds)
     return telling(
         rulebook,
@@ -209,7 +209,7 @@ def speakers(rulebook: Rulebook, kinds: Iterable[str] | None = None) -> tuple[Ru
 
 
 def telling(rulebook: Rulebook, tells: Callable[[Rule], bool]) -> tuple[Rule, ...]:
-    """Return the rules of the stage that `tells` accepts, with the rules on which these depend."""
+    """Return the rules of `account` that `tells` accepts, with the rules they depend on."""
     own = [rule for rule in rulebook.rules if rule.stage == STAGE]
     found = {rule.text for rule in own if tells(rule)}
     while True:
@@ -305,7 +305,7 @@ def _account(parts: Mapping[str, Sequence[RenderedMessage]], names: TermNames) -
 
 
 def _cited(cites: Sequence[RenderedMessage], names: TermNames) -> Iterator[Cited]:
-    """Yield the cited lines in order, each once with all of its labels."""
+    """Yield the cited lines of messages in order, each once with all of its labels."""
     # Two things can be on one line.
     lines: dict[tuple[str, int], tuple[_Order, Span]] = {}
     labels: dict[tuple[str, int], dict[str, None]] = {}
@@ -326,7 +326,7 @@ def _sentence(each: RenderedMessage, names: TermNames) -> str:
 def _sorted_messages(
     reasons: Sequence[RenderedMessage], names: TermNames
 ) -> Sequence[RenderedMessage]:
-    """Return messages sorted by order, then by rules, then by values."""
+    """Return messages by the order that their rules state, then by rule, then by values."""
     if len(reasons) < 2:
         return reasons
     # If each message has a rule of its own, the values decide no order.
@@ -336,7 +336,7 @@ def _sorted_messages(
 
 
 def key_of(thing: Consequence | IntroducedNode) -> Key:
-    """Return the key of the explanation of a consequence or node."""
+    """Return the terms by which the rules identify the explanation of a consequence or node."""
     if isinstance(thing, IntroducedNode):
         term = as_term(clingo.parse_term(thing.term))
         return as_term(clingo.Function(thing.kind)), term, as_term(_NODE)
@@ -383,7 +383,10 @@ def explanations_of(
 
 
 def _otherwise(project: Project, atoms_of: Atoms) -> Mapping[Signature, Sequence[TermId]]:
-    """Return the ways to combine functions without one of the motions, or without the mounts."""
+    """Return the atoms on how functions combine without one of the motions or mounts, by predicate.
+
+    They are empty if the project has no mounts or nothing inherits a motion.
+    """
     true = atoms_of([_BORROWS, _EMERGENT])
     if not has_mounts(project):
         return {}
@@ -422,7 +425,7 @@ def _account_and_rule(
 
 
 def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:
-    """Return the rules with a message that force nodes of some kinds, or introduce one of a pack.
+    """Return the rules that force or introduce nodes of some kinds and have a message.
 
     A choice of a pack becomes one rule for each of its atoms, with its message.
     """
@@ -468,7 +471,7 @@ def true_atoms(
 
 
 def names_of(project: Project, nodes: Iterable[IntroducedNode]) -> TermNames:
-    """Return the names and locations of terms in sentences about a project and its nodes."""
+    """Return the texts of terms in sentences about a project and its nodes."""
     configuration = project.configuration
     described = project.described
     places: dict[int | str | tuple[str], Span] = {

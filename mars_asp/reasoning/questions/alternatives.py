@@ -66,7 +66,7 @@ class CertificateEntry:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """The cost on a level; the certificate entries prove that it is at least `bound`."""
+    """The cost on a level, and the lower bound that the certificate entries prove for it."""
 
     cost: int
     bound: int
@@ -196,7 +196,7 @@ class _AlternativesSearch:
     def _levels(
         self, parts: Sequence[Part], bounds: Mapping[tuple[int, int], Sequence[AtomNeed]]
     ) -> Mapping[int, Level]:
-        """Return the cost of each level, with its lower bound."""
+        """Return the cost of each level, and its bound from the cores in `bounds`."""
         found = {}
         for level in _LEVELS:
             cost = self.synthesis.cost(level)
@@ -229,7 +229,7 @@ class _AlternativesSearch:
         return {node: found[node] for node in terms if node in found}
 
     def _choices(self, part: Part, most: int) -> list[_OpenChoice]:
-        """Return other answers of a component in the order of their additional cost."""
+        """Return up to `most` other answers of a component, the cheapest first."""
         return [
             _OpenChoice(
                 tuple(other.cost.get(level, 0) - part.best.cost.get(level, 0) for level in _LEVELS),
@@ -273,7 +273,7 @@ def _combined(
 ) -> Iterator[tuple[tuple[int, ...], tuple[_OpenChoice, ...]]]:
     """Yield the costs and choices of all combinations, at most one choice a component, by cost.
 
-     The choices of each component are ordered by cost. Each combination is reached from one
+    The choices of each component are ordered by cost. Each combination is reached from one
     other only: the one with the previous choice in its last component, or the first choice of
     the component before, or without it (Lawler, A procedure for computing the K best solutions,
     Management Science 1972).

@@ -63,7 +63,7 @@ class Annotations:
         self._draft = draft
 
     def offer(self, service: Service, mode: Mode, hz: Fraction | None) -> None:
-        """Add a mode to an annotation, or replace its frequency."""
+        """Add a mode to an annotation, or replace the frequency of the mode that it has."""
         directive = self._found[self._index(service.span)]
         if mode not in service.modes:
             rate = "" if hz is None else f" {as_written(hz)}"
@@ -88,12 +88,12 @@ class Annotations:
             self._take_out(directive)
 
     def give(self, module: Module, word: str, output: str | None = None) -> None:
-        """Annotate a module with a motion function, `DataOut` or `ControlOut`.
+        """Write the annotation `@WORD` into a module: a motion, `DataOut` or `ControlOut`.
 
         `output` is the representation of a `DataOut` whose declaration does not state it.
 
         Raises:
-            NoPlaceError: no function of the module can carry the annotation.
+            NoPlaceError: the module has no declaration that can carry the annotation.
         """
         inside = self._inside(module)
         if word in FUNCTIONS:
@@ -139,7 +139,7 @@ class Annotations:
         return self._found[first : last + 1]
 
     def _group(self, index: int) -> list[Directive]:
-        """Return the annotations that belong to the same declaration as one of them."""
+        """Return the annotation at an index with those of the same declaration."""
         words = (*SERVICE_KINDS, *OVERRIDES)
         first = last = index
         # The annotations of other kinds at both ends of a module stop the loops.
@@ -150,7 +150,7 @@ class Annotations:
         return self._found[first : last + 1]
 
     def _adjoin(self, index: int) -> bool:
-        """Whether there is no code between an annotation and the next one."""
+        """Whether no code separates the annotation at an index from the next one."""
         begin, end = self._found[index].until, self._found[index + 1].offset
         return not self._source.stretch(begin, end, end - begin).code.strip()
 
@@ -211,7 +211,9 @@ class Annotations:
 
 
 def _output(word: str, declared: str | None, output: str | None) -> list[str]:
-    """Return the override with which a declaration delivers something.
+    """Return the lines `@Output ...` that a new `DataOut` needs; none if its declaration suffices.
+
+    `word` is the annotation, `declared` the output of the declaration, `output` the wanted one.
 
     Raises:
         NoPlaceError: nothing to deliver is known, or the declaration delivers already.

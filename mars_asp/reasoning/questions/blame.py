@@ -54,9 +54,10 @@ def blame(
     module: str | None,
     gives: Callable[[Project], bool],
 ) -> Blame | None:
-    """Return the reason why a module, or each, lacks a kind; None if no rule states one.
+    """Return the reason why a module lacks a consequence or node; None if no rule states one.
 
-    `gives` returns whether a project has one.
+    `module` is None for all modules. `gives` returns whether a changed project has such a
+    consequence or node; a change is proposed only if so.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -89,9 +90,9 @@ def blame(
 def reasons(
     project: Project, rulebook: Rulebook, kinds: Iterable[str], modules: Iterable[str]
 ) -> Iterator[tuple[str, str, Blame]]:
-    """Yield the reason why each module lacks each kind, if a rule states one, in any order.
+    """Yield kind, module and reason for each lacking kind of which a rule states a reason.
 
-     One grounding answers all; no change is proposed or tried. The reason of a consequence or
+    One grounding answers all; no change is proposed or tried. The reason of a consequence or
     node that exists is to be ignored.
 
     Raises:
@@ -109,7 +110,7 @@ def reasons(
 
 
 def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]:
-    """Yield the locations of the inputs and outputs in question."""
+    """Yield facts on the ports that questions name: their modules and annotations."""
     queries = {str(name) for question in questions for name in question.arguments[1:]}
     ports = {name: port for name, port in port_names(project).items() if name in queries}
     if not ports:
@@ -125,7 +126,7 @@ def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]
 
 
 def _helps(change: RenderedMessage, project: Project, gives: Callable[[Project], bool]) -> bool:
-    """Whether a change is valid and gives the consequence or node."""
+    """Whether a change is valid and gives the missing consequence or node."""
     term = as_symbol(change.head).arguments[2]
     try:
         return term.match("anywhere", 0) or gives(changed(project, term))
@@ -138,7 +139,7 @@ def _order(message: RenderedMessage) -> tuple[int, str]:
 
 
 class _Messages:
-    """The messages of the rules of the stage about questions, or those of some predicates only."""
+    """The messages of the rules that answer questions about absences."""
 
     def __init__(
         self,
@@ -172,13 +173,13 @@ class _Messages:
         return (each for each in self._every if each.rule.derives(signature))
 
     def blame(self, reason: RenderedMessage) -> Blame:
-        """Return a reason, and the lines that it cites in the order of the file."""
+        """Return a reason as a clause, with the lines that it cites in the order of the file."""
         cited = self._cited.get(as_symbol(reason.head), ())
         evidence = tuple(sorted({self._span_of_identifier(identifier) for identifier in cited}))
         return Blame(self.text(reason), evidence)
 
     def text(self, message: RenderedMessage) -> str:
-        """Return the sentence of a rule, with locations for `at(I)`, and names as lines write them.
+        """Return the message of a rule, with locations for `at(I)`, and names as users write them.
 
         A line is a text between backticks that is more than a name.
         """
@@ -198,7 +199,7 @@ class _Messages:
 
     @cached_property
     def _cited(self) -> Mapping[clingo.Symbol, Sequence[clingo.Symbol]]:
-        """Return the lines that each reason cites."""
+        """Return the lines that each reason cites, by the atom of the reason."""
         cited: dict[clingo.Symbol, list[clingo.Symbol]] = {}
         for each in self._grounding.symbols("cites", 4):
             *reason, identifier = each.arguments

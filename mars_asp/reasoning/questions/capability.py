@@ -98,7 +98,7 @@ class CapabilityAnswer:
 def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAnswer:
     """Return whether a robot can meet all demands of a query at one time.
 
-     A query is `FUNCTION of MODULE`, several of them joined by `while`; `rulebook` contains the
+    A query is `FUNCTION of MODULE`, several of them joined by `while`; `rulebook` contains the
     stages `can` and `account`.
 
     Raises:

@@ -34,7 +34,7 @@ _PERIODIC = Mode(PERIODIC, text=PERIODIC)
 
 
 def changed(project: Project, change: Symbol) -> Project:
-    """Return a project with a change, whose identifiers are those of the project.
+    """Return a project with one change of its values; identifiers stay as they were.
 
     Raises:
         KeyError: there is no such change.
@@ -161,7 +161,7 @@ class _Values:
         self._renew(replace(module, services=(*known, added)))
 
     def _module(self, term: Symbol) -> str:
-        """Return the name of a module; a new one gets a name."""
+        """Return the name of the module in a term; `new(N)` gets an unused name."""
         if term.type == SymbolType.String:
             return term.string
         name = f"New{term.arguments[0].number}"
@@ -172,7 +172,7 @@ class _Values:
         return name
 
     def _end(self, term: Symbol) -> tuple[str, str | None]:
-        """Return the module and the port of an output or input, or a new module."""
+        """Return the module and port of an output or input in a change; it may be new."""
         if term.type == SymbolType.String and term.string not in self._names:
             port = self._ports.get(term.string)
             if port is not None:
@@ -187,7 +187,7 @@ class _Values:
         self._relationships[max(self._relationships, default=0) + 1] = relationship
 
     def _revise(self, number: Symbol, **values: Any) -> None:
-        """Replace values of a relationship."""
+        """Replace fields, named by the keywords, of the relationship with an identifier."""
         declared = self._relationships[number.number]
         self._relationships[number.number] = replace(declared, **values)
 

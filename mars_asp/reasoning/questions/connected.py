@@ -17,7 +17,7 @@ BY_TYPE = frozenset({"loose_end"})
 
 
 def connected_part(project: Project, modules: Set[str]) -> Project:
-    """Return a project with the modules that relationships connect with some, and all converters.
+    """Return the project without modules that no path of relationships connects with `modules`.
 
     Each converter stays, as it may serve any module.
     """

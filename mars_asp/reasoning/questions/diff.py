@@ -113,7 +113,9 @@ class Difference:
 
 
 def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Difference:
-    """Compare the consequences and nodes of two projects, whose files have the lines `lines_of`.
+    """Return the changed consequences and nodes of two projects, with the lines that caused them.
+
+    `lines_of` returns the lines of a file by its path.
 
     Raises:
         MarsError: rules that clingo refuses.
@@ -146,7 +148,7 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
 
 @dataclass(frozen=True, slots=True)
 class _DiffEntry(Generic[Item]):
-    """A consequence or node; an equal key with another value is a changed thing."""
+    """A consequence or node; two entries with one key and different values are a change."""
 
     key: tuple[str, ...]
     value: tuple[str, ...]
@@ -155,7 +157,7 @@ class _DiffEntry(Generic[Item]):
 
 
 class _Side:
-    """One of the two configurations, solved."""
+    """One of the two configurations, solved; its fields state how it differs from the other."""
 
     def __init__(self, reasoner: Reasoner, lines_of: LinesOf, is_launched: bool) -> None:
         self.findings: Sequence[Consequence] = ()
@@ -177,7 +179,7 @@ class _Side:
         self.shown: dict[Span, Span] = {}
 
     def compare(self, other: "_Side") -> None:
-        """Find the lines that the other side does not have, with their repetitions."""
+        """Find the lines that the other side lacks; of repeated lines, the surplus."""
         left = Counter(other.lines.values())
         changed = []
         for span, item in sorted(self.lines.items()):
@@ -190,7 +192,7 @@ class _Side:
         self.unchanged = frozenset(changed) - self.changed
 
     def cited(self, spans: Iterable[Span]) -> set[Span]:
-        """Return the locations at which changed lines differ from the other side."""
+        """Return the differing lines among some locations."""
         return {self.shown[span] for span in spans if span in self.shown}
 
     def consequences(self) -> Iterator[_DiffEntry[Consequence]]:
@@ -219,7 +221,7 @@ class _Side:
         return atom is not None and (atom.is_fact or as_term(symbol) in taken)
 
     def matching(self, pattern: str) -> Iterator[clingo.Symbol]:
-        """Yield the true atoms that match a text with `_` for any argument.
+        """Yield the true atoms that match an atom as text, in which `_` is any argument.
 
         An atom with a number is skipped, as identifiers belong to one file only.
         """
@@ -251,9 +253,10 @@ class _Texts:
             self._ends.update(((path, n), end) for n, end in zip(ordered, ends, strict=True))
 
     def differing(self, spans: Iterable[Span], other: "_Texts") -> dict[Span, Span]:
-        """Return the first line of each statement that the other side lacks, with repetitions.
+        """Return, for each statement that the other side lacks, its first differing line.
 
-        Statements with all lines on the other side are left out.
+        Of repeated lines only the surplus differs. Statements whose lines all occur there are left
+        out.
         """
         left = Counter(line for lines in self._facts_by_span.values() for line in lines)
         left.subtract(line for lines in other._facts_by_span.values() for line in lines)
@@ -376,7 +379,7 @@ def _with_lines(
 def _others(
     entries: Iterable[_DiffEntry[Item]], known: Iterable[_DiffEntry[Item]]
 ) -> dict[tuple[str, ...], list[_DiffEntry[Item]]]:
-    """Return the entries that are not among the known ones, by their keys, with repetitions."""
+    """Return the entries without an equal one in `known`, by their keys, with repetitions."""
     left = Counter(entry.value for entry in known)
     found: dict[tuple[str, ...], list[_DiffEntry[Item]]] = {}
     for entry in entries:
@@ -405,7 +408,7 @@ def _given(trace: Trace) -> set[Span]:
 
 
 def _preventing(trace: Trace, other: _Side) -> set[Span]:
-    """Return the lines by which the other side has atoms that are absent in a trace."""
+    """Return the lines that give the other side the atoms that are absent in a trace."""
     patterns = {step.atom for step in _steps(trace) if isinstance(step, Absent)}
     atoms = {symbol for pattern in sorted(patterns) for symbol in other.matching(pattern)}
     found: set[Span] = set()

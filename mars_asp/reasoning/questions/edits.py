@@ -70,7 +70,7 @@ class MarsFile(FileText):
         return self.token_rows[bisect_right(self._begins, self.offset(span.line, span.column)) - 1]
 
     def headed(self, *words: str) -> tuple[Token, ...]:
-        """Return the statement that begins with one of some words."""
+        """Return the tokens of the first statement that begins with one of some words."""
         return next(each for each in self.token_rows if each[0].text in words)
 
     @cached_property
@@ -103,7 +103,7 @@ class EditedTexts:
         return port_names(self.project)
 
     def end(self, name: Symbol, prefix: str) -> str:
-        """Return a module or a port as a line of a file writes it included as `prefix`.
+        """Return a module or port as it is written in a file that is included as `prefix`.
 
         Raises:
             NoPlaceError: the module has no name in that file.
@@ -112,14 +112,14 @@ class EditedTexts:
         return end(_within(prefix, module), port)
 
     def module_of(self, name: Symbol) -> str:
-        """Return a module, or that of a port."""
+        """Return the name of a module, or of the module of a port."""
         return self._ports_by_name.get(name.string, (name.string, None))[0]
 
     @cached_property
     def ranked(self) -> Set[tuple[str, Token]]:
-        """Return the control statements of modules that several statements control.
+        """Return the control statements of modules with several such statements.
 
-        Each is the path of its file with its first token; edited, their lists keep their ranks.
+        Each is the path of its file with its first token. If edited, their lists keep their ranks.
         """
         found: dict[str, set[tuple[str, Token]]] = {}
         for each in self.project.configuration.relationships:
@@ -168,9 +168,9 @@ class EditedTexts:
 def apply_edits(
     texts: EditedTexts, edits: Iterable[Symbol]
 ) -> tuple[tuple[LineEdit, ...], dict[str, str]]:
-    """Return the lines that change, file by file, and the texts that come out, by path.
+    """Return the changed lines, file by file, and the edited texts by path.
 
-    Identifiers in all edits are those of the project that `texts` are of.
+    Identifiers in all edits are those of the project that `texts` was made for.
 
     Raises:
         UnknownEditError: an edit is none of those listed.
@@ -198,7 +198,7 @@ class _Statement:
 
     @property
     def end_tokens(self) -> tuple[Token, Token]:
-        """Return the tokens of a data or mount relationship that name modules."""
+        """Return the tokens of the two modules that a data or mount relationship connects."""
         verb = next(n for n, token in enumerate(self.tokens) if token.text in _VERBS)
         return self.tokens[0], self.tokens[verb + 1]
 
@@ -301,7 +301,7 @@ class _Drafts:
         return _Statement(self.file(relationship.span.path), tokens, prefix)
 
     def naming(self, name: Name) -> tuple[_Statement, Member]:
-        """Return the `@modules` that names a module, and the member of it that does."""
+        """Return the `@modules` statement that lists a module, and the module's entry in it."""
         draft = self.file(name.span.path)
         tokens = self.texts.mars_files[name.span.path].statement_at(name.span)
         members = self.members(_Statement(draft, tokens, "")).members
@@ -313,14 +313,14 @@ class _Drafts:
         return _Statement(self.file(path), self.texts.mars_files[path].headed(*words), prefix)
 
     def members(self, statement: _Statement) -> ListEdit:
-        """Return the edit of a statement that lists names."""
+        """Return the list of names in a statement, to be edited; one object for each statement."""
         place = statement.draft.path, statement.tokens[0]
         if place not in self._lists:
             self._lists[place] = ListEdit(statement.tokens, statement.indent)
         return self._lists[place]
 
     def member(self, control: Control) -> tuple[_Statement, ListEdit, Member]:
-        """Return the statement of a control relationship and its member that names it."""
+        """Return the statement of a control relationship, its list, and its own entry there."""
         statement = self.statement_of(control)
         listed = self.members(statement)
         offset = statement.draft.begin(control.span)
@@ -328,7 +328,7 @@ class _Drafts:
         return statement, listed, next(named, listed.members[0])
 
     def common(self, *modules: str) -> tuple[str, str]:
-        """Return the path and the prefix of the innermost file in which modules have names."""
+        """Return the path and the prefix of the innermost file in which all modules have names."""
         names = {name.text: name for name in self.texts.project.configuration.modules}
         found = [self.naming(names[each])[0] for each in modules if each in names]
         scopes = {(each.draft.path, each.prefix) for each in found}
@@ -434,7 +434,7 @@ def _relate(drafts: _Drafts, client: Symbol, source: Symbol) -> None:
 
 
 def _neighbour(drafts: _Drafts, path: str, client: str) -> _Statement:
-    """Return the statement of a file after which a data relationship of a client is best put."""
+    """Return the statement after which a new data relationship of a client is best written."""
     every = drafts.texts.project.configuration.relationships
     declared = [each for each in every if each.span.path == path]
     data = [each for each in declared if isinstance(each, Data)]
@@ -486,7 +486,7 @@ def _architecture(drafts: _Drafts, kind: Symbol) -> None:
 
 
 def _add_name(drafts: _Drafts, module: Symbol) -> None:
-    """Write a name into the `@modules` of the innermost file that uses it."""
+    """Write a name into the `@modules` of the innermost file in which it can be used."""
     main = drafts.texts.path
     declared = drafts.texts.relationships.values()
     mentions = (drafts.statement_of(each) for each in declared if module.string in ends_of(each))
@@ -544,7 +544,7 @@ def _remove(drafts: _Drafts, number: Symbol) -> None:
 
 
 def _declare(drafts: _Drafts, source: Symbol, target: Symbol) -> None:
-    """Write a module block after the last one, else at the end of the file."""
+    """Write the module block of a converter from `source` to `target` after the last block."""
     ends = source.string, target.string
     name = drafts.free_name()
     block = ["@module_start", f"@module_name {name}", "@Converts"]

@@ -98,7 +98,7 @@ def explain(
     only: Sort | None = None,
     traced: bool = True,
 ) -> Explanation:
-    """Explain everything, or a module, node, consequence kind or atom.
+    """Return explanations of everything, or of one module, node, consequence kind or atom.
 
     Traces are made if `traced`, and always for atoms. With `every`, each step of a trace also has
     the `others` derivations of its atom. `only` limits the topics to one sort, of everything or of
@@ -154,8 +154,8 @@ def _things_named(
 ) -> list[_Subject]:
     """Return the topics that a subject names: consequences, nodes, or an atom.
 
-    Consequences are those `chosen`, nodes those of the `synthesis`. A node has no atom unless its
-    trace is requested.
+    Consequences are those `chosen`, nodes those of the `synthesis`. A node has no atom unless
+    `traced`.
 
     Raises:
         MarsError: it names nothing.
@@ -200,7 +200,7 @@ def _topics(
     every: bool,
     traced: bool,
 ) -> tuple[Topic, ...]:
-    """Return topics with their accounts, and with their traces as far as requested."""
+    """Return topics with their accounts, and with traces if `traced` or for atoms."""
     # Only consequences and nodes have an account, so other atoms have None for their thing.
     accounts = iter(
         explanations_of(
@@ -220,7 +220,7 @@ def _topics(
 
 
 def _is_consequence(subject: str, rulebook: Rulebook) -> bool:
-    """Whether a subject names a consequence, there or not, and no atom called as its kind is."""
+    """Whether a subject is `KIND(NAME)` of a consequence, existing or not, and not an atom."""
     kind, bracket, _ = subject.partition("(")
     heads = (head.name for rule in rulebook.rules for head in rule.heads)
     known = {*heads, *(each.name for each in rulebook.declarations)}
@@ -234,7 +234,7 @@ def _is_node(subject: str | None, project: Project) -> bool:
 
 
 def _check_module(subject: str, project: Project, only: Sort) -> None:
-    """Check that a subject is a module, which has consequences and nodes.
+    """Raise MarsError unless a subject is a module, as `--only` needs one.
 
     Raises:
         MarsError: it is something else, which is of one sort or of none.
@@ -254,7 +254,7 @@ def _nothing_of(
     synthesis: Synthesis | None,
     analysis: Analysis,
 ) -> MarsError:
-    """Return the error that a module has nothing of the requested sort."""
+    """Return the error that a module has no consequence (unless `concerned`) or no node."""
     if not concerned:
         return unconcerned(subject, project)
     if synthesis is None:
@@ -317,7 +317,7 @@ def _true_atom(
     evidence: Evidence,
     synthesis: Synthesis | None,
 ) -> tuple[str, clingo.Symbol]:
-    """Return the true atom that a subject names.
+    """Return the text and the symbol of the true atom that a subject names.
 
     Raises:
         MarsError: it names none.

@@ -39,9 +39,9 @@ class _ComparedValue(NamedTuple):
 def failed_value(
     attempt: NearMiss, declared: Mapping[Signature, Declaration], known: Set[str]
 ) -> str | None:
-    """Return the value that fails a comparison and the needed one, or None if it has no name.
+    """Return a clause with the failing and the needed value of a comparison.
 
-    Modules that are `known` from the question are not named again.
+    The result is None if the value has no name. Modules in `known` are not named again.
     """
     sides = _Sides(attempt, declared, known)
     bound = _BOUND.match(attempt.fails or "")
@@ -74,7 +74,7 @@ class _Sides:
         self._attempt, self._declared, self._known = attempt, declared, known
 
     def side(self, text: str) -> _ComparedValue | None:
-        """Return a variable that a premise or an aggregate binds, or a value that is written."""
+        """Return one side: a constant, a bound variable, or an aggregate; None for another term."""
         value = self._attempt.bindings.get(text)
         if value is None:
             try:
@@ -96,7 +96,7 @@ class _Sides:
         )
 
     def aggregate(self, value: clingo.Symbol, bound: re.Match[str]) -> _ComparedValue:
-        """Return an aggregate with its value."""
+        """Return the value of an aggregate, with its name; `bound` matches the comparison."""
         return _ComparedValue(value, f"the {_AGGREGATES[bound[3]]}", self._unit(bound[3], bound[4]))
 
     def _unit(self, function: str, term: str) -> str | None:
@@ -104,7 +104,10 @@ class _Sides:
         return next((self._sort(*each) for each in found), None)
 
     def _reading(self, variable: str, everywhere: bool = False) -> Iterator[tuple[Literal, int]]:
-        """Yield the premises that bind a variable, those of a declared unit first."""
+        """Yield literals with the index at which `variable` occurs, first those with a unit.
+
+        They are premises that bind it; if `everywhere`, literals of aggregates as well.
+        """
         found = [
             (literal, place)
             for statement in self._attempt.rule.statements[:1]

@@ -60,12 +60,12 @@ def sole_repairs(
 
 
 def _line_of(repair: Repair) -> tuple[str, tuple[Span, ...]]:
-    """Return the kind and the locations of a finding, which its instances share."""
+    """Return the kind and the locations of a repair's finding; instances of a line share them."""
     return repair.consequence.kind, repair.consequence.spans
 
 
 def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> AppliedFix | None:
-    """Return the result of repairs with one set of edits each, or None if none is possible.
+    """Return the result of applying repairs with one set of edits each; None if none succeeds.
 
     The result was parsed and analysed again. Of incompatible repairs, the first is applied.
 
@@ -91,7 +91,7 @@ def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Applied
 def _applied(
     texts: EditedTexts, before: FindingCounts, rulebook: Rulebook, chosen: Sequence[Repair]
 ) -> AppliedFix | None:
-    """Return the result of repairs, or None if a finding remains or is new and unannounced."""
+    """Return the result of all repairs; None if a finding remains or an unannounced one is new."""
     mends = [repair.mends[0] for repair in chosen]
     terms = dict.fromkeys(part for mend in mends for edit in mend.edits for part in edit.parts)
     trial = try_edits(texts, list(terms), rulebook, before) if terms else None

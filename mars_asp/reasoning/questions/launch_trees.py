@@ -69,7 +69,7 @@ def explain_findings(
 
 
 def is_about(finding: Consequence, subject: str) -> bool:
-    """Whether a finding has a kind, rule, subject, participant or place.
+    """Whether a finding has a subject as its kind, rule, subject, participant or location.
 
     Names in its message count as participants: a finding about robots that are alike lists them.
     """

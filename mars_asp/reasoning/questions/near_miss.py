@@ -74,7 +74,7 @@ def near_miss(
 
 
 def _together(steps: Sequence[str]) -> str:
-    """Return several changes as one text; equal lines are counted."""
+    """Return several changes as one text; equal lines are written once, with their number."""
     lines = [each.replace("a further line", "a line") for each in steps]
     words = {each: lines.count(each) for each in lines}
     texts = [
@@ -104,7 +104,7 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
 
 
 def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
-    """Return the lack of an atom that matches a fact; `kept` are the names in the question."""
+    """Return the missing line of an absent atom; `kept` are the names in the question."""
     found = pattern_in(trace.atom)
     if found is not None and found.name in _LINES and len(found.arguments) > 2:
         ends = [found.arguments[place] for place in _LINES[found.name][1]]
@@ -125,7 +125,7 @@ def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
 
 
 def _missing_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]) -> _Lack:
-    """Return the lack of a line between two ends; an end that is not kept is any module."""
+    """Return the lack of a line between two ends; an end that is not `kept` is any module."""
     change, line = _new_line(name, ends, kept)
     return _Lack(f"there is no line {line}", (), change, f"a line {line}")
 
@@ -133,7 +133,7 @@ def _missing_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]
 def _new_line(
     name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]
 ) -> tuple[clingo.Symbol, str]:
-    """Return the change that adds a line, and the line; an end that is not kept is any module."""
+    """Return the change that adds a line, and its text; an end that is not `kept` is any module."""
     first, second = (
         written(end.string) if keep else "..." for end, keep in zip(ends, kept, strict=True)
     )
@@ -166,7 +166,7 @@ def _excluded(trace: Trace) -> _Lack:
 def _insufficient(
     attempt: NearMiss, pattern: clingo.Symbol, declared: Mapping[Signature, Declaration]
 ) -> _Lack:
-    """Return the lack of further premises, or that the atom could have been chosen."""
+    """Return the lack that existing lines do not suffice, or that an atom was merely not chosen."""
     if attempt.fails is None:
         return _Lack("it is possible, but the minimal specification does without it")
     leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]
@@ -183,7 +183,7 @@ def _insufficient(
 def _further_line(
     leaves: Sequence[Given], pattern: clingo.Symbol
 ) -> tuple[clingo.Symbol | None, str]:
-    """Return the change that adds a line like one of these, with the names of the pattern."""
+    """Return the change that adds a line like one of `leaves`, and its text, else None and ""."""
     kept = set(strings_in(pattern))
     for leaf in leaves:
         symbol = symbol_in(leaf.atom)

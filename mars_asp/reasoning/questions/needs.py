@@ -33,7 +33,7 @@ _MOST_NAMED, _MOST_STRETCHES = 2, 4
 class NodeReason:
     """The description of a node, the clause that would fail without it, and lines.
 
-     `why` is `None`, and there are no lines, if the specification does not have the node;
+    `why` is `None`, and there are no lines, if the specification does not have the node;
     `cost` is a sentence on the conversion of a transformer. `rules` are the ids of the rules
     that derive it.
     """
@@ -100,7 +100,7 @@ def _order(each: RenderedMessage, names: TermNames) -> tuple[object, ...]:
 
 
 def _term_text(term: TermId, names: TermNames, lines: Mapping[Span, Iterable[str]]) -> str:
-    """Return a term as a sentence shows it; members(W) are the modules on the lines."""
+    """Return a term in a sentence; `members(W)` are the modules on `lines`, by their locations."""
     symbol = as_symbol(term)
     if not symbol.match("members", 1):
         return names.written(term)

@@ -46,7 +46,7 @@ def _quoted_name(name: str) -> str:
 
 
 def read_relationship(subject: str, project: Project) -> RelationshipQuery | None:
-    """Return the relationship that a subject states in the syntax of a configuration, or None.
+    """Return the relationship in a subject like `A uses_data_from B`, or None for another.
 
     Raises:
         MarsError: the word between two ends resembles a relationship, but is not one.
@@ -66,10 +66,12 @@ def read_relationship(subject: str, project: Project) -> RelationshipQuery | Non
 
 
 def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
-    """Return the lines that a subject means, as a relationship or as `FILE:LINE`; none if neither.
+    """Return the locations of the lines that a subject names: a relationship, or `FILE:LINE`.
+
+    They are empty if the subject has neither form.
 
     Raises:
-        MarsError: no line states that, or the location has no statement.
+        MarsError: no line states the relationship, or the location has no statement.
     """
     place = _PLACE.fullmatch(subject)
     if place is not None:
@@ -108,7 +110,7 @@ def _end_text(text: str) -> str:
 
 
 def _forms(line: Mount | Control | Data) -> Iterator[RelationshipQuery]:
-    """Yield the forms of a relationship, with and without its ports."""
+    """Yield a relationship with and without each of its ports, as a query may name it."""
     match line:
         case Mount():
             yield RelationshipQuery("is_mounted_on", written(line.mounting), written(line.mounted))

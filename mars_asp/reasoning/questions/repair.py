@@ -68,7 +68,7 @@ class RepairEdit:
 class Mend:
     """Edits that together remove a finding, with the result of solving with them.
 
-     `others` counts further removed findings; `warnings` are new warnings of the rules,
+    `others` counts further removed findings; `warnings` are new warnings of the rules,
     `remarks` new ones of reading the files; `errors` counts the remaining errors; `spent` is
     the cost of a minimal specification by level, `None` while errors remain.
     """
@@ -92,7 +92,7 @@ class Mend:
 class Repair:
     """A finding and the smallest sets of edits that remove it, best first.
 
-     `proposed` is the number of edits from rules, `tried` the number of solved sets; `complete`
+    `proposed` is the number of edits from rules, `tried` the number of solved sets; `complete`
     is whether no smaller or equal set was left out; `late` is whether the time ended the
     search.
     """
@@ -116,7 +116,7 @@ def repairs(
 ) -> tuple[Repair, ...]:
     """Return repairs of every error, or of every warning if there is no error.
 
-     `subject` selects findings by kind, subject or `kind(subject)` instead; `with_warnings`
+    `subject` selects findings by kind, subject or `kind(subject)` instead; `with_warnings`
     includes warnings beside errors. The search ends after `most_facts` solved facts, by default
     `MOST_FACTS`, or after `seconds`. `rulebook` contains the stages `STAGES`. `progress` is
     called with the number of tried sets of edits, and with its maximum.
@@ -203,7 +203,7 @@ def _check_subject(subject: str, project: Project, rulebook: Rulebook) -> None:
 def _proposals(
     analysis: Analysis, rulebook: Rulebook
 ) -> dict[tuple[clingo.Symbol, ...], list[RepairEdit]]:
-    """Return the edits that the rules propose for each finding, lightest first."""
+    """Return the edits that rules propose, lightest first, by the key of the finding."""
     speakers = [rule for rule in rulebook.rules if _EDIT in rule.heads]
     grounding = analysis.grounding
     grounding.derive([*rulebook.fragments("repair"), *saying(_STAGE, speakers)])
@@ -246,7 +246,7 @@ def try_edits(
     rulebook: Rulebook,
     before: "FindingCounts",
 ) -> Trial | None:
-    """Return the result of edits, or None if they fail or change the order of controllers.
+    """Return the result of edits; None if they cannot be written or change the controllers' order.
 
     `before` are the findings without the edits.
     """
@@ -288,7 +288,7 @@ class _EditSearch:
         longest: float,
         progress: Callable[[int, int], None] | None,
     ) -> tuple[Repair, ...]:
-        """Return repairs, searched by the number of edits, then by weight for each finding.
+        """Return a repair for each finding, searched by number of edits, then by weight.
 
         `proposed` are the edits for each finding, lightest first; `most` limits the tried sets;
         `longest` is the assumed duration of a try in seconds, before the first one.
@@ -345,9 +345,9 @@ class _EditSearch:
         )
 
     def _try(self, edits: tuple[RepairEdit, ...]) -> tuple[frozenset[int], Mend] | None:
-        """Return the removed findings and the repair, or None if there is no repair.
+        """Return the numbers of the removed findings and the repair, or None without success.
 
-        Equal findings are all removed if one is. A repair causes no error.
+        It is None if the edits remove no finding, add an error, or leave no specification possible.
         """
         terms = [part for edit in edits for part in edit.parts]
         trial = try_edits(self._texts, terms, self._rulebook, self._before)
@@ -379,9 +379,10 @@ class _EditSearch:
 def _shared(
     proposed: Mapping[int, Sequence[RepairEdit]], size: int | None
 ) -> list[dict[int, tuple[RepairEdit, ...]]]:
-    """Return the sets of edits of a size, each with the findings for which it is proposed.
+    """Return the sets of `size` edits, each with the numbers of the findings that it may remove.
 
-    The order is by weight for each finding, then by the rank for a finding.
+    They are ordered by weight per finding, then by their rank for a finding. For a `size` of None
+    they are the heavy edits, which are tried alone.
     """
     found: dict[frozenset[clingo.Symbol], dict[int, tuple[RepairEdit, ...]]] = {}
     rank: dict[frozenset[clingo.Symbol], int] = {}
@@ -400,7 +401,7 @@ def _shared(
 
 
 def _by_weight(edits: Sequence[RepairEdit], size: int | None) -> Iterator[tuple[RepairEdit, ...]]:
-    """Yield the sets of a size, lightest first; without a size, the edits that are tried alone."""
+    """Yield the sets of `size` edits, lightest first; the heavy edits alone if `size` is None."""
     if size is None:
         yield from ((edit,) for edit in edits if edit.weight > HEAVIEST)
         return
@@ -416,17 +417,17 @@ def _by_weight(edits: Sequence[RepairEdit], size: int | None) -> Iterator[tuple[
 
 
 class FindingCounts:
-    """Counts of consequences, comparable between analyses."""
+    """The number of consequences by kind and subject, by participants, and by message."""
 
     def __init__(self, consequences: Iterable[Consequence]) -> None:
-        """Count by kind and subject, with the participants, and with the message."""
+        """Count the consequences of one analysis."""
         self._consequences = tuple(consequences)
         self._kind_and_subject = Counter(map(_kind_and_subject, self._consequences))
         self._taking_part = Counter(map(_taking_part, self._consequences))
         self._messages = Counter(map(_message, self._consequences))
 
     def lacks(self, finding: Consequence, before: "FindingCounts") -> bool:
-        """Whether a finding of `before` is gone, and no other of its kind replaces it."""
+        """Whether one `finding` of `before` is gone here, without a similar one in its place."""
         about, message = _kind_and_subject(finding), _message(finding)
         return (
             self._kind_and_subject[about] < before._kind_and_subject[about]
@@ -434,14 +435,14 @@ class FindingCounts:
         )
 
     def fewer(self, findings: Iterable[Consequence], before: "FindingCounts") -> int:
-        """Return the decrease of findings, over the kinds and subjects of findings of `before`."""
+        """Return how many findings of the kinds and subjects of `findings` are gone here."""
         return sum(
             max(0, before._kind_and_subject[about] - self._kind_and_subject[about])
             for about in set(map(_kind_and_subject, findings))
         )
 
     def beyond(self, before: "FindingCounts") -> list[Consequence]:
-        """Return the findings that are new, also by their participants or warning text."""
+        """Return the findings that `before` does not have, with their participants and messages."""
         return [
             c
             for c in self._consequences
@@ -466,7 +467,7 @@ def _message(consequence: Consequence) -> tuple[str, ...]:
 
 
 def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Yield the warnings about files that are new, whatever their locations."""
+    """Yield the warnings about files that only `after` has; locations do not count."""
     known = Counter((remark.code, remark.message) for remark in before)
     for remark in after:
         name = remark.code, remark.message
@@ -479,7 +480,7 @@ def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> It
 def order_kept(before: EditedTexts, after: Configuration, edits: Iterable[clingo.Symbol]) -> bool:
     """Whether controllers that ranked strictly above others of a module still do.
 
-     A renamed controller keeps its rank; an edit that removes a priority may change the ranks
+    A renamed controller keeps its rank; an edit that removes a priority may change the ranks
     of all controllers of its module.
     """
     terms = list(edits)
@@ -510,13 +511,13 @@ def _is_kept(
 
 
 def _levels(ranks: Mapping[str, int], now: Mapping[str, int]) -> list[list[int]]:
-    """Return the ranks `now` of controllers, grouped by their equal ranks before, lowest first."""
+    """Return the present ranks of controllers, grouped by equal ranks before, lowest first."""
     kept = sorted(ranks.keys() & now.keys(), key=ranks.__getitem__)
     return [[now[name] for name in same] for _, same in groupby(kept, ranks.__getitem__)]
 
 
 def _ranks(configuration: Configuration, renamed: Mapping[str, str]) -> dict[str, dict[str, int]]:
-    """Return the highest stated priority of each controller of each module."""
+    """Return, by module, the highest priority of each controller (0: none), by their new names."""
     ranks: dict[str, dict[str, int]] = {}
     for declared in configuration.relationships:
         if isinstance(declared, Control):

@@ -73,7 +73,10 @@ def apart(
 def _connected(
     modules: Sequence[str], found: Mapping[Signature, Sequence[TermId]]
 ) -> Mapping[Signature, Sequence[TermId]] | None:
-    """Return the atoms of what control connects with modules; None if large or inherited."""
+    """Return the atoms about modules that share controllers with `modules`, also indirectly.
+
+    The result is None if they are too many, or if a command is inherited.
+    """
     lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_CONTROL_INPUT])]
     components: DisjointSets[str] = DisjointSets()
     for module, controller in lines:
@@ -98,7 +101,7 @@ def _connected(
 def _parted(
     sharing: Sequence[str], heard: Mapping[Signature, Sequence[TermId]]
 ) -> Sequence[TermId]:
-    """Return holds, different for each module but the first, and from all others."""
+    """Return the atoms of hold times, with a unique hold at each module but the first."""
     declared = {arguments(atom)[0]: atom for atom in heard[_HOLD]}
     taken = {as_symbol(arguments(atom)[1]) for atom in declared.values()}
     free = (each for each in map(clingo.Number, count(1)) if each not in taken)

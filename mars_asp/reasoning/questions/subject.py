@@ -28,7 +28,7 @@ class NothingToExplainError(MarsError):
 
 
 def quoted(subject: str, names: Set[str]) -> str:
-    """Return a text in which names of modules that look like variables are strings."""
+    """Return a subject in which names of modules that look like variables are quoted."""
 
     def quote(word: re.Match[str]) -> str:
         return f'"{word[0]}"' if word[0] in names else word[0]
@@ -37,7 +37,7 @@ def quoted(subject: str, names: Set[str]) -> str:
 
 
 def spaced_subjects(subject: str, rulebook: Rulebook) -> list[str]:
-    """Return the possible meanings of an atom, in built-in rules and in packs.
+    """Return the readings of an atom: of the built-in predicate, and of each pack's.
 
     A subject that is not an atom is returned unchanged.
     """
@@ -96,7 +96,7 @@ def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:
 
 
 def unconcerned(subject: str, project: Project) -> MarsError:
-    """Return the answer that a module takes part in no consequence."""
+    """Return the answer that a module takes part in no consequence, as an error."""
     help_text = "it takes part in no consequence"
     if project.configuration.kind == "specification":
         help_text += "; a specification resolves them, so ask about the configuration"
@@ -104,7 +104,7 @@ def unconcerned(subject: str, project: Project) -> MarsError:
 
 
 def unapplied(converter: str, project: Project) -> MarsError:
-    """Return the answer that no DataTransformer applies a declared converter."""
+    """Return the answer that no DataTransformer applies a declared converter, as an error."""
     message = f"no DataTransformer of the minimal specification applies `{converter}`"
     help_text = "`--alternatives` shows other specifications, which may apply it"
     return _nothing_to_explain(project, message, help_text)

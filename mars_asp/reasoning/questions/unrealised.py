@@ -8,7 +8,7 @@ _MOST_NAMED = 3
 
 
 def obstacles(analysis: Analysis) -> tuple[Consequence, ...]:
-    """Return the findings that prevent each specification, by location."""
+    """Return the errors that leave a configuration without a specification, by location."""
     prevented = {tuple(atom.arguments) for atom in analysis.grounding.symbols("prevents", 3)}
     return tuple(
         each

@@ -70,17 +70,13 @@ _MOST_NAMED = 4
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class WhyNot:
-    """The answer, one sentence: why it is absent, or that it is `present` after all.
+    """The answer to the question why something is absent; it may be `present` after all.
 
-    `evidence` are the lines that the answer cites. `to_get` is the smallest change found that makes
-    it hold, which was tried, or None. `see` is the subject whose explanation shows why it holds.
-    `extra` is the additional cost, by level, of the cheapest realisation with `offered`. It is None
-    if no realisation has such an atom, or if the atom is not chosen; `choosable` distinguishes
-    these. `obstacles` are the traces of the errors that prevent every specification.
-
-    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
-    >>> why_not(reasoner, "DataSplitter(Turn)").present
-    False
+    `evidence` are the lines that the answer cites. `to_get` is the smallest change found and tried
+    that gives it, or None. `see` is the subject whose explanation shows why it holds. `extra` is
+    the additional cost, by level, of the cheapest specification with the atom `offered`. It is None
+    if none has such an atom, or if the atom is not chosen; `choosable` distinguishes these.
+    `obstacles` are the traces of the errors that prevent every specification.
     """
 
     __repr__ = brief_repr
@@ -100,22 +96,19 @@ class WhyNot:
 
     @cached_property
     def trace(self) -> Trace:
-        """Return the trace of an existing atom, or the nearest rules and their failed premises."""
+        """Return the trace of an existing atom, else of the nearest rules that fail."""
         return self.find_trace()
 
 
 def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
-    """Explain an absence: of an atom, `KIND(NAME)` of a consequence, or `NODE(NAME)` of a node.
+    """Return the reason why an atom, `KIND(NAME)` of a consequence or `NODE(NAME)` is absent.
 
-    Variables of an atom, and `_` for a name, match any value. A node may be named as well.
+    Variables of an atom, and `_` for a name, match any value. The subject may also be the name of a
+    node. The trace has at most `depth` levels.
 
     Raises:
         MarsError: the subject names no predicate, kind, node or constant that there is.
         TimeoutError: no specification was found in time.
-
-    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
-    >>> why_not(reasoner, "DataSplitter(Turn)").to_get
-    'two lines `... uses_data_from Turn`...'
     """
     subject = spaced_subjects(subject, reasoner.rulebook)[-1]
     vocabulary = Vocabulary(reasoner)
@@ -132,9 +125,9 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
 
 
 def _near(reasoner: Reasoner, question: AbsenceQuestion) -> Reasoner:
-    """Return a reasoner about the connected component that a question needs.
+    """Return a reasoner about only the connected component that a question needs.
 
-     With packs it is the whole project, as packs may relate unconnected modules, and for
+    With packs it is the whole project, as packs may relate unconnected modules, and for
     questions with numbers, which identify lines of the whole.
     """
     names = frozenset(name for each in question.patterns for name in strings_in(each))
@@ -197,7 +190,7 @@ def _answer(reasoner: Reasoner, question: AbsenceQuestion, depth: int) -> WhyNot
 def _excluded(
     question: AbsenceQuestion, against: NoSpecificationError, evidence: Evidence
 ) -> WhyNot:
-    """Return the answer that constraints of rule packs exclude it from every specification."""
+    """Return the answer that constraints of packs exclude such a node from every specification."""
     first = against.diagnostics[0]
     return WhyNot(
         subject=question.shown,
@@ -210,7 +203,7 @@ def _excluded(
 
 
 def _sentences(found: Blame) -> str | None:
-    """Return the change that gives it, and an existing thing that may be meant, or None."""
+    """Return the change that gives it and an existing thing that may be meant, or None."""
     if found.to_get is None:
         return None
     return ". ".join(filter(None, (found.to_get, found.beside))) + "."
@@ -241,7 +234,7 @@ def _true_atom(
 def _present(
     question: AbsenceQuestion, held: clingo.Symbol, evidence: Evidence, synthesis: Synthesis | None
 ) -> WhyNot:
-    """Return the answer that it holds, with the subject that explains why."""
+    """Return the answer that the atom `held` holds, with the subject that explains why."""
     spans: tuple[Span, ...] = ()
     # `explain` takes no variables.
     open_atom = question.kind is None and any(map(has_holes, question.patterns))
@@ -279,7 +272,10 @@ def _present(
 
 
 def is_there(shown: str, resolves: Sequence[str], number: int = 1) -> str:
-    """Return the answer that a node is there, or several of its kind are."""
+    """Return the sentence that the node `shown` exists, with the consequences that it resolves.
+
+    `number` is the number of nodes of the kind.
+    """
     times = {0: "", 1: "", 2: " twice"}.get(number, f" {number} times")
     resolved = f", and resolves {listing(_first_words(resolves))}" if resolves else ""
     return f"{shown} is there{times}{resolved}."
@@ -291,7 +287,7 @@ def holds(shown: str, message: str = "") -> str:
 
 
 def _is_meant(term: str, held: clingo.Symbol, question: AbsenceQuestion) -> bool:
-    """Whether a node is the one that was found, or another one at the module of the question."""
+    """Whether the node with a term is the one in `held`, or another one that matches."""
     if term == node_term(held, question.kind):
         return True
     node = clingo.parse_term(term)
@@ -361,7 +357,7 @@ def _blame(reasoner: Reasoner, question: AbsenceQuestion, evidence: Evidence) ->
 
 
 def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
-    """Return the pattern of the terms of a pack's kind of nodes; a hole if they differ."""
+    """Return the pattern that matches a pack's nodes of a kind; a hole if their terms differ."""
     called: set[clingo.Symbol] = set()
     for rule in rulebook.of_packs:
         if not rule.derives(_INSERTED):
@@ -378,7 +374,10 @@ def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
 def _meant(
     pattern: clingo.Symbol, evidence: Evidence, reasoner: Reasoner
 ) -> tuple[str | None, str | None]:
-    """Return the kind and module that an absent atom is about, or None for both."""
+    """Return the kind and module of an absent atom for which `rules/absence` may state the reason.
+
+    Both are None for another atom, or if the module has such a node or consequence.
+    """
     if pattern.match("spec_node", 2) and not is_hole(pattern.arguments[0]):
         pattern = pattern.arguments[0]
     kind = _ABOUT.get(pattern.name)
@@ -403,12 +402,12 @@ def _meant(
 
 
 def _goes_round(question: AbsenceQuestion, analysis: Analysis) -> bool:
-    """Whether a module is on a cycle, wherever the cycle begins."""
+    """Whether the module of the question is on a cycle of the kind in the question."""
     return (question.kind, question.module) in set(circles(analysis))
 
 
 def circles(analysis: Analysis) -> Iterator[tuple[str, str]]:
-    """Yield the modules on cycles, with the kind of the cycle."""
+    """Yield kind and module for each module on a cycle."""
     kinds = {relationship: kind for kind, relationship in _CIRCLES.items()}
     for each in analysis.grounding.symbols("entangled", 3):
         if each.arguments[0].name in kinds:
@@ -416,7 +415,7 @@ def circles(analysis: Analysis) -> Iterator[tuple[str, str]]:
 
 
 def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
-    """Return why there is no node of a name, or that there is one."""
+    """Return the answer about a node by its name, such as `DataSplitter1`."""
     kind = reasoner.project.configuration.node_kind(name)
     assert kind is not None
     word = node_names(reasoner.project.configuration.kinds)[kind]
@@ -448,7 +447,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
 
 
 def _first_words(words: Sequence[str]) -> Sequence[str]:
-    """Return the first of some words, with the number of further ones."""
+    """Return the first words and, if there are too many, the number of the further ones."""
     rest = len(words) - _MOST_NAMED
     return [*words[:_MOST_NAMED], f"{rest} more"] if rest > 0 else words
 
@@ -456,7 +455,7 @@ def _first_words(words: Sequence[str]) -> Sequence[str]:
 def _cheapest(
     analysis: Analysis, patterns: Sequence[clingo.Symbol], deadline: float | None
 ) -> tuple[str | None, Mapping[int, int] | None]:
-    """Return the atom of some patterns that costs least to have, and its additional cost."""
+    """Return the cheapest atom that matches a pattern, and its additional cost by level."""
     # The atom that decides a node is the first argument of `spec_node`.
     decided = [each.arguments[0] if each.name == "spec_node" else each for each in patterns]
     atoms = [

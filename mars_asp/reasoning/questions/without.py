@@ -43,10 +43,10 @@ class ViolatedClause:
 
 
 def without(name: str, reasoner: Reasoner) -> tuple[ViolatedClause, ...] | None:
-    """Return the violated clauses of the minimal specification without one of its nodes.
+    """Return the violated clauses of the minimal specification without the node `name`.
 
-     It is `None` if nothing realises the configuration. The rulebook of `reasoner` contains the
-    stages `resolve` and `verify`.
+    The result is None if no specification exists. The rulebook of `reasoner` contains the stages
+    `resolve` and `verify`.
 
     Raises:
         MarsError: there is no such node.
@@ -81,7 +81,7 @@ def without(name: str, reasoner: Reasoner) -> tuple[ViolatedClause, ...] | None:
 
 
 class _Line(NamedTuple):
-    """A remaining line, and the numbers of the lines of the specification that it represents."""
+    """A line without the node, and the indices of the specification's lines that it replaces."""
 
     line: Relationship
     of: tuple[int, ...]
@@ -90,7 +90,7 @@ class _Line(NamedTuple):
 class _Left:
     """A specification without a node, whose outputs are connected to its inputs.
 
-     A joined line has the attributes of the input line, as at an arbiter, and else those of the
+    A joined line has the attributes of the input line, as at an arbiter, and else those of the
     output line. Each line has a location by which traces refer to it.
     """
 
@@ -109,14 +109,14 @@ class _Left:
         )
 
     def last(self, places: Iterable[Span | None]) -> Sequence[_Line]:
-        """Return the lines at some locations, without those upstream of others."""
+        """Return the lines at some locations that feed no other of these lines."""
         lines = [self._lines[place] for place in places if place in self._lines]
         feeders = {ends_of(line.line)[1] for line in lines}
         return [line for line in lines if ends_of(line.line)[0] not in feeders]
 
 
 def _without(lines: Sequence[Relationship], name: str) -> Iterator[_Line]:
-    """Yield the lines without a node: each line into it is joined with each line out of it."""
+    """Yield the lines without the node: each line into it is joined with each out of it."""
     wired = [None if isinstance(line, Mount) else ends_of(line) for line in lines]
     inputs = [number for number, ends in enumerate(wired) if ends is not None and ends[0] == name]
     for number, (line, ends) in enumerate(zip(lines, wired, strict=True)):
@@ -142,7 +142,7 @@ def _joined(given: Relationship, taken: Relationship) -> Relationship:
 
 
 class _Ways:
-    """The paths through the nodes of a specification, separate for data and commands."""
+    """The lines on the paths between declared modules, by the type of relationship."""
 
     def __init__(self, specification: Configuration, nodes: Mapping[str, IntroducedNode]) -> None:
         self._lines = specification.relationships
@@ -156,7 +156,7 @@ class _Ways:
             self._out_of.setdefault((type(line), feeder), []).append(number)
 
     def over(self, declared: Sequence[Relationship]) -> Sequence[Set[int]]:
-        """Return for each line the numbers of the declared relationships whose path contains it."""
+        """Return for each line the indices of the declared relationships whose path contains it."""
         found: list[set[int]] = [set() for _ in self._lines]
         for number, relationship in enumerate(declared):
             for line in self._of(relationship):
@@ -164,7 +164,7 @@ class _Ways:
         return found
 
     def _of(self, relationship: Relationship) -> Iterator[int]:
-        """Yield the lines on the path of a declared relationship."""
+        """Yield the index of each line on the path of a declared relationship."""
         if isinstance(relationship, Mount):
             return
         kind, (receiver, feeder) = type(relationship), ends_of(relationship)
@@ -178,7 +178,7 @@ class _Ways:
             yield from self._on(kind, stand_in) if before else ()
 
     def _back(self, kind: type, receiver: str, feeder: str) -> Iterator[int]:
-        """Yield the lines from a module through nodes to a receiver."""
+        """Yield the index of each line of a type on paths from `feeder` via nodes to `receiver`."""
         after: dict[int, int | None] = dict.fromkeys(self._into.get((kind, receiver), ()))
         waiting = list(after)
         while waiting:
@@ -195,7 +195,7 @@ class _Ways:
                 waiting += before
 
     def _on(self, kind: type, feeder: str) -> Iterator[int]:
-        """Yield the lines from a node, through others, to modules."""
+        """Yield the index of each line of a type downstream of the node `feeder`, up to modules."""
         waiting = list(self._out_of.get((kind, feeder), ()))
         while waiting:
             number = waiting.pop()

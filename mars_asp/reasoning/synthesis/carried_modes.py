@@ -74,7 +74,9 @@ def connect_directly(
     rulebook: Rulebook,
     clients: Set[str] | None = None,
 ) -> DirectLines:
-    """Return the data lines between modules of a specification, or those of some clients.
+    """Return the data lines between the modules of a specification, without its nodes.
+
+    `clients` restricts them to the lines of some clients.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -119,7 +121,7 @@ def _data_nodes(specification: Configuration, known: Mapping[str, Module]) -> fr
 
 
 def _from_sources(line: Data, feeds: Mapping[str, list[Data]]) -> Iterator[Data]:
-    """Yield the line of a module for each path from a source, without duplicates."""
+    """Yield a direct line from each source upstream of a line's client, without duplicates."""
     waiting, seen = [line], set()
     while waiting:
         each = waiting.pop()

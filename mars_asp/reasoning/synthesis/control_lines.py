@@ -27,7 +27,7 @@ class _ControlLine(NamedTuple):
 
 
 class ControlLines:
-    """Writes the control lines into each module once, with all lines upstream of them."""
+    """Writes the control lines of a specification, each with all lines upstream, into a draft."""
 
     def __init__(
         self, draft: SpecificationDraft, derived: SpecifiedAtoms, places: Mapping[TermId, int]
@@ -85,14 +85,14 @@ class ControlLines:
                 stack += self._opened_by(each.controller)
 
     def _opened_by(self, node: TermId) -> list[_ControlLine]:
-        """Return the lines into a forwarding node, last first; empty from the second call on."""
+        """Return the lines into a forwarding node, last first; none at later calls."""
         if not self._hands_on(node) or node in self._opened:
             return []
         self._opened.add(node)
         return sorted(self._into.get(node, ()), reverse=True, key=lambda line: line.place)
 
     def _hands_on(self, node: TermId) -> bool:
-        """Whether something is a node that is written together with the lines out of it.
+        """Whether a term is a node whose lines are written with those out of it.
 
         An InheritanceNode is written with the module that it represents instead.
         """
@@ -112,7 +112,7 @@ class ControlLines:
             self._write_line(line)
 
     def _by_receiver(self, line: _ControlLine) -> tuple[int, bool, bool, str]:
-        """Return the sort key of outputs: at one index, lines to modules come first."""
+        """Return the sort key of a line: its index, and modules before nodes."""
         hands_on, is_node = self._hands_on(line.controlled), line.controlled in self._derived.kinds
         return line.place, hands_on, is_node, "" if hands_on else text(line.controlled)
 

@@ -66,7 +66,7 @@ class DataLines:
         return sorted(self._out_of.get(feeder, ()), key=lambda line: place[line.line], reverse=True)
 
     def _places_downstream(self, source: TermId) -> Mapping[TermId, int]:
-        """Return the index of each line downstream of a source: the first of its clients."""
+        """Return the index of each line of a source: the lowest of the clients it serves."""
         lines = list(self._out_of.get(source, ()))
         for line in lines:
             if line.client in self._derived.kinds:

@@ -33,7 +33,7 @@ class SpecifiedAtoms:
         self.text, self.string = cache(text), cache(_string)
 
     def hand_to(self, grounding: Grounding) -> None:
-        """Add the derived atoms to the grounding of the answer, to be explained there."""
+        """Add the derived atoms to the grounding of the answer, so that it can explain them."""
         control = self._grounding.control
         found = sorted(self.predicates)
         grounding.state({signature: atoms(control, *signature) for signature in found})
@@ -52,7 +52,7 @@ class SpecifiedAtoms:
 
     @cached_property
     def kinds(self) -> Mapping[TermId, str]:
-        """Return the kinds of the nodes."""
+        """Return the kind of each node."""
         return {node: self.text(kind) for node, kind in self.rows(_NODE.name, _NODE.arity)}
 
     @cached_property

@@ -19,9 +19,10 @@ from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
 
 @dataclass(frozen=True, slots=True)
 class IntroducedNode:
-    """An introduced module: its name, its kind and the term by which the rules know it.
+    """An introduced node: its name, its kind, and the text of its term in the rules.
 
-    An InheritanceNode represents a module, a DataTransformer performs a conversion.
+    `stands_for` is the module that an InheritanceNode represents; a DataTransformer has a
+    `conversion`.
     """
 
     name: str
@@ -74,7 +75,7 @@ class SpecificationDraft:
         return self.nodes[term].name
 
     def places(self, derived: SpecifiedAtoms) -> dict[TermId, int]:
-        """Return the index of the first relationship that each line represents."""
+        """Return for each line the index of the first relationship that it represents."""
         found: dict[TermId, int] = {}
         for line, relationship in derived.rows("written_at", 2):
             place = self.place[as_symbol(relationship).number]

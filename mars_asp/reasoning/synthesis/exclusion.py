@@ -28,7 +28,7 @@ _MOST = 20
 
 
 class NoSpecificationError(MarsError):
-    """Constraints that rule packs state, or that hold for their nodes, exclude every answer."""
+    """Constraints of rule packs, or about their nodes, exclude every specification."""
 
     status = 1
 
@@ -67,7 +67,7 @@ def excluded(
 
 
 def _relaxed(number: int, rule: Rule) -> str:
-    """Return a constraint as a rule that derives its violation, with the values in its message."""
+    """Return the text of a constraint as a rule that derives its violation, numbered `number`."""
     holes = rule.holes if rule.because else tuple(sorted(bound_variables(rule.text)))
     return f"_broken({number},none,v({','.join(holes)})) :- {rule.written[1] or '#true'}."
 

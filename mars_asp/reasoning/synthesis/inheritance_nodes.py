@@ -30,7 +30,7 @@ _COPYING = ("arbitration_node", "control_splitter")
 
 
 class InheritanceNodes:
-    """The control and mounts of a specification; `modules` are the described modules."""
+    """The modules that the InheritanceNodes of a specification represent, and their providers."""
 
     def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
         """Index the control lines by their ends, and the mounts by the mounted module."""
@@ -49,7 +49,7 @@ class InheritanceNodes:
         self._effects: dict[tuple[str, tuple[str, ...], Allocation | None], _Effect] = {}
 
     def hands_on(self, name: str) -> bool:
-        """Whether a name is that of a node that forwards commands unchanged."""
+        """Whether a name is that of an arbiter or splitter, which forwards commands unchanged."""
         if name in self.modules:
             return False
         brought = self.configuration.pack_kind(name)
@@ -79,7 +79,10 @@ class InheritanceNodes:
     def _past_copies(
         self, name: str, onward: Callable[[str], list[str]], seen: frozenset[str] = frozenset()
     ) -> list[str]:
-        """Return the nearest names from a name onward that are not forwarding nodes."""
+        """Return the nearest names on paths from a name that are not forwarding nodes.
+
+        `onward` returns the next names; those in `seen` are skipped.
+        """
         if name in seen:
             return []
         if not self.hands_on(name):
@@ -88,7 +91,7 @@ class InheritanceNodes:
         return [end for each in onward(name) for end in self._past_copies(each, onward, seen)]
 
     def allocation(self, node: str) -> Allocation | None:
-        """Return the choice of a node between similar providers; None is the nearest."""
+        """Return the rule by which a node chooses between similar providers; None: the nearest."""
         declared = (line.allocation for line in self._into[node])
         return next((allocation for allocation in declared if allocation is not None), None)
 
@@ -98,7 +101,7 @@ class InheritanceNodes:
         return list(dict.fromkeys(ends))
 
     def stands_for(self, node: str) -> tuple[str, ...]:
-        """Return the module that a node represents; several if it stays open.
+        """Return the module that a node represents; several if it cannot be inferred.
 
         Of modules that are moved in the same way, one is returned.
         """
@@ -110,7 +113,7 @@ class InheritanceNodes:
         return self._different(node, fitting)
 
     def stands_alike(self, node: str, name: str) -> bool:
-        """Whether the module that a node is to represent can be inferred without a comment."""
+        """Whether `name`, represented by a node, could be inferred without a comment."""
         fitting = self._fitting(node, self.riders(node))
         if name not in fitting:
             return False
@@ -119,7 +122,7 @@ class InheritanceNodes:
         return all(self._effect(node, other) == self._effect(node, name) for other in others)
 
     def _different(self, node: str, fitting: Sequence[str]) -> tuple[str, ...]:
-        """Return one module for each distinct effect, the one with the fewest mounts."""
+        """Return one of `fitting` for each distinct effect, the one with the fewest mounts."""
         if len(fitting) < 2:
             return tuple(fitting)
         ways: list[tuple[str, _Effect]] = []
@@ -139,7 +142,7 @@ class InheritanceNodes:
         return max(through, key=len, default=fed)
 
     def riders(self, node: str) -> list[str]:
-        """Return the modules that are mounted on all modules that a node controls."""
+        """Return the modules that are carried by all modules that a node controls."""
         fed = self.fed(node)
         if not fed:
             return []
@@ -157,14 +160,14 @@ class InheritanceNodes:
     # ---- candidates ----
 
     def _fitting(self, node: str, riders: Sequence[str]) -> list[str]:
-        """Return the riders that fit best, by their controllers and their providers."""
+        """Return the riders with fitting providers and controllers, else controllers, else all."""
         led = [name for name in riders if self._is_led_so(node, name)]
         fed = set(self.fed(node))
         exact = [name for name in led if self._providers(node, name) == fed]
         return exact or led or list(riders)
 
     def _is_led_so(self, node: str, name: str) -> bool:
-        """Whether exactly the commanders with native functions of a module control it directly."""
+        """Whether a module's direct controllers are those that use its native functions."""
         if any(service.kind == "ControlOut" for service in self._services(name)):
             return False
         native = self.functions(name)
@@ -198,7 +201,7 @@ class InheritanceNodes:
         return frozenset(MOTION_FUNCTIONS if not all(entries) else set().union(*entries))
 
     def _effect(self, node: str, name: str) -> _Effect:
-        """Return the share in each function of a module that a node's providers have."""
+        """Return the providers and their shares for each function that a module gets by a node."""
         fed = [carrier for carrier in self.chain(name) if carrier in set(self.fed(node))]
         key = name, tuple(fed), self.allocation(node)
         if key not in self._effects:
@@ -220,7 +223,7 @@ class InheritanceNodes:
         providers: Sequence[str],
         position: Callable[[str], Mapping[str, float]],
     ) -> "Carrying | None":
-        """Return how providers move a module, or None if it has no mounts.
+        """Return how the modules `providers` move the module `name`; None without mounts.
 
         `position` returns the present values of a module's motions in degrees and mm.
         """
@@ -252,6 +255,6 @@ class InheritanceNodes:
 
 
 def _somewhere(name: str) -> Mapping[str, float]:
-    """Return a random posture, in which axes are not parallel and do not meet by chance."""
+    """Return random values of a module's motions, at which no axes align by chance."""
     rng = random.Random(name)
     return {function: rng.uniform(10, 80) for function in MOTION_FUNCTIONS}

@@ -15,7 +15,7 @@ from mars_asp.reasoning.synthesis.carried_modes import connect_directly
 def state_inputs(
     specification: Configuration, modules: Mapping[str, Module], rulebook: Rulebook
 ) -> Configuration:
-    """Return the specification with the input on each line to a client that has several.
+    """Return the specification with the input named on each line to a client with several.
 
     The inputs are those of `rules/inputs.lp` for the same lines without the nodes. A line that
     leaves several open stays as it is.

@@ -38,7 +38,7 @@ class Specification:
 def _write(
     draft: SpecificationDraft, derived: SpecifiedAtoms, relationships: Iterable[Relationship]
 ) -> None:
-    """Write relationships and the nodes between them, as derived by `rules/specify`."""
+    """Write relationships, with the derived nodes between their ends, into a draft."""
     places = draft.places(derived)
     data, control = DataLines(draft, derived, places), ControlLines(draft, derived, places)
     for relationship in relationships:
@@ -81,7 +81,7 @@ def specify(project: Project, derived: SpecifiedAtoms) -> Specification:
 def _at_arbiters(
     muxes: Iterable[Muxed], lines: Iterable[Relationship], nodes: Iterable[IntroducedNode]
 ) -> Iterator[Muxed]:
-    """Yield muxes, each with the new arbiter of its inputs as its module, if there is one."""
+    """Yield muxes; one whose inputs have a new arbiter gets this as its module."""
     new = {node.name for node in nodes if node.kind == "arbitration_node"}
     arbiters = {
         line.controlled: line.controller
@@ -105,7 +105,7 @@ def _stand_ins(
 
 
 def _states_architecture(configuration: Configuration, nodes: Iterable[IntroducedNode]) -> bool:
-    """Whether `flat` or `hierarchical` is printed."""
+    """Whether the specification needs a line with the architecture."""
     if configuration.architecture == "hierarchical" or configuration.period_ms is not None:
         return True
     if configuration.kind == "specification" and configuration.declares_architecture:

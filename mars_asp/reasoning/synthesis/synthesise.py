@@ -29,7 +29,7 @@ UNRESOLVABLE = Signature("unresolvable", 1)
 
 @dataclass(frozen=True, slots=True)
 class Synthesis:
-    """The cheapest specification found, and the bounds of its cost."""
+    """The cheapest specification found, with the solver's result and unmet preferences."""
 
     specification: Specification
     resolution: Resolution
@@ -84,7 +84,7 @@ def least_cost(
 
 @contextmanager
 def _reasons(analysis: Analysis, rulebook: Rulebook) -> Iterator[None]:
-    """Replace the error that there is no answer by the constraints that exclude every answer.
+    """In the block, replace an error without answer by the constraints that exclude every answer.
 
     Raises:
         NoSpecificationError: constraints of rule packs exclude every answer.
@@ -104,7 +104,7 @@ def _resolve(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> Resoluti
 
 @contextmanager
 def costs_of(facts: Iterable[Fact]) -> Iterator[None]:
-    """Report costs that are too large at the largest one that the facts state.
+    """In the block, report a cost overflow at the largest cost that the facts state.
 
     Raises:
         MarsError: the sum of the costs in a component is too large.
