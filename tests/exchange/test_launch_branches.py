@@ -64,6 +64,18 @@ BODIES = [
         ["/a", "/b"],
         1,
     ),
+    # `and` has its last value only if all before it are true, which a run may decide.
+    ("return LaunchDescription('' and [eye('a')] or [eye('b')])", ["/b"], 0),
+    (
+        "more = os.environ.get('B') and [eye('a')]\nreturn LaunchDescription(more or [eye('b')])",
+        ["/a", "/b"],
+        2,
+    ),
+    (
+        "x = [eye('a')] and os.environ.get('B') and [eye('b')]\nreturn LaunchDescription(x)",
+        ["/b"],
+        1,
+    ),
     # Two names that one condition sets go together.
     (
         "if os.environ.get('B'):\n    x, y = 'a', 'one'\nelse:\n    x, y = 'b', 'two'\n"

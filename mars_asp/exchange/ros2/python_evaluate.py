@@ -22,7 +22,13 @@ from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
     read_by,
 )
-from mars_asp.exchange.ros2.python_tests import Tested, decision, is_configurations, tested
+from mars_asp.exchange.ros2.python_tests import (
+    Tested,
+    decision,
+    is_configurations,
+    tested,
+    truth,
+)
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
     LaunchClass,
@@ -201,11 +207,23 @@ class Evaluator(ExpressionEvaluator[Names]):
                 named = self.value(value, names, depth + 1)
                 self.assign(target, named, names)
                 return named
-            case ast.BoolOp(values=values):
+            case ast.BoolOp(op=ast.Or(), values=values):
                 found: Value = None
                 for each in values:
-                    found = found or self.value(each, names, depth + 1)
+                    found = self.value(each, names, depth + 1)
+                    # A text that only a run knows counts as true, so that it is followed.
+                    if found is not None and truth(each, found) is not False:
+                        return found
                 return found
+            case ast.BoolOp(values=[*before, last]):
+                for each in before:
+                    found = self.value(each, names, depth + 1)
+                    holds = truth(each, found)
+                    if holds is False:
+                        return found
+                    if holds is None and self.branch(each, each, names):
+                        return NoneValue()
+                return self.value(last, names, depth + 1)
             case (
                 ast.ListComp(elt=element, generators=generators)
                 | ast.GeneratorExp(elt=element, generators=generators)

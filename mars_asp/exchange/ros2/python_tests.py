@@ -157,6 +157,22 @@ def _tested_text(node: ast.expr, value: Evaluate) -> Text | None:
     return text if is_argument or plain(text) is not None else None
 
 
+def truth(node: ast.expr, value: Value) -> bool | None:
+    """Return whether the value of an expression is true, or None if only a run knows it."""
+    match value:
+        case _ if isinstance(node, ast.Constant):
+            return bool(node.value)
+        case Listed(items=parts) | MappedValue(pairs=parts):
+            return len(parts) > 0
+        case Plain(text=text):
+            written = plain(text)
+            return None if written is None or written in _AMBIGUOUS else written != ""
+        case _:
+            # A call that was not evaluated may return anything.
+            is_open = value is None or isinstance(value, PythonCall)
+            return None if is_open else not isinstance(value, NoneValue)
+
+
 def is_configurations(node: ast.expr) -> bool:
     """Whether an expression is the arguments of a launch file, as its context keeps them."""
     return isinstance(node, ast.Attribute) and node.attr == "launch_configurations"
