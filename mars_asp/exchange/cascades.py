@@ -18,9 +18,10 @@ def is_plain(mux: Mux) -> bool:
 
 
 def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
-    """Return `outer` with the inputs of `inner` in place of `slot`, or None if it is impossible.
+    """Return `outer` with the inputs of `inner` in place of its input `slot`; None if impossible.
 
-    That is so if engines differ, `inner` is not plain, `slot` has a tie, or a number is too high.
+    It is impossible if the engines differ, `inner` is not plain, another input has the priority of
+    `slot`, or a priority would be too high.
     """
     ties = sum(each.priority == slot.priority for each in outer.inputs) > 1
     ranks = sorted({each.priority for each in inner.inputs}) or [slot.priority]
@@ -56,7 +57,7 @@ def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
 
 
 def _numbered(mux: Mux, number: Callable[[int], int]) -> Mux:
-    """Return a mux with priorities changed by `number`, which keeps the written ones."""
+    """Return a mux whose priorities are mapped by `number`; it remembers the written ones."""
     own = mux.numbers or tuple({each.priority: each.priority for each in mux.inputs}.items())
     return replace(
         mux,

@@ -25,7 +25,7 @@ class XmlElement:
     pieces: list[tuple[int, int, str]] = field(default_factory=list)
 
     def named(self, name: str) -> Iterator["XmlElement"]:
-        """Yield the children of a name."""
+        """Yield the child elements with a name."""
         return (child for child in self.children if child.name == name)
 
 

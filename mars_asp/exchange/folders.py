@@ -56,7 +56,7 @@ class FolderRobots(NamedTuple):
 
 
 def nothing_excluded(path: Path, is_folder: bool) -> bool:
-    """Pass over no path."""
+    """Return False: the default of functions that decide which paths to skip."""
     return False
 
 
@@ -68,7 +68,7 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
 
     Args:
         folder: The folder; links in it are not followed.
-        is_excluded: Whether a path in it, of a folder or not, is passed over.
+        is_excluded: Whether a path in it, of a folder or not, is skipped.
     """
     unread: list[Unread] = []
     entries = list(_entries(folder, is_excluded, unread))
@@ -97,8 +97,8 @@ def _ros_in(
 ) -> list[Path]:
     """Return the folders and launch files that are ROS robots.
 
-    Packages in no workspace and launch files beside one workspace belong to the robot of the
-    folder. Each launch file beside several workspaces is a robot by itself.
+    Packages without a workspace, and launch files beside a single workspace, belong to one robot:
+    the folder. Beside several workspaces each launch file is a robot. `unread` gets the others.
     """
     workspaces: set[Path] = set()
     for package in packages:
@@ -125,7 +125,7 @@ def _lies_in(path: Path, folders: Collection[Path]) -> bool:
 def _beside_ros(
     folder: Path, entries: Sequence[tuple[int, Path]], unread: list[Unread]
 ) -> list[Path]:
-    """Return the dataflows in a folder of ROS, none unless one is near."""
+    """Return the dora dataflows in a folder of ROS; none unless one is near its top."""
     yaml = sorted(
         each for each in entries if each[1].suffix in _YAML and not _is_test(folder, each[1])
     )
@@ -139,7 +139,7 @@ def _beside_ros(
 
 
 def _by_content(folder: Path, paths: Sequence[Path], unread: list[Unread]) -> Iterator[Path]:
-    """Yield the files outside of ROS that are robots by their content."""
+    """Yield the files outside of ROS that are robots by their content; note those not examined."""
     possible = [path for path in paths if path.suffix in _BY_CONTENT]
     unread += (_unread("files", path) for path in possible[MOST_READ:])
     dataflows = []
@@ -166,7 +166,7 @@ def _at_most(dataflows: Sequence[Path], unread: list[Unread]) -> list[Path]:
 def _entries(
     folder: Path, is_excluded: IsExcluded, unread: list[Unread]
 ) -> Iterator[tuple[int, Path]]:
-    """Yield the files that may be of robots with their depth; note folders not searched."""
+    """Yield depth and path of files that may be of robots; add unsearched folders to `unread`."""
     folders = deque([(0, folder)])
     listed = 0
     while folders:

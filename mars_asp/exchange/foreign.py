@@ -25,7 +25,7 @@ _READ_WITH: Mapping[str, tuple[str, ...]] = {"twist_mux": ("ros2", "rosgraph")}
 
 
 class ForeignFile(NamedTuple):
-    """A file that was read: how it is shown, its text, and the format that it is in."""
+    """A file that was read: its shown path, its text, and its format."""
 
     path: str
     text: str
@@ -41,7 +41,7 @@ def read_foreign(
 
     Args:
         files: The files, at least one.
-        launch: The launch files that are read of a folder; all if there are none.
+        launch: The launch files to read in a folder; if empty, all of them.
         is_excluded: Whether a path in a folder is passed over.
 
     Raises:
@@ -72,5 +72,5 @@ def read_foreign(
 
 
 def _with(format: str, formats: Collection[str]) -> str:
-    """Return the format with which files of a format are read."""
+    """Return the format whose reader reads files of `format`, which may be another of `formats`."""
     return next((each for each in _READ_WITH.get(format, ()) if each in formats), format)

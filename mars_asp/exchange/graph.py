@@ -16,7 +16,7 @@ _NO_TYPES = frozenset({"", "*", "any", "unknown", "unknown type"})
 
 
 def joined(graphs: Sequence[Graph]) -> Graph:
-    """Return several graphs, at least one, as that of one robot: nodes of one name are one."""
+    """Return one graph of several (at least one) of a robot; nodes of one name are merged."""
     nodes: dict[str, GraphNode] = {}
     for node in chain.from_iterable(graph.nodes for graph in graphs):
         known = nodes.get(node.name)
@@ -43,7 +43,7 @@ def united(first: GraphNode, second: GraphNode) -> GraphNode:
 
 
 def each_once(ends: Iterable[Endpoint]) -> tuple[Endpoint, ...]:
-    """Return one end for each topic: with its first location, known type and known rate."""
+    """Return the first end of each topic, with type and rate of later ones if it has none."""
     found: dict[str, Endpoint] = {}
     for end in ends:
         known = found.setdefault(end.topic, end)
@@ -54,7 +54,7 @@ def each_once(ends: Iterable[Endpoint]) -> tuple[Endpoint, ...]:
 
 
 def represented(written: str | None) -> str | None:
-    """Return the representation of a message's type, or None if it is not known."""
+    """Return the representation of a message type, or None if the type is not known."""
     if written is None or written.strip().lower() in _NO_TYPES:
         return None
     # ROS 1 names C++ templates `Image_`.
@@ -68,7 +68,7 @@ def is_command(written: str | None) -> bool:
 
 
 def typed(nodes: Sequence[GraphNode]) -> tuple[GraphNode, ...]:
-    """Return the nodes, with types for the topics of relays where another node states them."""
+    """Return the nodes, where the topics of relays have the types that other nodes state."""
     relays = [node for node in nodes if node.relays]
     types: dict[str, str] = {}
     for node in nodes if relays else ():

@@ -26,7 +26,7 @@ from mars_asp.output import visible
 
 
 def lifted(configuration: Configuration) -> Configuration:
-    """Return the specification that other people's wiring is: each mux an ArbitrationNode."""
+    """Return a foreign configuration as a specification: its muxes become ArbitrationNodes."""
     nodes = _Nodes({name.text for name in configuration.modules})
     arbiters = {mux: nodes.new("arbitration_node", mux.span) for mux in configuration.muxes}
     lines = _through_muxes(
@@ -55,7 +55,10 @@ def _through_muxes(
     names: Mapping[Muxed, str],
     name_inner: Callable[[Inner], str],
 ) -> list[Relationship]:
-    """Return relationships with the muxes that have names between controllers and modules."""
+    """Return the relationships, with the muxes in `names` between controllers and modules.
+
+    `names` has the new module of each mux; `name_inner` makes a name for one inside a cascade.
+    """
     lines: list[Relationship] = []
     arbiters: dict[str, str] = {}
     places: dict[str, dict[int | None, tuple[str, int | None]]] = {}
@@ -79,7 +82,10 @@ def _arbiter_lines(
     name_inner: Callable[[Inner], str],
     lines: list[Relationship],
 ) -> Iterator[tuple[int | None, tuple[str, int | None]]]:
-    """Yield (number, (arbiter, written priority)) of a cascade; add its controls to `lines`."""
+    """Yield for each priority its arbiter and written priority, of a mux and muxes inside it.
+
+    `lines` gets a control from each inner arbiter to its outer one.
+    """
     for number, written in mux.numbers:
         yield number, (arbiter, written)
     for each in mux.inner:
@@ -89,7 +95,7 @@ def _arbiter_lines(
 
 
 def _with_ends(lines: Iterable[Relationship], names: Mapping[str, str]) -> Iterator[Relationship]:
-    """Yield lines with other names of their ends; a line from a module to itself is left out."""
+    """Yield relationships with ends renamed by `names`; one from a module to itself is left out."""
     for line in lines:
         if not isinstance(line, Control):
             yield line
@@ -100,7 +106,7 @@ def _with_ends(lines: Iterable[Relationship], names: Mapping[str, str]) -> Itera
 
 
 def realised_by(specification: Configuration) -> dict[str, str]:
-    """Return the user's mux that each arbiter of a specification is, by the arbiter's name."""
+    """Return the names of the user's muxes that arbiters represent, by the arbiter's name."""
     return {
         mux.module: mux.name
         for mux in specification.muxes
@@ -109,10 +115,10 @@ def realised_by(specification: Configuration) -> dict[str, str]:
 
 
 def with_own_muxes(configuration: Configuration) -> Configuration:
-    """Return a configuration or specification that has the user's muxes as modules of their names.
+    """Return a configuration or specification in which the user's muxes are modules.
 
-    In a specification they take the place of the arbiters that they realise. Commands that pass no
-    mux have topics alone, as nothing ranks them.
+    In a specification they replace the arbiters that represent them. Commands that pass no mux get
+    no priority, as nothing ranks them.
     """
     modules = {name.text: name for name in configuration.modules}
     if configuration.kind == "specification":
@@ -157,7 +163,7 @@ def with_own_muxes(configuration: Configuration) -> Configuration:
 
 
 def _free(name: str, span: Span, modules: dict[str, Name]) -> str:
-    """Add a module of a name, which is numbered where another module has it; return the name."""
+    """Add a module to `modules`, and return its name: `name`, with a number if that is in use."""
     free = next(each for each in _name_choices(name) if each not in modules)
     modules[free] = Name(free, span)
     return free
@@ -169,12 +175,12 @@ def _name_choices(name: str) -> Iterator[str]:
 
 
 def has_glue(configuration: Configuration) -> bool:
-    """Whether there is more in other people's wiring than its configuration has."""
+    """Whether a foreign configuration has muxes or relays, which `lifted` turns into nodes."""
     return bool(configuration.muxes or configuration.relays)
 
 
 class _Nodes:
-    """Makes nodes, none with the name of a module."""
+    """Makes nodes with unused names."""
 
     def __init__(self, taken: Set[str]) -> None:
         self.taken = taken
@@ -197,10 +203,10 @@ class _Nodes:
     def in_order(
         self, lines: Sequence[Relationship], written: Sequence[Relationship]
     ) -> dict[str, str]:
-        """Rename arbiters in the order in which synthesis names them; return the new names.
+        """Return new names for arbiters, numbered as synthesis numbers them.
 
-        That is the order of the relationships that they arbitrate; one with a single input, which
-        synthesis does not need, comes last.
+        The order is that of the relationships (`written`) that they arbitrate. Arbiters with a
+        single input, which synthesis does not need, come last.
         """
         places = {line.span: place for place, line in reversed(list(enumerate(written)))}
         into: dict[str, list[int]] = {n.text: [] for n in self.names if self.is_arbiter(n.text)}
@@ -221,7 +227,10 @@ class _Nodes:
 
 
 def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
-    """Yield the edges, with a splitter after each output of several readers or of a lower rate."""
+    """Yield the relationships, with a DataSplitter after each output that needs one.
+
+    An output needs one if it has several readers, or one reader at a lower rate.
+    """
     takers = Counter((line.source, line.source_port) for line in lines if isinstance(line, Data))
     splitters: dict[tuple[str, str | None], str] = {}
     for line in lines:
@@ -265,7 +274,7 @@ def _arbitrated(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relati
 
 
 def _commanded(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
-    """Yield the edges, with a splitter after each module (no node) that controls several others."""
+    """Yield the relationships, with a splitter after each module that controls several others."""
     commanded = Counter(line.controller for line in lines if isinstance(line, Control))
     made = {name.text for name in nodes.names}
     splitters: dict[str, str] = {}
@@ -284,7 +293,7 @@ def _commanded(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relatio
 
 
 def with_origins(configuration: Configuration) -> str:
-    """Return a configuration as it is printed, each relationship and block with where it is from.
+    """Return the text of a configuration with the location of each relationship and block.
 
     Relationships are printed last of the body, each on a line of its own.
     """

@@ -13,7 +13,7 @@ _OTHER = re.compile(r"\W+", re.ASCII)
 
 
 def output(name: str, representation: str | None, span: Span, hz: Fraction | None) -> Service:
-    """Return the output of a module; with a rate it delivers at that, else when it has data."""
+    """Return the service of an output `name`: periodic at `hz`, or when it has data if None."""
     mode = "NotifyWhenReady" if hz is None else "NotifyAtFrequency"
     return Service(
         "DataOut",
@@ -27,7 +27,7 @@ def output(name: str, representation: str | None, span: Span, hz: Fraction | Non
 
 
 def taken(name: str, representation: str | None, span: Span) -> Service:
-    """Return the input of a module."""
+    """Return the service of an input `name`."""
     return Service(
         "DataIn",
         span,
@@ -43,12 +43,12 @@ def commands(name: str, span: Span) -> Service:
 
 
 def _function_name(verb: str, name: str) -> str:
-    """Return a function's name; the verb keeps it from being a word of C++."""
+    """Return a function's name made of a verb and a name, so that it is no word of C++."""
     return f"{verb}_{_OTHER.sub('_', name).strip('_')}"
 
 
 def too_many(span: Span) -> MarsError:
-    """Return the error of a file with too many ports, of which `span` is one too many."""
+    """Return the error that a file has more ports than any robot; `span` is the first in excess."""
     message = f"there are more than {MOST} inputs and outputs, which no robot has"
     help_text = "give the file of one robot alone"
     return MarsError((Diagnostic("ports", "error", message, span, help=help_text),))

@@ -13,13 +13,13 @@ _HEAD = 256 * 1024
 
 
 class _Sign(NamedTuple):
-    """A pattern, and words of which each match contains one: their search is much faster."""
+    """A pattern that identifies a format; each match contains one of `words`, for fast search."""
 
     pattern: str
     words: tuple[str, ...]
 
     def is_in(self, text: str) -> bool:
-        """Whether a text has the sign."""
+        """Whether a text contains a match of the pattern."""
         has_word = any(word in text for word in self.words)
         return has_word and re.search(self.pattern, text) is not None
 
@@ -47,9 +47,9 @@ _PROLOG = r"\A\ufeff?(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+"
 
 
 def _root(name: str) -> str:
-    """Return a pattern for a document up to its root, also after a document type.
+    """Return a pattern for an XML document up to the name of its root element.
 
-    Readers refuse document types, but the error has to come from the reader of the right format.
+    It allows a document type: readers refuse these, but the reader of the right format has to.
     """
     root = rf"<{name}[\s/>]"
     return rf"{_PROLOG}(?:<!DOCTYPE\b(?:[^<]|<(?!{name}[\s/>]))*+)?{root}"
@@ -87,7 +87,7 @@ _DUMPS: Mapping[str, tuple[_Sign, ...]] = {
 
 
 def dump_of(text: str) -> str | None:
-    """Return which kind of dump of a graph a text is, or None if it is none."""
+    """Return the kind of graph dump that a text is, such as `caret`, or None if it is none."""
     head = text[:_HEAD]
     if re.match(_DOT, head):
         return "dot"
@@ -102,7 +102,7 @@ def is_launch(text: str) -> bool:
 
 
 def recognised(text: str) -> str:
-    """Return the format of a text, `mars` if it has the signs of none of the foreign ones."""
+    """Return the format of a text; `mars` if it has the signs of no foreign format."""
     if _OURS.is_in(text):
         return "mars"
     if is_launch(text):

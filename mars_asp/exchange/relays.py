@@ -16,7 +16,10 @@ from mars_asp.model.graph import Endpoint, Graph, GraphNode, Relay
 
 
 class Passage(NamedTuple):
-    """A path over relays from a topic to another: the location of the last, and the lowest rate."""
+    """A path over relays from topic `source` to topic `target`.
+
+    `span` is the location of its last relay, `hz` the lowest rate of its relays, None without any.
+    """
 
     source: str
     target: str
@@ -25,9 +28,9 @@ class Passage(NamedTuple):
 
 
 def contracted(graph: Graph) -> tuple[Graph, tuple[Passage, ...], tuple[Relay, ...]]:
-    """Return a graph without its relays, the passages over relays, and the relays of these.
+    """Return a graph without its relays, the passages over them, and the contracted relays.
 
-    Relays with a loose end become nodes.
+    Relays without a publisher or without a reader become nodes.
 
     Raises:
         MarsError: the relays make more passages than a robot has topics.
@@ -53,7 +56,7 @@ def contracted(graph: Graph) -> tuple[Graph, tuple[Passage, ...], tuple[Relay, .
 
 
 def reached(topics: Set[str], ways: Mapping[str, Iterable[str]]) -> set[str]:
-    """Return topics and all topics that are reachable from them over `ways`."""
+    """Return topics and all that are reachable from them; `ways` has the next ones of each."""
     found, waiting = set(topics), list(topics)
     while waiting:
         further = set(ways.get(waiting.pop(), ())) - found
@@ -69,7 +72,7 @@ def _relay_node(relay: Relay) -> GraphNode:
 
 
 def _passages(relays: Iterable[Relay], sent: Collection[str]) -> Iterator[Passage]:
-    """Yield the paths over relays from each topic that is published."""
+    """Yield the paths over relays that begin at a topic in `sent`, the published topics."""
     after = defaultdict[str, list[Relay]](list)
     for relay in relays:
         after[relay.source].append(relay)

@@ -43,7 +43,7 @@ _DEBUG = re.compile(r"(?:^|[/_])debug(?:[/_]|$)", re.IGNORECASE)
 
 
 class _End(NamedTuple):
-    """A node with its end of a topic, and the passage that extends it to another topic, if any."""
+    """A publication or subscription of a node, and the passage (relays) that extends it, if any."""
 
     node: str
     end: Endpoint
@@ -51,11 +51,11 @@ class _End(NamedTuple):
 
     @property
     def span(self) -> Span:
-        """The location to edit to connect this end to another topic."""
+        """The location that a user would edit to connect this end to another topic."""
         return self.end.span if self.passage is None else self.passage.span
 
     def lowered(self) -> Fraction | None:
-        """Return the rate to which the passage lowers that of the end, if it does."""
+        """Return the rate to which the relays lower the publication, None if they do not."""
         if self.passage is None or self.passage.hz is None:
             return None
         slower = self.end.hz is not None and self.end.hz <= self.passage.hz
@@ -63,9 +63,9 @@ class _End(NamedTuple):
 
 
 def end_of(topic: str) -> str:
-    """Return the module that obeys a topic where no node does: its name without the slash.
+    """Return the name of the module that obeys a topic without subscriber: without the slash.
 
-    So no node is it, whose names begin with one.
+    It differs from all nodes, whose names begin with a slash.
     """
     return topic.lstrip("/") or topic
 
@@ -120,7 +120,7 @@ def configuration_of(graph: Graph) -> tuple[Configuration, Sequence[Unread]]:
 def _cascaded(
     wiring: "_Wiring", nodes: Sequence[GraphNode], passages: Sequence[Passage], unread: list[Unread]
 ) -> "_Wiring":
-    """Return a wiring in which a mux that feeds nothing but an input of another is part of that."""
+    """Return a wiring in which a mux that only feeds an input of another is merged into that."""
     for _ in range(_MOST_CASCADED):
         feeding = {mux.name: found for mux in wiring.muxes if (found := wiring.fed_by(mux))}
         feeding = {
@@ -185,7 +185,7 @@ class _Wiring:
         self.commands = reached(typed | self.heard | self.outputs.keys(), ways)
 
     def _pass_on(self, passages: Sequence[Passage]) -> None:
-        """Add the publishers and muxes of each topic to the topics that its passages end at."""
+        """Add the publishers and muxes of each topic to the topics at the ends of its passages."""
         sent = {
             passage.source: tuple(self.published.get(passage.source, ())) for passage in passages
         }
@@ -210,12 +210,12 @@ class _Wiring:
         return (end_of(topic),)
 
     def is_command(self, topic: str, *opposite: Container[str]) -> bool:
-        """Whether a topic carries commands; an observed one has to be in one of `opposite`."""
+        """Whether a topic carries commands; in a dump, one of `opposite` must contain it too."""
         is_met = not self.observed or any(topic in each for each in opposite)
         return is_met and topic in self.commands
 
     def fed_by(self, mux: Mux) -> tuple[Mux, MuxInput] | None:
-        """Return the input of another mux that a mux alone feeds, if it feeds nothing else."""
+        """Return the other mux and its input, if `mux` alone feeds it and nothing else, or None."""
         heard = self.heard & set(self.ways[mux.output])
         if len(heard) != 1 or any(map(self.controlled, self.ways[mux.output])):
             return None
@@ -226,7 +226,7 @@ class _Wiring:
         return found[0] if len(found) == 1 and found[0][0] is not mux else None
 
     def is_contracted(self, mux: Mux) -> bool:
-        """Whether a mux is all that commands one module, which can have its priorities then."""
+        """Whether a mux is the only source of commands of one module, which gets its priorities."""
         ends = [each for each in self.ways[mux.output] if self.controlled(each)]
         return (
             len(ends) == 1
@@ -238,7 +238,7 @@ class _Wiring:
 
 
 def _without_dropped(node: GraphNode, sent: Collection[str], unread: list[Unread]) -> GraphNode:
-    """Return a node without debug and administrative topics, and note each of these once.
+    """Return a node without debug and administrative topics; add each to `unread` once.
 
     Optional subscriptions to topics that are not in `sent` are left out without a note.
     """
@@ -259,7 +259,7 @@ def _without_dropped(node: GraphNode, sent: Collection[str], unread: list[Unread
 
 
 def _taking_part(nodes: Iterable[GraphNode], unread: list[Unread]) -> Iterator[GraphNode]:
-    """Yield the nodes that have a topic, and note the others."""
+    """Yield the nodes with topics, and add the others to `unread`."""
     for node in nodes:
         if node.published or node.subscribed:
             yield node
@@ -315,9 +315,9 @@ def _muxed(module: str, mux: Mux, topic: str) -> Muxed:
 
 
 def _mux_controls(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
-    """Yield the controls of each input of a mux: by its publishers, or else by its own name.
+    """Yield the controls of each input of a mux: by its publishers, else by the input's name.
 
-    The location is the input of the mux, or, of several publishers, where each publishes.
+    The location is the input of the mux or, of several publishers, where each publishes.
     """
     for each in mux.inputs:
         after = [(p.node, p.span) for p in wiring.published.get(each.topic, ())]

@@ -9,7 +9,7 @@ from mars_asp.model.declarations import Module, Name
 
 
 def united(parts: Sequence[Parsed]) -> Parsed:
-    """Return the configurations of one robot as one; modules of one name are the same module."""
+    """Return the configurations of one robot merged; modules of one name are the same module."""
     if len(parts) == 1:
         return parts[0]
     first, *others = (part.configuration for part in parts)
@@ -41,7 +41,7 @@ def _each_once(names: Iterable[Name]) -> tuple[Name, ...]:
 
 
 def _merged(modules: Iterable[Module]) -> tuple[Module, ...]:
-    """Return modules by their names, those of one name as one with the services of both."""
+    """Return modules merged by name, with the services of all."""
     found: dict[str, Module] = {}
     for module in modules:
         known = found.setdefault(module.name, module)

@@ -204,7 +204,7 @@ class _YamlReader:
         return event
 
     def node(self, event: yaml.NodeEvent, depth: int) -> tuple[Node, int]:
-        """Return the node that begins with an event, and the number of nodes in it."""
+        """Return the node that begins with an event, and its size in nodes."""
         start = self.here
         match event:
             case yaml.AliasEvent():
@@ -243,12 +243,12 @@ class _YamlReader:
         return Span(self.path, *self.at(start.line, start.column), *self.at(end.line, end.column))
 
     def at(self, line: int, column: int) -> tuple[int, int]:
-        """Return the line and column in the file of a line and column (from 0) in the text."""
+        """Return line and column in the file for those (from 0) in the text."""
         first, before = self.begins
         return first + line, column + (before if line == 0 else 1)
 
     def mapped(self, nodes: Sequence[Node], span: Span) -> Pairs:
-        """Return the map of keys and values in turn."""
+        """Return the map of a sequence that alternates keys and values."""
         given: list[tuple[Scalar, Node]] = []
         merged: list[tuple[Scalar, Node]] = []
         for key, value in zip(nodes[::2], nodes[1::2], strict=True):
@@ -268,7 +268,7 @@ class _YamlReader:
     def by_key(
         self, given: Sequence[tuple[Scalar, Node]], *, within: bool
     ) -> dict[str, tuple[Scalar, Node]]:
-        """Return the keys of a map with their values, and note repeated keys."""
+        """Return the entries of a map by key; note repeated keys, `within` a merged map."""
         pairs: dict[str, tuple[Scalar, Node]] = {}
         # Joined once at the end: a key may have thousands of maps.
         maps: dict[str, list[tuple[Scalar, Node]]] = {}
@@ -294,7 +294,7 @@ class _YamlReader:
 
 
 def _is_copy(node: Node, of: Node) -> bool:
-    """Whether two nodes have the same content; truths may differ in their letters' case."""
+    """Whether two nodes have the same content; booleans may differ in case."""
     match node, of:
         case Scalar(text), Scalar(other):
             same = text.lower() if not (node.quoted or of.quoted) else ""
@@ -310,7 +310,7 @@ def _is_copy(node: Node, of: Node) -> bool:
 
 
 def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:
-    """Yield the entries of a merge key."""
+    """Yield the entries of the map or maps after the merge key `<<`."""
     for each in value.nodes if isinstance(value, Items) else (value,):
         if not isinstance(each, Pairs):
             raise _yaml_error(each.span, "`<<` expects a map", "name a map after `<<`")
@@ -318,7 +318,7 @@ def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:
 
 
 def part_of(key: Scalar, start: int, end: int) -> Span:
-    """Return the location of the characters from `start` to before `end` of a plain key."""
+    """Return the location of characters `start` to `end` (excluded) of an unquoted key."""
     span = key.span
     if key.quoted or span.line != span.end_line:
         return span

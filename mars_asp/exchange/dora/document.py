@@ -66,9 +66,9 @@ _PARAMETERS = re.compile(r"\[[^\]]*\]")
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """A node, or an operator of one, with the relationships of its inputs and its program file.
+    """A node, or one operator of a node, with the relationships of its inputs and its program file.
 
-    It is not `complete` if a `module` file has its contents.
+    It is not `complete` if its contents are in another file, named by the key `module`.
     """
 
     module: Module
@@ -115,11 +115,11 @@ class _DataflowReader:
         self.alone: set[str] = set()
 
     def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
-        """Note an error."""
+        """Add an error to `problems`."""
         self.problems.append(Diagnostic("dora", "error", message, span, labels, help_text))
 
     def read(self, root: Node) -> None:
-        """Read a whole file."""
+        """Read a whole file into `workers`, `unread` and `problems`."""
         pairs = _by_key(root)
         _, nodes = pairs.get("nodes", (None, None))
         if not isinstance(nodes, Items) or not nodes.nodes:
@@ -139,7 +139,7 @@ class _DataflowReader:
             self.hand_out(outputs)
 
     def hand_out(self, outputs: Node | None) -> None:
-        """Leave out the outputs that a module gives to the dataflow that contains it."""
+        """Remove unused outputs that the dataflow, as a module, gives to a dataflow around it."""
         listed = outputs.nodes if isinstance(outputs, Items) else ()
         given: set[str | None] = {each.text for each in listed if isinstance(each, Scalar)}
         for worker in self.workers.values():
@@ -149,7 +149,7 @@ class _DataflowReader:
             self.workers[name] = replace(worker, module=replace(worker.module, services=kept))
 
     def node(self, node: Pairs) -> None:
-        """Read a node and its operators."""
+        """Add a node, or each of its operators, to `workers`."""
         pairs = _by_key(node)
         named = self.identifier(node, pairs, "a node")
         if named is None:
@@ -189,7 +189,7 @@ class _DataflowReader:
     def identifier(
         self, node: Pairs, pairs: Mapping[str, tuple[Scalar, Node]], what: str
     ) -> Scalar | None:
-        """Return the id of a node or operator; note where it has none."""
+        """Return the id of a node or operator; add an error and return None if it has none."""
         _, named = pairs.get("id", (None, None))
         if isinstance(named, Scalar) and not _is_empty(named):
             self.check_name(named)
@@ -198,16 +198,16 @@ class _DataflowReader:
         return None
 
     def check_name(self, name: Scalar) -> None:
-        """Note a name that no configuration can write, and one port too many."""
+        """Add an error if a configuration cannot contain a name."""
         if not ports.is_writable(name.text):
             message = f"`{name.text[:40]}` cannot be a name"
             self.wrong(name.span, message, "write a name of one visible line")
 
     def port(self, name: Scalar) -> None:
-        """Take a port.
+        """Count a port and check its name.
 
         Raises:
-            MarsError: there are more than any robot has.
+            MarsError: the file has too many ports.
         """
         self.check_name(name)
         self.ports += 1
@@ -220,7 +220,7 @@ class _DataflowReader:
         read: frozenset[str],
         sort: str,
     ) -> None:
-        """Note keys that are not read."""
+        """Add to `unread` the keys of a map that are not in `read`; `sort` is their sort."""
         self.unread += (
             Unread(sort, key, at.span) for key, (at, _) in pairs.items() if key not in read
         )
@@ -234,7 +234,8 @@ class _DataflowReader:
     ) -> None:
         """Add a node or operator with its ports, connections and program to `workers`.
 
-        A repeated id is reported and not added. `settings` are its keys and those of its node.
+        A repeated id is an error. `pairs` are its own keys, `settings` these and the keys of its
+        node.
         """
         if name in self.workers:
             first = self.workers[name].module.span, "the first one"
@@ -256,7 +257,7 @@ class _DataflowReader:
         )
 
     def outputs(self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]) -> Iterator[Scalar]:
-        """Yield the outputs of a node, also those that carry its standard output or its logs."""
+        """Yield the outputs of a node, also those with its standard output or its logs."""
         listed = list(self.listed_outputs(name, pairs))
         yield from listed
         for key in _PRINTED:
@@ -293,7 +294,7 @@ class _DataflowReader:
     def inputs(
         self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]
     ) -> Iterator[tuple[Scalar, Scalar]]:
-        """Yield the names of inputs, each with its source."""
+        """Yield the name and the source of each input; add an error for one without a source."""
         _, mapped = pairs.get("inputs", (None, None))
         if mapped is None or _is_empty(mapped):
             return
@@ -318,7 +319,7 @@ class _DataflowReader:
                 self.wrong(key.span, message, "write `INPUT: NODE/OUTPUT`")
 
     def types(self, pairs: Mapping[str, tuple[Scalar, Node]], key: str) -> dict[str, str | None]:
-        """Return the types that are stated, by port."""
+        """Return the stated type of each port; `key` is `input_types` or `output_types`."""
         _, declared = pairs.get(key, (None, None))
         return {
             port.text: representation(_PARAMETERS.sub("", type_.text)) or None
@@ -327,7 +328,7 @@ class _DataflowReader:
         }
 
     def wired(self, name: str, key: Scalar, source: Scalar) -> Iterator[Data]:
-        """Yield the relationship of an input; note a source that is none."""
+        """Yield the relationship of an input (`key`) of a node; add an error for a wrong source."""
         timer = _TIMER.fullmatch(source.text)
         node, _, output = source.text.rpartition("/")
         unit, number = ("", "") if timer is None else (each or "" for each in timer.groups())
@@ -348,14 +349,14 @@ class _DataflowReader:
             yield Data(name, node, source.span, client_port=key.text, source_port=output)
 
     def resolved(self, line: Data) -> Data:
-        """Return a line whose source is named as here: one operator of a node goes by its id."""
+        """Return a relationship in which `NODE/op`, the only operator of a node, is `NODE`."""
         node, _, operator = line.source.rpartition("/")
         is_alone = operator == _ALONE and node in self.alone
         return replace(line, source=node) if is_alone else line
 
 
 def _ticks(unit: str, number: str) -> bool:
-    """Whether dora takes a number of a unit for the period, or in `hz` the rate, of a timer."""
+    """Whether a timer of dora may have this number of a unit: a period, or a rate in `hz`."""
     if unit == "hz":
         # Above 2 GHz the period is rounded to nothing.
         return _FLOAT.fullmatch(number) is not None and 1e-19 < float(number) < 2e9
@@ -364,7 +365,7 @@ def _ticks(unit: str, number: str) -> bool:
 
 
 def _timer_rate(unit: str, number: str) -> Rate | None:
-    """Return the rate of a timer; None where a configuration cannot write it."""
+    """Return the rate of a timer, or None if a configuration cannot express it."""
     if unit == "hz":
         read = read_frequency(number)
         return read if isinstance(read, Rate) else None
@@ -379,7 +380,7 @@ def _timer_rate(unit: str, number: str) -> Rate | None:
 
 
 def _program(name: str, settings: Mapping[str, tuple[Scalar, Node]]) -> MissingFile | None:
-    """Return the program file of a node, or None if the repository does not hold it."""
+    """Return the program file that a node needs, or None if it need not be in the repository."""
     if settings.keys() & _ELSEWHERE:
         return None
     key = next((each for each in ("path", "source", "python") if each in settings), "")

@@ -23,7 +23,7 @@ from mars_asp.model.declarations import (
 
 
 def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
-    """Return the configuration of the dataflows of one robot, each a text and its path.
+    """Return the configuration of the dataflows of one robot; a file is a pair of text and path.
 
     Each input is a line that names both ports; a timer is a sensor by its own name that delivers at
     its rate, and any other virtual input of dora is a source by its own name. Notes list the keys
@@ -58,10 +58,10 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
 
 
 def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
-    """Yield the programs of nodes that do not exist beside the dataflow.
+    """Yield the program files of nodes that do not exist relative to the dataflow's folder.
 
-    A dataflow that is not a file, or of which no program exists, is away from its sources, unless
-    all of them are in one folder beside it.
+    None is yielded if the dataflow is not a file, or if no program exists, so that it may be a
+    copy; unless one folder beside it has all programs.
     """
     found: list[MissingFile] = []
     there = 0
@@ -77,7 +77,7 @@ def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
 
 
 def _are_in_a_folder(missing: Sequence[MissingFile], around: Path) -> bool:
-    """Whether a folder has a file of each name."""
+    """Whether some folder in `around` contains a file with each of the names."""
     names = {Path(each.path).name for each in missing}
     with suppress(OSError):
         folders = [each for each in around.iterdir() if each.is_dir()]
@@ -113,7 +113,7 @@ def _configuration(dataflows: Sequence[Dataflow], path: str) -> Configuration:
 
 
 def _source(name: str, line: Data) -> Module:
-    """Return the module of a virtual input: a sensor for a timer with a rate."""
+    """Return the module of an input that dora itself feeds: a sensor for a timer with a rate."""
     port = line.source_port or ""
     if line.hz is None:
         service = ports.output(port, None, line.span, None)

@@ -19,14 +19,14 @@ class LaunchArgument:
 
 @dataclass(frozen=True, slots=True)
 class PackageShare:
-    """The folder where a package's shared files are installed."""
+    """The folder with a package's installed shared files, as `$(find-pkg-share PACKAGE)`."""
 
     package: "Text"
 
 
 @dataclass(frozen=True, slots=True)
 class OwnParameter:
-    """The value of a parameter of the node whose source is read."""
+    """The value of a parameter that a node reads itself, as a part of a text in its source."""
 
     name: str
 
@@ -51,10 +51,10 @@ _MOST = 4096
 
 @dataclass(frozen=True, slots=True)
 class Test:
-    """A test for an action: that a text is a value or, if not `wanted`, is another.
+    """A condition of an action: `text` equals `value` or, if not `wanted`, does not.
 
-    Without a value the text is a truth. With `branch`, it is of a branch of code, which anything
-    may take; with `implied`, other tests beside it imply it.
+    If `value` is None, the text is a boolean. With `branch`, it represents a branch of code whose
+    condition is not known; with `implied`, the other tests of the action imply it.
     """
 
     text: Text
@@ -124,7 +124,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class LaunchGroup:
-    """A group of actions; the settings in a scoped group end with the group."""
+    """A group of actions; if `scoped`, its settings (namespace, remappings) end with it."""
 
     actions: "tuple[Action, ...]"
     scoped: bool = True
@@ -152,7 +152,7 @@ class Declare:
 
 @dataclass(frozen=True, slots=True)
 class SetParameters:
-    """Parameters of all nodes that follow in the group."""
+    """Parameters, and files of these, for all later nodes of the group."""
 
     files: tuple[Text, ...]
     parameters: tuple[NodeParameter, ...]
@@ -189,7 +189,7 @@ class Readings:
 
 @dataclass(frozen=True, slots=True)
 class Undeclared:
-    """An argument that a launch file of ROS 1 reads, and that it does not declare."""
+    """An argument that a launch file of ROS 1 reads without declaring it."""
 
     name: str
     span: Span
@@ -227,12 +227,12 @@ def text_of(*parts: Part | Text) -> Text:
 
 
 def plain(text: Text) -> str | None:
-    """Return a text that has no open parts."""
+    """Return a text as a string, or None if parts of it are open."""
     if not text:
         return ""
     return text[0] if len(text) == 1 and isinstance(text[0], str) else None
 
 
 def together(actions: Sequence[Action], tests: Tests) -> LaunchGroup:
-    """Return actions that a condition may leave out, without a scope of their own."""
+    """Return actions under common tests, as a group without a scope of its own."""
     return LaunchGroup(tuple(actions), scoped=False, tests=tests)

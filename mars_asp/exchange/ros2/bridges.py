@@ -34,7 +34,10 @@ def is_bridge(program: RosProgram) -> bool:
 def bridged(
     program: RosProgram, arguments: Sequence[str], document: Node | None, span: Span
 ) -> Interface:
-    """Return the topics of a bridge at `span`, by its arguments and its file."""
+    """Return the topics of a bridge that is started at `span`, by its arguments and its file.
+
+    `document` is the parsed YAML file of the bridge, or None without one.
+    """
     words = takewhile(lambda word: word != "--ros-args", arguments)
     found = list(_of_file(document))
     unread: list[Unread] = []
@@ -58,7 +61,7 @@ def bridged(
 
 
 def _of_file(document: Node | None) -> Iterator[tuple[str, str, str, Span | None]]:
-    """Yield the topics, types and directions of the entries of a file, each with its place."""
+    """Yield topic, type, direction and location of each entry of a bridge's file."""
     for entry in document.nodes if isinstance(document, Items) else ():
         pairs = entry.pairs if isinstance(entry, Pairs) else ()
         entries = {key.text: value for key, value in pairs if isinstance(value, Scalar)}

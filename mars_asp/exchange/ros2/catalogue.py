@@ -20,7 +20,7 @@ _FLAGS = ("guard", "clients", "listens", "spread", "sure")
 
 
 class Catalogue:
-    """Programs whose interfaces are known; of two with one name the later one holds."""
+    """The interfaces of programs without source; a later entry replaces one of the same name."""
 
     def __init__(self) -> None:
         """Begin without programs."""
@@ -30,7 +30,7 @@ class Catalogue:
         self._private: dict[tuple[str | None, str], str] = {}
 
     def add(self, package: str, executable: str, plugin: object, interface: Interface) -> None:
-        """Add a program by its package, its executable and the class of its component, if any."""
+        """Add a program by its package and executable, and by its component's class, if any."""
         self._programs[package, executable] = interface
         if isinstance(plugin, str) and plugin:
             self._plugins[plugin] = interface
@@ -39,7 +39,7 @@ class Catalogue:
                 self._private[interface.node, topic.name.removeprefix("~/")] = package
 
     def package_of_topic(self, topic: str) -> str | None:
-        """Return the package whose node publishes a private topic, such as `/uav/mavros/state`."""
+        """Return the package whose node publishes a topic like `/uav/mavros/state`, or None."""
         words = topic.split("/")
         for at, name in enumerate(words):
             package = self._private.get((name, "/".join(words[at + 1 :])))
@@ -48,14 +48,14 @@ class Catalogue:
         return None
 
     def interface(self, package: str, executable: str, plugin: bool) -> Interface | None:
-        """Return the interface of a program, or of a component by its class."""
+        """Return the interface of a program, or of the component class, None if not in it."""
         if plugin:
             return self._plugins.get(executable)
         return self._programs.get((package, executable))
 
 
 def load_catalogue(own: tuple[tuple[str, str], ...] = ()) -> Catalogue:
-    """Return the built-in catalogue with those of the user, each a text and its path.
+    """Return the built-in catalogue, extended by those of the user: pairs of text and path.
 
     Raises:
         MarsError: a catalogue of the user has an error.
@@ -68,7 +68,7 @@ def load_catalogue(own: tuple[tuple[str, str], ...] = ()) -> Catalogue:
 
 
 def _read_catalogue(text: str, path: str, catalogue: Catalogue) -> None:
-    """Add the programs of a text."""
+    """Add the programs in the TOML `text` to a catalogue."""
     try:
         document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -124,7 +124,7 @@ def _interface_of(called: str, program: Mapping[str, object], path: str) -> Inte
 
 
 def _topics(listed: object) -> Iterator[InterfaceTopic]:
-    """Yield topics of a table; a number sign in the name of a parameter matches any number."""
+    """Yield the topics of a table; `#` in a parameter's name matches any number."""
     for name, kind in (listed if isinstance(listed, dict) else {}).items():
         match = _BY_PARAMETER.fullmatch(name)
         if match:

@@ -80,7 +80,8 @@ class Targets:
     """Sources of targets, the targets that they link, and which are programs and components.
 
     `programs` are files that are installed as they are, `started` the components that programs
-    start; `installed` are the shared files, and `is_whole` is whether these are all of them.
+    start; `installed` are the shared files, and `is_whole` is false if unread commands may install
+    more.
     """
 
     sources: dict[str, list[str]] = field(default_factory=dict)
@@ -106,16 +107,13 @@ class Targets:
 
 
 def installing_macros(text: str) -> Iterator[str]:
-    """Yield the names of the macros and functions of a file that may install something."""
+    """Yield the names of macros and functions defined in a CMake text that may install files."""
     if _MAY_INSTALL.search(text):
         yield from map(str.lower, _DEFINITION.findall(text))
 
 
 def words_of_programs(text: str) -> Iterator[str]:
-    """Yield the words of commands that may name programs, or the files that these are.
-
-    A target of a name is a program or a library.
-    """
+    """Yield the words of CMake commands that may be names of programs or of their files."""
     commands = list(_cmake_commands(text))
     libraries = {words[0] for name, words in commands if name in _LIBRARIES and words}
     for name, words in commands:
@@ -162,7 +160,7 @@ class _CMakeReader:
         self.left = _MOST_COMMANDS
 
     def follow(self, commands: Sequence[_Command], folder: str, values: _Values) -> None:
-        """Take the commands of a file in a folder of the package, which may set variables."""
+        """Execute the commands of a file in `folder`, which may change the variables."""
         if self.depth > _DEEPEST:
             return
         self.depth += 1
@@ -211,7 +209,7 @@ class _CMakeReader:
     def follow_loop(
         self, given: Sequence[str], body: Sequence[_Command], folder: str, values: _Values
     ) -> None:
-        """Take the commands of a loop for each of its items."""
+        """Execute the body of a `foreach` for each of its items, which are in `given`."""
         variable, *items = given or [""]
         if items[:1] == ["IN"]:
             named = {word for word in items if word in values}
@@ -226,7 +224,7 @@ class _CMakeReader:
             self.follow(body, folder, values)
 
     def take_command(self, name: str, given: Sequence[str], folder: str, values: _Values) -> None:
-        """Take a command with the words that it is given, of which there is one at least."""
+        """Execute a command that is neither a block nor a macro; `given` are its words."""
         first, *others = given
         match name:
             case "set":
@@ -265,7 +263,7 @@ class _CMakeReader:
                 self.take_of_target(name, first, others, folder)
 
     def take_of_target(self, name: str, first: str, others: Sequence[str], folder: str) -> None:
-        """Take a command about the target or the sort of files that its first word names."""
+        """Execute a command about a target, or about a sort of files, named by its first word."""
         targets = self.targets
         match name:
             case _ if name in _EXECUTABLES:
@@ -304,14 +302,14 @@ class _CMakeReader:
                         targets.executables[value] = first
 
     def commands_of(self, path: str) -> Sequence[_Command]:
-        """Return the commands of a file of the package, none where it is not there."""
+        """Return the commands of a file of the package; none if the file does not exist."""
         if path not in self.read:
             text = self.files.get(path)
             self.read[path] = () if text is None else tuple(_cmake_commands(text()))
         return self.read[path]
 
     def matching(self, command: str, words: Sequence[str], folder: str) -> Iterator[str]:
-        """Yield the files of the package that patterns name, as absolute paths."""
+        """Yield the absolute paths of package files that match the patterns in `words`."""
         options = {word for word, _ in pairwise(words) if word in ("RELATIVE", "LIST_DIRECTORIES")}
         skipped = {at + 1 for at, word in enumerate(words) if word in options}
         for at, word in enumerate(words):
@@ -350,7 +348,7 @@ def _end_of_block(commands: Sequence[_Command], at: int, name: str) -> int:
 def _installed(
     is_folder: bool, words: Sequence[str], folder: str, values: Mapping[str, Sequence[str]]
 ) -> Iterator[Installed]:
-    """Yield the files that a command installs to the shared folder of the package."""
+    """Yield the files or folders that `install` copies to the package's shared folder."""
     if "DESTINATION" not in words[:-1]:
         return
     at = words.index("DESTINATION")
@@ -386,7 +384,7 @@ def _cmake_commands(text: str) -> Iterator[_Command]:
 
 
 def _expanded(words: Sequence[str], values: _Values) -> list[str]:
-    """Return words with the variables in them replaced, a whole one by all its words."""
+    """Return words with variables replaced; a word that is one variable becomes all its words."""
     found: list[str] = []
     for word in words:
         whole = _VARIABLE.fullmatch(word)

@@ -26,7 +26,7 @@ _INTERPRETERS = frozenset({"python", "python3", "bash", "sh"})
 
 
 def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
-    """Return the action of a command line, each text of which may hold several words."""
+    """Return the action of a command line; a text in `texts` may hold several words."""
     words = [word for text in texts for word in _split_words(text)]
     known = [plain(word) for word in words]
     match known:
@@ -51,7 +51,7 @@ def of_command(texts: Sequence[Text], span: Span, tests: Tests) -> Action:
 
 
 def _launched(words: Sequence[Text], span: Span, tests: Tests) -> IncludeAction:
-    """Return the launch file that a command launches: a path, or a package and a file of it."""
+    """Return the include of the launch file that a `ros2 launch` or `roslaunch` command starts."""
     given: list[NodeParameter] = []
     named: list[Text] = []
     for word in words:
@@ -73,7 +73,7 @@ def _launched(words: Sequence[Text], span: Span, tests: Tests) -> IncludeAction:
 
 
 def _split_words(text: Text) -> list[Text]:
-    """Return the words of a text, which blanks part."""
+    """Return the words of a text, split at blanks."""
     words: list[list[Part]] = [[]]
     for part in text:
         first, *others = _BLANKS.split(part) if isinstance(part, str) else (part,)

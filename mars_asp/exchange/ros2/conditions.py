@@ -18,7 +18,7 @@ _EQUAL_TO = re.compile(rf"['\"](?P<value>[^'\"]*)['\"]\s*(?P<sign>==|!=)\s*{_PAR
 
 
 def tests_of(condition: Value, span: Span) -> Tests:
-    """Return the tests of the condition of an action, if it has one."""
+    """Return the tests of the condition of an action in Python, none without a condition."""
     if condition is None:
         return ()
     if not isinstance(condition, PythonCall):
@@ -64,7 +64,7 @@ def _of_value(value: Value, wanted: bool, span: Span) -> Iterator[Test]:
 
 
 def tests_of_text(text: Text, wanted: bool, span: Span) -> Iterator[Test]:
-    """Yield the tests of an expression: truths, and comparisons of arguments."""
+    """Yield the tests of an expression in a launch file: booleans, and comparisons of arguments."""
     held: list[Part] = [part for part in text if not isinstance(part, str)]
     if not held and wanted and text_of(*text) == ():
         return

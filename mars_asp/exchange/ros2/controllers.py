@@ -61,7 +61,7 @@ def with_controllers(
 ) -> Iterator[Started | Unread]:
     """Yield the started nodes, with controllers in place of their spawners.
 
-    A spawner whose manager is started elsewhere stays, as the parameters of that are unknown.
+    A spawner whose manager is started elsewhere stays, as the manager's parameters are unknown.
 
     Args:
         started: All started nodes of a robot.
@@ -130,7 +130,7 @@ def _spawned_by(started: Started) -> _Spawned | None:
 def _controller(
     name: str, spawner: Started, manager: Started, spawned: _Spawned, files: Sequence[Path]
 ) -> Started:
-    """Return the node that a controller is, of no type yet: it is renamed as its process is."""
+    """Return the node of a controller, still without its type; it is renamed as its manager is."""
     return replace(
         manager,
         plugin=True,

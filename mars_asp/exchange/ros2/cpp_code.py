@@ -39,7 +39,10 @@ _KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeo
 
 
 class CppCall(NamedTuple):
-    """A call: the function's name, its token's index, template arguments and arguments."""
+    """A call of a function: its name, its token's index, its template arguments and arguments.
+
+    `end` is the index of the token after it.
+    """
 
     name: str
     at: int
@@ -50,9 +53,10 @@ class CppCall(NamedTuple):
 
 @dataclass(slots=True)
 class CppBody:
-    """A function by its name: the token that opens its body, and the index after its last.
+    """The definition of a function: the tokens at which its body begins and ends.
 
-    `opening` is the bracket of its parameters.
+    `begin` is the index of its `{`, `end` the one after its last token, `opening` that of the
+    bracket of its parameters.
     """
 
     name: str
@@ -71,10 +75,10 @@ class ClassHead(NamedTuple):
 
 
 class Nested(Generic[T]):
-    """Ranges of tokens that lie in each other or apart, each with a value."""
+    """Ranges of token indices, nested or disjoint, each with a value."""
 
     def __init__(self, ranges: Sequence[tuple[int, int, T]]) -> None:
-        """Take sorted ranges: the token before the first, the index after the last, and a value."""
+        """Index sorted ranges: (token before the first, index after the last, value)."""
         self._ranges = ranges
         self._begins = [begin for begin, _, _ in ranges]
         self._outer: list[int] = []
@@ -86,7 +90,7 @@ class Nested(Generic[T]):
             waiting.append(number)
 
     def around(self, at: int) -> Iterator[T]:
-        """Yield the values of the ranges around a token, the innermost first."""
+        """Yield the values of the ranges that contain a token, the innermost first."""
         number = bisect_left(self._begins, at) - 1
         while number >= 0:
             _, end, value = self._ranges[number]
@@ -99,7 +103,7 @@ class CppCode:
     """The tokens of a file, the calls in it and its functions."""
 
     def __init__(self, text: str, path: str, called: Set[str], made: Set[str]) -> None:
-        """Find calls of the names `called`; those also in `made` are types of variables."""
+        """Find calls of the functions in `called`, and variables of the types in `made`."""
         self.source = Source(path, "c", text)
         stretch = self.source.stretch(0, len(text), len(text))
         self.text = stretch.text
@@ -141,16 +145,16 @@ class CppCode:
         return self._places_by_text.keys()
 
     def token_places(self, *words: str) -> Sequence[int]:
-        """Return the tokens with one of some texts, in order."""
+        """Return the indices of tokens with one of some texts, in order."""
         return self.places_of(frozenset(words))
 
     def places_of(self, words: Set[str]) -> Sequence[int]:
-        """Return the tokens with one of some texts, in order."""
+        """Return the indices of tokens with one of some texts, in order."""
         used = self.token_texts & words
         return sorted(chain.from_iterable(self._places_by_text[each] for each in used))
 
     def _closed_brackets(self) -> dict[int, int]:
-        """Return, for each bracket that opens, the index after the one that closes it."""
+        """Return, for each opening bracket, the index after its closing bracket."""
         found: dict[int, int] = {}
         waiting: list[int] = []
         for at in self.places_of(_BRACKETS):
@@ -161,7 +165,7 @@ class CppCode:
         return found | dict.fromkeys(waiting, len(self.tokens))
 
     def _calls(self, called: Set[str], made: Set[str]) -> Iterator[CppCall]:
-        """Yield each call, and each construction of a variable, with its arguments."""
+        """Yield each call of a function in `called`, and each variable of a type in `made`."""
         tokens, copied = self.tokens, 0
         for at in self.places_of(called):
             name, after = tokens[at].text, at + 1
@@ -216,12 +220,12 @@ class CppCode:
 
     @cached_property
     def strings(self) -> Sequence[int]:
-        """The tokens that are texts in quotes."""
+        """The indices of string literals."""
         return self.places_of({each for each in self.token_texts if each.startswith('"')})
 
     @cached_property
     def given_texts(self) -> Set[str]:
-        """The functions and classes whose first argument is a text in quotes."""
+        """The names of functions and classes that get a string literal as first argument."""
         return {
             self.tokens[at - 2].text
             for at in self.strings
@@ -229,7 +233,7 @@ class CppCode:
         }
 
     def bodies_at(self, at: int) -> Iterator[CppBody]:
-        """Yield the functions around a token, the innermost first; parameters are inside."""
+        """Yield the functions whose parameters or body contain a token, the innermost first."""
         return self._nested_bodies.around(at)
 
     def class_at(self, at: int) -> str:
@@ -249,12 +253,12 @@ class CppCode:
         return self.class_at(body.opening)
 
     def tests_at(self, at: int) -> Iterator[tuple[int, int, bool]]:
-        """Yield the conditions around a token: the range of each, and whether it holds there."""
+        """Yield the conditions around a token: (begin, end, whether it holds at the token)."""
         return self._branches.around(at)
 
     @cached_property
     def _branches(self) -> "Nested[tuple[int, int, bool]]":
-        """The branches of `if`, each with the range of its condition and which branch it is."""
+        """The branches of `if`: (begin and end of the condition, whether it holds there)."""
         found: list[tuple[int, int, tuple[int, int, bool]]] = []
         for at in self.token_places("if"):
             if text_at(self.tokens, at + 1) != "(":
@@ -268,7 +272,7 @@ class CppCode:
         return Nested(sorted(found))
 
     def _statement_end(self, at: int) -> int:
-        """Return the index after a statement; one that begins with `if` has no end of its own."""
+        """Return the index after a statement, or of its first `if`."""
         if text_at(self.tokens, at) == "{":
             return self.closed[at]
         last = min(len(self.tokens), at + _MOST_STATEMENT)
@@ -318,7 +322,7 @@ class CppCode:
 
 
 def _after_initialisers(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index of the body after the initialisers of a constructor."""
+    """Return the index of a constructor's body; `at` is the first of its initialisers."""
     most = min(len(tokens), at + _MOST_INITIALISERS)
     while at < most:
         while at < most and text_at(tokens, at) not in ("(", "{", ";"):

@@ -36,7 +36,7 @@ _LITERAL = re.compile(r"(\d[\d.']*)(ns|us|ms|s|min)")
 
 
 def seconds_in(argument: Sequence[SourceToken]) -> Fraction | None:
-    """Return the seconds of a duration that is written out."""
+    """Return the seconds of a literal duration such as `500ms`, or None for another expression."""
     text = joined(argument)
     literal = _LITERAL.fullmatch(text)
     if literal:
@@ -57,7 +57,7 @@ def seconds_in(argument: Sequence[SourceToken]) -> Fraction | None:
 
 
 def number_in(text: str) -> Fraction | None:
-    """Return a number, or the quotient of two, that is written out."""
+    """Return the value of a literal, or of a quotient of two literals, or None for another text."""
     first, slash, second = text.partition("/")
     found = []
     for part in (first, second) if slash else (first,):

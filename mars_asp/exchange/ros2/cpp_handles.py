@@ -61,21 +61,21 @@ Evaluate = Callable[[ScopedCode, Sequence[SourceToken]], str | None]
 
 
 class _Source(NamedTuple):
-    """A value that a variable can get: the prefix of `key`, if there is one, and `suffix`."""
+    """A possible prefix of a handle: that of the variable `key` (or none), then `suffix`."""
 
     key: _Key | None
     suffix: str | None
 
 
 class _Function(NamedTuple):
-    """A function that takes handles: its number in the program, and the names of its parameters."""
+    """A function with handles as parameters: its identifier, and the names of its handles."""
 
     scope: str
     handles: tuple[str | None, ...]
 
 
 class Handles:
-    """The handles of a program."""
+    """The variables of a program that are node handles, with their possible prefixes."""
 
     def __init__(self, files: Sequence[ScopedCode], evaluate: Evaluate) -> None:
         """Follow the handles of all files; `evaluate` gives the text of an expression."""
@@ -109,7 +109,7 @@ class Handles:
         )
 
     def prefixes(self, file: ScopedCode, begin: int, end: int) -> Sequence[str | None]:
-        """Return the prefixes of a handle given by tokens; one is None if it is unknown."""
+        """Return the possible prefixes of the handle in a range of tokens; None is unknown."""
         if self.is_empty:
             return ("",)
         found: list[str | None] = []
@@ -124,9 +124,10 @@ class Handles:
         return list(dict.fromkeys(found)) or ("",)
 
     def leave_topics_unread(self, files: Sequence[ScopedCode], called: Collection[str]) -> bool:
-        """Return whether an object that is not read has topics, or a function may make some.
+        """Whether the program may have topics that were not read.
 
-        `called` are the functions whose calls are read.
+        They are those of base classes, of unknown objects that get a node or handle, and of
+        functions other than `called`.
         """
         if not all(_OWN_TOPICS.isdisjoint(file.token_texts) for file in files):
             return True
@@ -153,7 +154,7 @@ class Handles:
         )
 
     def _calls_with_handles(self, file: ScopedCode) -> Iterator[int]:
-        """Yield the brackets of calls that have a handle as an argument."""
+        """Yield the opening brackets of calls with a handle among the arguments."""
         tokens = file.tokens
         for at in file.places_of(self._names):
             opening = file.bracket_at(at)
@@ -168,7 +169,7 @@ class Handles:
     # ---- Names
 
     def _variable(self, file: ScopedCode, at: int, name: str) -> _Key:
-        """Return the variable that a name is at a token: a local one, or else a member."""
+        """Return the variable that `name` means at a token: a local one, else a member."""
         around = list(file.bodies_at(at))
         for body in around:
             scope = _scope_of(file, body)
@@ -182,7 +183,7 @@ class Handles:
         return min(classes) if len(classes) == 1 else "", name
 
     def _declared(self, file: ScopedCode, has_sub_nodes: bool) -> None:
-        """Note the variables and members that are handles."""
+        """Collect the variables and members of a file that are handles."""
         tokens = file.tokens
         classes = _CLASSES | (_NODES if has_sub_nodes else frozenset())
         for at in file.places_of(classes | _GETTERS.keys() | {_SUB_NODE}):
@@ -215,7 +216,7 @@ class Handles:
             self._locals.setdefault(_scope_of(file, body), set()).add(name)
 
     def _functions(self, files: Sequence[ScopedCode]) -> dict[str, list[_Function]]:
-        """Return the functions that take handles, by their names."""
+        """Return the functions with handles as parameters, by name."""
         found: dict[str, list[_Function]] = {}
         for file in files:
             for body in file.bodies:
@@ -230,7 +231,7 @@ class Handles:
     # ---- Values
 
     def _assigned(self, file: ScopedCode) -> None:
-        """Note the values that variables get where they are declared, assigned or initialised."""
+        """Collect the values of handles in declarations, assignments and initialisers."""
         tokens = file.tokens
         for at in file.places_of(self._names):
             sign = text_at(tokens, at + 1)
@@ -254,7 +255,7 @@ class Handles:
                 self._flow(source, key)
 
     def _passed(self, file: ScopedCode, functions: dict[str, list[_Function]]) -> None:
-        """Note the handles that are arguments of functions and constructors."""
+        """Collect the handles that are passed to parameters of functions and constructors."""
         if file.token_texts.isdisjoint(functions):
             return
         tokens = file.tokens
@@ -286,7 +287,7 @@ class Handles:
                             self._flow(source, (function.scope, parameter))
 
     def _handle_sources(self, file: ScopedCode, begin: int, end: int) -> Iterator[_Source]:
-        """Yield the handles that an expression can be."""
+        """Yield the possible prefixes of the handle that an expression in a range returns."""
         tokens = file.tokens
         words = [token.text for token in tokens[begin : min(end, begin + _MOST_WORDS)]]
         getter = next((word for word in words if word in _GETTERS), None)
@@ -316,7 +317,7 @@ class Handles:
                 yield _Source(self._variable(file, begin, names[-1]), "")
 
     def _made(self, file: ScopedCode, begin: int, end: int) -> Iterator[_Source]:
-        """Yield the handles that a constructor makes from its arguments, which are given."""
+        """Yield the possible prefixes of a handle constructed from the arguments in a range."""
         tokens = file.tokens
         groups = list(_arguments(file, begin - 1)) if begin < end else []
         if not groups:
@@ -349,9 +350,9 @@ class Handles:
         return True
 
     def _settle(self, parameters: Collection[_Key]) -> None:
-        """Follow the edges to a fixpoint; a handle with no value at all is a public one.
+        """Propagate prefixes between variables; a handle without any value has no prefix.
 
-        A parameter with no value gets one in a call that was not read.
+        A parameter without any value is unknown, as its call was not read.
         """
         self._spread()
         targets = {target for edges in self._edges.values() for target, _ in edges}
@@ -372,7 +373,7 @@ class Handles:
 
 
 def prefixed_name(prefix: str | None, name: str | None) -> str | None:
-    """Return a name below a prefix, or None if one of both is unknown."""
+    """Return a name below a prefix, or None if either is unknown."""
     if prefix is None or name is None:
         return None
     if not prefix or name.startswith(("/", "~")):
@@ -385,13 +386,13 @@ def _scope_of(file: ScopedCode, body: CppBody) -> str:
 
 
 def _is_defined(file: ScopedCode, opening: int) -> bool:
-    """Whether a bracket opens the parameters of a function that is defined there."""
+    """Whether a bracket opens the parameters of a function definition."""
     body = next(file.bodies_at(opening + 1), None)
     return body is not None and body.opening == opening
 
 
 def _calls_with_nodes(file: ScopedCode) -> Iterator[int]:
-    """Yield the brackets whose first argument is the object itself, such as a node."""
+    """Yield the opening brackets of calls whose first argument is `this`."""
     tokens = file.tokens
     for at in file.token_places("this"):
         if text_at(tokens, at + 1) in (",", ")", "}"):
@@ -401,7 +402,7 @@ def _calls_with_nodes(file: ScopedCode) -> Iterator[int]:
 
 
 def _callee_words(file: ScopedCode, opening: int) -> set[str]:
-    """Return the words before a bracket: the function, or the class and the name of an object."""
+    """Return the words before a call's bracket: the function, or the class and object."""
     begin, depth = opening, 0
     found: set[str] = set()
     types: set[str] = set()
@@ -418,7 +419,7 @@ def _callee_words(file: ScopedCode, opening: int) -> set[str]:
 
 
 def _objects_of_classes(file: ScopedCode, classes: Set[str]) -> Iterator[str]:
-    """Yield the names of objects and members of some classes."""
+    """Yield the names of variables and members whose type is one of `classes`."""
     tokens = file.tokens
     for at in file.places_of(classes):
         end = at + 1
@@ -429,7 +430,7 @@ def _objects_of_classes(file: ScopedCode, classes: Set[str]) -> Iterator[str]:
 
 
 def _name_of(parameter: Sequence[SourceToken]) -> str | None:
-    """Return the name of a parameter, which is before its default."""
+    """Return the name in the declaration of a parameter, or None without a name."""
     words = [token.text for token in parameter]
     if "=" in words:
         words = words[: words.index("=")]
@@ -437,7 +438,7 @@ def _name_of(parameter: Sequence[SourceToken]) -> str | None:
 
 
 def _end_of(file: ScopedCode, at: int) -> int:
-    """Return the index after an expression, which ends at a comma or a bracket that closes."""
+    """Return the index after an expression: of the comma or closing bracket that ends it."""
     last = min(len(file.tokens), at + _MOST_WORDS)
     while at < last and text_at(file.tokens, at) not in (";", ",", ")", "}"):
         at = file.closed.get(at, at + 1)
@@ -445,7 +446,7 @@ def _end_of(file: ScopedCode, at: int) -> int:
 
 
 def _arguments(file: ScopedCode, opening: int) -> Iterator[tuple[int, int]]:
-    """Yield the first index and the index after the last of each argument in a bracket."""
+    """Yield begin and end index of each argument of the call with an opening bracket."""
     end = min(file.closed.get(opening, opening + 1) - 1, opening + _MOST_WORDS * 4)
     begin = at = opening + 1
     while at < end:
@@ -459,7 +460,7 @@ def _arguments(file: ScopedCode, opening: int) -> Iterator[tuple[int, int]]:
 
 
 def handle_tokens(file: ScopedCode, at: int) -> tuple[int, int]:
-    """Return the range of the expression on which a method is called, whose name is at a token."""
+    """Return the range of the expression on which the method at a token is called."""
     tokens = file.tokens
     if text_at(tokens, at - 1) not in (".", "->"):
         return at, at

@@ -42,8 +42,8 @@ _STARTS = frozenset({";", "{", "}", "(", ",", ":", "#", ""})
 class Assigned(NamedTuple):
     """A value that a name gets: an expression by its range, which is empty if unknown.
 
-    `is_first` is whether the variable has it before any statement that assigns another. If there is
-    a `parameter`, its value is written to the variable; a `function` may write any.
+    `is_first` is whether the variable is initialised with it. With a `parameter` the value is that
+    of the ROS parameter; with a `function` the variable is passed to it, which may write to it.
     """
 
     at: int
@@ -57,9 +57,9 @@ class Assigned(NamedTuple):
 class Named(NamedTuple):
     """A name in a file: its declarations and values.
 
-    `scopes` are the brackets of functions and blocks that declare it, each with the first token
-    that does; `owners` are the classes and namespaces that declare it. `values` are those in each
-    scope, and below -1 those of members and constants.
+    `scopes` are the brackets of functions and blocks that declare it, each with the token of the
+    first declaration; `owners` are the classes and namespaces that declare it. `values` are by
+    scope; the key -1 has those of members and constants.
     """
 
     scopes: Mapping[int, int]
@@ -68,14 +68,14 @@ class Named(NamedTuple):
 
 
 class ScopedCode(CppCode):
-    """A file with the scopes of its names."""
+    """The tokens of a C++ file, with the scopes of its names."""
 
     def index_of(self, token: SourceToken) -> int:
         """Return the index of a token of the file."""
         return bisect_left(self.tokens, token.offset, key=attrgetter("offset"))
 
     def scope_at(self, at: int, named: Named) -> int:
-        """Return the bracket of the scope of a local name at a token, -1 if it is not local."""
+        """Return the opening bracket of the scope that declares a name; -1 if it is not local."""
         if text_at(self.tokens, at - 1) in (".", "->", "::") or self._is_initialised(at):
             return -1
         for opening in islice(self._brackets.around(at), _DEEPEST_SCOPE):
@@ -98,7 +98,10 @@ class ScopedCode(CppCode):
     def parameter_in(
         self, called: str, arguments: Sequence[Sequence[SourceToken]]
     ) -> tuple[str | None, Sequence[tuple[SourceToken, ...]]]:
-        """Return the name of the parameter of a call, and the arguments after it."""
+        """Return the name of the ROS parameter that a call reads, and the later arguments.
+
+        They are None and empty if the call of `called` reads none.
+        """
         for at, argument in enumerate(arguments[:2] if called in PARAMETERS else ()):
             name = self.string(argument[0]) if len(argument) == 1 else None
             if name is not None:
@@ -107,7 +110,7 @@ class ScopedCode(CppCode):
 
     @cached_property
     def _parameters_read(self) -> Mapping[int, str]:
-        """The names of parameters that calls read into variables, by the offsets of these."""
+        """The names of ROS parameters read into variables, by the variable's offset."""
         found: dict[int, str] = {}
         for call in self.calls:
             name, others = self.parameter_in(call.name, call.arguments)
@@ -120,7 +123,7 @@ class ScopedCode(CppCode):
         return is_read and is_word(others[0][-1].text)
 
     def parameter_of(self, opening: int) -> CppBody | None:
-        """Return the function whose parameters a bracket encloses."""
+        """Return the function whose parameters an opening bracket begins, or None."""
         return self._bodies_by_opening.get(opening)
 
     def owners_at(self, at: int) -> Iterator[str]:
@@ -132,7 +135,7 @@ class ScopedCode(CppCode):
         )
 
     def is_typed(self, at: int) -> bool:
-        """Whether a type is before a name."""
+        """Whether the name at a token is preceded by a type, as in a declaration."""
         back = self._before_signs(at)
         has_signs = back < at - 1
         back = self._before_angles(back)
@@ -153,7 +156,7 @@ class ScopedCode(CppCode):
 
     @cached_property
     def declarations_of(self) -> Callable[[str], Named]:
-        """The function from a name to its declarations and values."""
+        """The function that returns the declarations and values of a name."""
         return cache(self._names_of)
 
     @cached_property
@@ -162,7 +165,7 @@ class ScopedCode(CppCode):
 
     @cached_property
     def _owner_brackets(self) -> Mapping[int, str]:
-        """The classes and namespaces that have names, by their brackets."""
+        """The names of classes and namespaces, by the index of their opening brackets."""
         found = {head.opening: head.name for head in self.class_heads}
         for at in self.token_places("namespace"):
             end = at + 1
@@ -174,9 +177,9 @@ class ScopedCode(CppCode):
 
     @cached_property
     def _header_scopes(self) -> Mapping[int, tuple[int, frozenset[str]]]:
-        """The brackets of parameters and statements that declare names.
+        """The brackets of parameters, loops and conditions, in which names are declared.
 
-        Each has the end of its scope, and the signs after the names.
+        Each has the end of its scope, and the signs that may follow a declared name.
         """
         found = {body.opening: (body.end, _IN_PARAMETERS) for body in self.bodies}
         for at in self.token_places("("):
@@ -237,7 +240,7 @@ class ScopedCode(CppCode):
         return back + 1 if text_at(self.tokens, back + 1) == "const" else back
 
     def _before_angles(self, back: int) -> int:
-        """Return the index of the template whose arguments end at a token, or the token."""
+        """Return the index before template arguments that end at a token, else the index."""
         depth, at = 0, back
         while text_at(self.tokens, at) and at > back - _MOST_WORDS:
             text = self.tokens[at].text
@@ -248,7 +251,7 @@ class ScopedCode(CppCode):
         return -1
 
     def _declared_in(self, at: int) -> int | None:
-        """Return the bracket in which a token declares a name, or None if it does not."""
+        """Return the bracket of the scope in which the token declares a name, or None."""
         tokens = self.tokens
         opening = self.bracket_at(at)
         if text_at(tokens, opening) == "[":
@@ -270,7 +273,7 @@ class ScopedCode(CppCode):
         return opening if self.is_typed(typed) else None
 
     def _first_declared(self, at: int, opening: int) -> int:
-        """Return the first name of a statement that may declare several."""
+        """Return the index of the first name in a declaration of several names."""
         begin = at - 1
         last = max(opening, at - 4 * _MOST_WORDS)
         while begin > last and text_at(self.tokens, begin) not in (";", "{"):
@@ -284,7 +287,7 @@ class ScopedCode(CppCode):
         return begin
 
     def _is_initialised(self, at: int) -> bool:
-        """Whether a name at a token is that of a member that a constructor initialises."""
+        """Whether a token is a member in the initialisers of a constructor."""
         opening = self.bracket_at(at)
         body = self._bodies_by_opening.get(opening)
         return (
@@ -319,7 +322,7 @@ class ScopedCode(CppCode):
         return named
 
     def _value_assigned(self, at: int, is_declared: bool) -> Assigned | None:
-        """Return the value that a name gets at a token, or None if it gets none."""
+        """Return the value that the name at a token gets there, or None if it gets none."""
         tokens = self.tokens
         before, after_name = text_at(tokens, at - 1), at + 1
         opening = self.bracket_at(at)
@@ -363,7 +366,7 @@ class ScopedCode(CppCode):
         return None
 
     def _end_of_value(self, begin: int) -> int:
-        """Return the index after an expression, the first one if it is too long."""
+        """Return the index after an expression; `begin` itself if it is too long."""
         end, last = begin, begin + _MOST_WORDS
         while end < len(self.tokens) and text_at(self.tokens, end) not in (";", ",", ")", "}"):
             end = self.closed.get(end, end + 1)

@@ -33,7 +33,10 @@ _OF_CALLS = frozenset({".", "->", "::", "<", ">", "(", ")"})
 
 
 class CppText(NamedTuple):
-    """An expression: a text, and the parameter that may give another."""
+    """The string value of an expression, None if unknown.
+
+    `parameter` is the ROS parameter that may replace it, or None.
+    """
 
     text: str | None
     parameter: str | None = None
@@ -55,7 +58,7 @@ _Place: TypeAlias = tuple[ScopedCode, Assigned]
 
 
 class CppTexts:
-    """The texts of the expressions of a program."""
+    """Evaluates expressions of a program in C++ to strings."""
 
     def __init__(self, files: Sequence[ScopedCode]) -> None:
         """Take all files of the program."""
@@ -69,7 +72,7 @@ class CppTexts:
         self._reading = ""
 
     def text_of(self, file: ScopedCode, tokens: Sequence[SourceToken]) -> CppText:
-        """Return the text of an expression, and the parameter that it reads."""
+        """Return the string value of an expression, and the ROS parameter that it reads."""
         tokens = _unwrapped(tokens)
         words = [token.text for token in tokens[: _MOST_WORDS + 1]]
         strings = [file.string(token) for token in tokens if token.text.startswith('"')]
@@ -104,7 +107,7 @@ class CppTexts:
     def _value_of_parameter(
         self, file: ScopedCode, tokens: Sequence[SourceToken], words: Sequence[str]
     ) -> CppText:
-        """Return the value of a parameter that an expression reads, if it does no more."""
+        """Return the default and name of the ROS parameter that an expression only reads."""
         at = next(at for at, word in enumerate(words) if word in PARAMETERS)
         opening = after_angle(tokens, at + 1) if text_at(tokens, at + 1) == "<" else at + 1
         if text_at(tokens, opening) != "(":
@@ -128,7 +131,7 @@ class CppTexts:
         return next((each for each in values if each is not None), None)
 
     def _parameter_default(self, name: str) -> str | None:
-        """Return the default of a parameter, if all declarations agree."""
+        """Return the default of a ROS parameter; None if unknown or if declarations differ."""
         if name not in self._defaults:
             self._defaults[name] = None
             reading, self._reading = self._reading, name
@@ -168,7 +171,7 @@ class CppTexts:
     def _values_in_scope(
         self, file: ScopedCode, variable: _Variable
     ) -> Iterator[tuple[CppText, bool]]:
-        """Yield the values that a variable gets, each with whether it is the first."""
+        """Yield each value of a variable, with whether the variable is initialised with it."""
         if variable.scope >= 0:
             named = file.declarations_of(variable.name)
             body = file.parameter_of(variable.scope)
@@ -192,7 +195,7 @@ class CppTexts:
                 yield self.text_of(place, place.tokens[each.begin : each.end]), each.is_first
 
     def _find_shared(self, name: str) -> Mapping[str, list[_Place]]:
-        """Return the values of the members and constants of a name, by their owners."""
+        """Return the values of members and constants called `name`, by class or namespace."""
         found: dict[str, list[_Place]] = {}
         for file in self._files:
             for each in file.declarations_of(name).values.get(-1, ()):
@@ -201,10 +204,10 @@ class CppTexts:
         return found
 
     def _owners_of(self, file: ScopedCode, at: int, name: str) -> Collection[str]:
-        """Return the class or namespace of a name that is not local; an object may be of several.
+        """Return the classes or namespaces of a name that is not local.
 
-        An inherited member is that of a base class. A name without declaration in the files
-        belongs to the class of the function.
+        The class of an inherited member is the base class. A name that no file declares belongs to
+        the class of the function.
         """
         declared = self._declaring(name)
         sign, owner = text_at(file.tokens, at - 1), text_at(file.tokens, at - 2)
@@ -262,7 +265,7 @@ class CppTexts:
 
     @cached_property
     def _writing(self) -> Collection[str]:
-        """The functions that may write to a text that they are given."""
+        """The functions with a `string &` parameter, to which they may write."""
         groups = (
             (body.name, {token.text for token in group})
             for same in self._bodies_by_name.values()
@@ -274,7 +277,7 @@ class CppTexts:
     def _values_passed(
         self, file: ScopedCode, body: CppBody, name: str
     ) -> Iterator[tuple[CppText, bool]]:
-        """Yield the values that a parameter gets in all calls of its function."""
+        """Yield the values of a parameter `name` in all calls of its function."""
         groups = split(body.parameters)
         words = [[token.text for token in before(group, "=")] for group in groups]
         number = next((at for at, each in enumerate(words) if name in each[-1:]), None)
@@ -316,14 +319,14 @@ class CppTexts:
 
 
 def resolved_name(tokens: Sequence[SourceToken]) -> Sequence[SourceToken] | None:
-    """Return the name whose whole form an expression is, or None for others."""
+    """Return the argument of a call that resolves a topic name, or None for another expression."""
     at = len(tokens) - 4
     is_call = at > 0 and text_at(tokens, -1 + len(tokens)) == ")" and text_at(tokens, at + 1) == "("
     return tokens[at + 2 : -1] if is_call and tokens[at].text in RESOLVING else None
 
 
 def _agreed_value(values: Sequence[tuple[CppText, bool]]) -> CppText:
-    """Return the one value that a variable has; a parameter replaces texts before it is read."""
+    """Return the common value, unknown if values differ; a ROS parameter overrides others."""
     parameters = {value.parameter: value for value, _ in values if value.parameter}
     if len(parameters) == 1:
         is_known = all(v.text is not None or v.parameter or is_first for v, is_first in values)
@@ -341,7 +344,7 @@ def _limited(text: str | None) -> CppText:
 
 
 def _unwrapped(tokens: Sequence[SourceToken]) -> Sequence[SourceToken]:
-    """Return an expression without brackets around it, `std::string(...)` and `.c_str()`."""
+    """Return an expression without outer brackets, `std::string(...)` and `.c_str()`."""
     while len(tokens) <= _MOST_WORDS:
         words = [token.text for token in tokens]
         at = 2 if words[:2] in (["std", "::"], ["rclcpp", "::"]) else 0

@@ -18,7 +18,7 @@ _NAMED = re.compile(
 
 
 def files_named(text: str, path: str) -> Iterator[tuple[str, Span, bool]]:
-    """Yield the files that a description names, each with its place, and whether it is included.
+    """Yield path, location and whether it is included, for each file that a description names.
 
     Paths begin with `$(find-pkg-share PACKAGE)`, as those of launch files do.
     """

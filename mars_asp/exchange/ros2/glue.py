@@ -42,7 +42,10 @@ class Forward:
 def handed_on(
     program: RosProgram, words: Sequence[str], values: Mapping[str, GivenParameter]
 ) -> Forward | None:
-    """Return the topic that a program forwards, or None; `words` are its arguments."""
+    """Return the forwarding that a program does, or None if it forwards no topic.
+
+    `words` are its arguments, `values` its parameters.
+    """
     if program.package == "twist_mux" and program.executable.startswith("joystick_relay"):
         left_out = (("locks", "joy_priority"), ("topics of markers", "text_marker"))
         return Forward("joy_vel_in", "joy_vel_out", None, left_out)
@@ -61,7 +64,7 @@ def handed_on(
 def _copied(
     kind: str, words: Sequence[str], values: Mapping[str, GivenParameter]
 ) -> Forward | None:
-    """Return the forwarding of a relay, throttle, drop or delay, or None without an input topic."""
+    """Return the forwarding of a relay, throttle, drop or delay; None without an input topic."""
     sort, *words = words if kind == "throttle" and words else ("", *words)
     named = _one(values, "throttle_type") or sort or "messages"
     # The number of words between the input topic and the output topic.
@@ -87,7 +90,7 @@ def _copied(
 def _selected(
     kind: str, words: Sequence[str], values: Mapping[str, GivenParameter]
 ) -> Forward | None:
-    """Return the initial forwarding of a mux or demux, or None; a service may select another."""
+    """Return the initial forwarding of a mux or demux, or None; it may be changed in a run."""
     several, one = ("input", "output") if kind == "mux" else ("output", "input")
     topics = _several(values, f"{several}_topics") or tuple(words[1:])
     default = "~/selected" if kind == "mux" else "~/input"
@@ -110,7 +113,10 @@ def _several(values: Mapping[str, GivenParameter], name: str) -> tuple[str, ...]
 def steered(
     program: RosProgram, words: Sequence[str], values: Mapping[str, GivenParameter]
 ) -> Interface | None:
-    """Return the topics of a program that only its call names: its parameters, or its `words`."""
+    """Return the topics of joy_teleop or `rostopic pub`, or None for other programs.
+
+    They are named by its parameters (`values`) or arguments (`words`) alone.
+    """
     if program.package == "rostopic" and list(words[:1]) == ["pub"]:
         return _published(words[1:])
     if program.package != "joy_teleop" or not program.executable.startswith("joy_teleop"):
@@ -119,7 +125,7 @@ def steered(
 
 
 def _published(words: Sequence[str]) -> Interface | None:
-    """Return the topic of a call of `rostopic pub`, with its rate if stated, or None."""
+    """Return the topic of `rostopic pub` with its rate, or None if it is not in the words."""
     given = iter(words)
     named: list[str] = []
     hz = None

@@ -16,14 +16,14 @@ T = TypeVar("T")
 class InterfaceTopic:
     """A topic as a program names it.
 
-    `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
-    the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
-    is its location in the program, or None if it comes from the catalogue; `optional` is whether
-    the program works as well without it, `measured` whether it reports a motion, whatever its type;
+    `parameter` is the parameter that gives the name, if any, and `name` its default, empty without
+    one. `type` is the message type and `hz` the rate of publication, if known; `span` is its
+    location in the program, or None if it comes from the catalogue; `optional` is whether the
+    program works as well without it, `measured` whether it reports a motion, whatever its type;
     `last` is whether it is published only as the program ends. The program has the topic only if
     each parameter of `switches` has the paired value. `image` is the image topic of a camera's
-    information, which stays beside the image if that is renamed. `parts` are the texts that make
-    up a name with parameters in it: each a text, or the default of the parameter beside it.
+    information, which stays beside the image if that is renamed. `parts` are the texts that make up
+    a name with parameters in it: each a text, or the default of the parameter beside it.
     """
 
     name: str
@@ -53,13 +53,13 @@ OF_ACTION = ("", "/goal", "/cancel", "/status", "/feedback", "/result")
 class Interface:
     """The topics of a program, the name that it gives its node, and whether it is a guard.
 
-    `unread` are its other effects, and topics known only at run time. `clients` is whether
-    others choose further topics while it runs, `listens` whether they choose its subscriptions,
+    `unread` are its other effects, and topics known only at run time. `clients` is whether other
+    programs choose further topics while it runs, `listens` whether they choose its subscriptions,
     `spread` whether it is several nodes, with private topics below the namespace that they are
     given, or else below its name. `names` are those of its services, actions and, in ROS 1,
-    parameters, which can also be renamed; `unnamed` is whether it has further ones.
-    `namespace` is that of its node if the launch file gives it none, and `is_name_sure` is whether
-    its name is the same in every version.
+    parameters, which can also be renamed; `unnamed` is whether it has further ones. `namespace` is
+    that of its node if the launch file gives it none, and `is_name_sure` is whether its name is the
+    same in every version.
     """
 
     published: tuple[InterfaceTopic, ...] = ()
@@ -77,7 +77,7 @@ class Interface:
 
 
 def agreed(pairs: Iterable[tuple[str, T]]) -> dict[str, T | None]:
-    """Return the value of each name, or None for a name with different values."""
+    """Return the common value of each name, or None if its values differ."""
     found: dict[str, T | None] = {}
     for name, value in pairs:
         found[name] = value if found.get(name, value) == value else None

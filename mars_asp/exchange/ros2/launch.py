@@ -89,11 +89,11 @@ _ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
 class Started:
     """A node that is started.
 
-    `name` is empty where its program decides; `namespace` begins with a slash; `files` are those
-    of its parameters, in the workspace; `conditions` decide if it starts;
-    `arguments` are the words after its program, the unknown ones empty. `has_further_files` is
-    whether it has files of parameters that are not known, `is_rewritten` whether a launch file
-    reads its files as YAML, `is_name_open` whether only a run knows its name or namespace.
+    `name` is empty if the program chooses it; `namespace` begins with a slash; `files` are those of
+    its parameters, in the workspace; `conditions` decide if it starts; `arguments` are the words
+    after its program, the unknown ones empty. `has_further_files` is whether it has files of
+    parameters that are not known, `is_rewritten` whether a launch file reads its files as YAML,
+    `is_name_open` whether only a run knows its name or namespace.
     """
 
     package: str
@@ -124,7 +124,7 @@ class _Entered(NamedTuple):
 
 @dataclass(slots=True)
 class _Scope:
-    """The settings that hold for the actions of a group."""
+    """The settings that apply to the actions of a group."""
 
     #: The launch file of the actions, after the files that include it.
     launched: tuple[Path, ...]
@@ -143,7 +143,7 @@ class _Scope:
     closed: bool = False
 
     def inner(self) -> "_Scope":
-        """Return a copy for a group of its own."""
+        """Return a copy of the settings for an inner group."""
         return replace(
             self,
             remaps=list(self.remaps),
@@ -152,7 +152,7 @@ class _Scope:
         )
 
     def state(self) -> tuple[Hashable, ...]:
-        """Return the parts on which the effect of actions depends, without the conditions above."""
+        """Return the settings on which the effect of actions depends, to compare scopes."""
         return (
             self.launched,
             self.namespace,
@@ -172,7 +172,7 @@ class _Scope:
         return self.launched[-1]
 
     def variable(self, name: str) -> str | None:
-        """Return the variable that gives an argument its value, or None if a file sets it."""
+        """Return the user's variable that sets an argument; None if a launch file sets it."""
         if name in self.passed:
             return self.passed[name]
         # The environment is the same in every file.
@@ -185,7 +185,7 @@ class Launch:
     """The nodes of a launch tree: a launch file of a workspace, and all files that it includes."""
 
     def __init__(self, workspace: Workspace, before: "Launch | None" = None) -> None:
-        """Begin with nothing started; files that were read `before` are not read again."""
+        """Begin with nothing started; files that the launch `before` read are not read again."""
         self.workspace = workspace
         self.path: Path | None = None
         self.started: list[Started] = []
@@ -201,7 +201,7 @@ class Launch:
         self._entered: dict[Hashable, _Entered] = {}
 
     def launch(self, file: Path) -> None:
-        """Collect the nodes that a launch file and its includes start.
+        """Add the nodes that a launch file and its includes start.
 
         Raises:
             MarsError: the file itself has an error.
@@ -267,7 +267,7 @@ class Launch:
                     self._note_undeclared(name, span, scope)
 
     def _declare(self, action: Declare, scope: _Scope) -> None:
-        """Take up a launch argument, and note a default that names a file which is not there."""
+        """Store a launch argument's value; note a default that names a file that does not exist."""
         if not self._is_usual(action.tests, scope):
             return
         name = action.name
@@ -285,7 +285,7 @@ class Launch:
             scope.fixed |= {name}
 
     def _either(self, readings: Sequence[tuple[Sequence[Action], Tests]], scope: _Scope) -> None:
-        """Collect the nodes of all readings; nodes of only some get the branches as conditions."""
+        """Collect the nodes of all readings; a node in only some gets their branches."""
         lacking: list[dict[AbsentFile, None]] = []
         noted = len(self.unread)
         found: list[tuple[Started, set[int]]] = []
@@ -341,7 +341,7 @@ class Launch:
     def _branches(
         self, tests: Tests, scope: _Scope
     ) -> dict[tuple[Text, Text], StartCondition] | None:
-        """Return the tests of a reading that are open, or None if one of them fails."""
+        """Return the undecided tests of a reading by text and value, or None if one fails."""
         found: dict[tuple[Text, Text], StartCondition] = {}
         for test in tests:
             key = test.text, test.value or ()
@@ -392,7 +392,7 @@ class Launch:
         self._enter(actions, action, scope, found)
 
     def _include_known(self, file: Path, action: IncludeAction, scope: _Scope) -> None:
-        """Collect the nodes of a launch file of the catalogue, with the location of its include."""
+        """Collect the nodes of a catalogued launch file, located at the include."""
         span, actions = action.span, self._read_actions(file)
         found = self._apart(partial(self._enter, actions, action, scope, file))
         self.reached |= found.reached
@@ -406,7 +406,7 @@ class Launch:
         self.unread += (each._replace(span=span) for each in kept)
 
     def _apart(self, collect: Callable[[], None]) -> _Entered:
-        """Return the results that a function collects, apart from those before."""
+        """Run `collect`, and return its results without adding them to this launch."""
         before = self.started, self.unread, self.reached, self.missing
         self.started, self.unread, self.reached, self.missing = [], [], set(), {}
         collect()
@@ -417,7 +417,7 @@ class Launch:
     def _enter(
         self, actions: Sequence[Action], action: IncludeAction, scope: _Scope, file: Path
     ) -> None:
-        """Take up the actions of an included file."""
+        """Process the actions of the file that `action` includes in `scope`."""
         conditions = self._conditions(action.tests, scope)
         if conditions is None:
             return
@@ -448,9 +448,9 @@ class Launch:
         self.missing |= found.missing
 
     def _entered_with(self, actions: Sequence[Action], within: _Scope, span: Span) -> _Entered:
-        """Return the results of an included file.
+        """Return the results of an included file within a scope; memoized.
 
-        Many branches of code include one file with the same arguments: it is followed once.
+        Many branches of code may include one file with the same arguments.
         """
         key = within.state()
         if key not in self._entered:
@@ -464,7 +464,10 @@ class Launch:
     def _note_arguments(
         self, given: Iterable[NodeParameter], file: Path, read: Iterable[Path]
     ) -> None:
-        """Note the arguments passed to a file that neither it nor one that it includes names."""
+        """Note the arguments passed to a file whose names neither it nor its includes contain.
+
+        `given` are the arguments, `read` the files.
+        """
         if any(_COMPOSED_ARGUMENT.search(self.workspace.text(each)) for each in read):
             return
         words = [self.workspace.words_in(each) for each in read]
@@ -479,9 +482,9 @@ class Launch:
                 self.missing[AbsentFile(name, shown, each.keys[0][1], sort)] = None
 
     def _note_undeclared(self, name: str, span: Span, scope: _Scope) -> None:
-        """Note an argument of ROS 1 that its file reads and does not declare.
+        """Note an argument that a file of ROS 1 reads without declaring it.
 
-        An include may hand on all arguments of the file around it.
+        It is not noted if an include forwards all arguments of the including file.
         """
         package = self.workspace.package_of(scope.file)
         is_of_ros2 = package is not None and package.is_of_ros2
@@ -491,9 +494,9 @@ class Launch:
             self.missing[AbsentFile(name, shown, span, "undeclared argument")] = None
 
     def _note_missing(self, path: str | None, span: Span, scope: _Scope) -> bool:
-        """Note that a package here lacks the file of a path, and return whether it does.
+        """Return whether a package here lacks the file at a path, and note it if so.
 
-        A launch file that checks whether files exist does without them.
+        A launch file that checks whether files exist works without them.
         """
         # Most texts of launch files name no file, which has an ending.
         if path is None or "." not in path:
@@ -510,7 +513,7 @@ class Launch:
         return not is_here
 
     def _note_read(self, words: Text, span: Span, scope: _Scope) -> None:
-        """Note the files that launching reads and a package lacks; unknown words name none."""
+        """Note the files among `words` that launching reads and a package lacks."""
         spelt = "".join(self._known_text((part,), scope) or _UNKNOWN_WORD for part in words)
         for word in _WORD.findall(spelt):
             path = word.strip("'\"")
@@ -519,7 +522,7 @@ class Launch:
                 self._describe(self.workspace.find(path, scope.file.parent), scope)
 
     def _describe(self, file: Path | None, scope: _Scope) -> None:
-        """Note the meshes that a description names and a package lacks, and follow its includes."""
+        """Note the meshes that a robot description names but packages lack; follow its includes."""
         if file is None or file.suffix not in DESCRIPTIONS or file in self._described:
             return
         self._described.add(file)
@@ -533,7 +536,7 @@ class Launch:
                 self._describe(self.workspace.find(path, file.parent), scope)
 
     def _pass(self, argument: NodeParameter, scope: _Scope, within: _Scope) -> None:
-        """Note the arguments of an included file: a value, or an argument of its caller."""
+        """Set an argument of an included file: to a value, or to an argument of the includer."""
         name = plain(argument.name)
         if name is None:
             return
@@ -546,7 +549,7 @@ class Launch:
             within.passed = {**within.passed, name: variable}
 
     def _variable_of(self, text: Text, scope: _Scope) -> str | None:
-        """Return the variable that a text is, or None; note the default of its reference."""
+        """Return the variable if a text is only a reference to one, else None; keep its default."""
         if len(text) != 1 or not isinstance(text[0], LaunchArgument):
             return None
         name, written = text[0].name, text[0].default
@@ -558,7 +561,7 @@ class Launch:
         return variable
 
     def _conditions(self, tests: Tests, scope: _Scope) -> tuple[StartCondition, ...] | None:
-        """Return the tests that are open, or None if one fails for any arguments."""
+        """Return the undecided tests as conditions, or None if a test fails in any case."""
         found: list[StartCondition] = []
         for test in tests:
             value = "true" if test.value is None else self._known_text(test.value, scope)
@@ -586,7 +589,7 @@ class Launch:
         return tuple(found)
 
     def _is_usual(self, tests: Tests, scope: _Scope) -> bool:
-        """Whether all tests hold with the defaults of the launch arguments, where these decide."""
+        """Whether tests hold with the default launch arguments, as far as these decide."""
         conditions = self._conditions(tests, scope)
         if conditions is None:
             return False
@@ -663,12 +666,12 @@ class Launch:
         )
 
     def _argument_words(self, action: Start, scope: _Scope) -> list[str]:
-        """Return the words of the arguments of a program, the unknown ones empty."""
+        """Return the words of a program's arguments; unknown words are empty."""
         texts = [self._known_text(each, scope) or "" for each in action.arguments]
         return [word.strip("'\"") for text in texts for word in _WORD.findall(text) or [""]]
 
     def _argued(self, action: Start, words: Sequence[str]) -> Iterator[tuple[Renaming, Span]]:
-        """Yield the remappings among the arguments of a program."""
+        """Yield the remappings among a program's arguments, such as `-r a:=b` or `a:=b`."""
         ours = "--ros-args" in words
         for before, word in zip(["", *words], words, strict=False):
             source, sign, target = word.partition(":=")
@@ -735,7 +738,7 @@ class Launch:
         return self.workspace.lacking(name, folder) is not None
 
     def _known_text(self, text: Text, scope: _Scope, depth: int = 0) -> str | None:
-        """Return a text with its parts known, if they are."""
+        """Return a text with all parts replaced by their values, or None if one is unknown."""
         if depth > _DEEPEST_ARGUMENT:
             return None
         found: list[str] = []
@@ -760,7 +763,7 @@ class Launch:
         return "".join(found)
 
     def _partial_text(self, text: Text, scope: _Scope) -> str:
-        """Return a text for people, its unknown parts as `...`."""
+        """Return a text for messages, in which unknown parts are `...`."""
         shown: list[str] = []
         for part in text:
             match part:
@@ -781,7 +784,7 @@ class Launch:
 
 
 def _at_include(started: Started, span: Span, is_rewritten: bool) -> Started:
-    """Return a node of a catalogued file, with the location of the include for all its spans."""
+    """Return a node of a catalogued launch file with all locations at the include."""
     shown = started.span.path
     return replace(
         started,
@@ -796,7 +799,7 @@ def _at_include(started: Started, span: Span, is_rewritten: bool) -> Started:
 
 
 def text_shown(text: Text) -> str:
-    """Return a text for people, arguments by their names."""
+    """Return a text for messages, in which arguments are shown by name."""
     return "".join(
         part if isinstance(part, str) else part.name if isinstance(part, LaunchArgument) else "..."
         for part in text
@@ -804,7 +807,7 @@ def text_shown(text: Text) -> str:
 
 
 def _set(words: Sequence[str], span: Span) -> Iterator[tuple[str, GivenParameter]]:
-    """Yield the parameters among the arguments of a program."""
+    """Yield the parameters among a program's arguments, such as `-p a:=1` or `_a:=1`."""
     ours = "--ros-args" in words
     for before, word in pairwise(["", *words]):
         name, sign, value = word.partition(":=")

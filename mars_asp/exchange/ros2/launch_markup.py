@@ -75,7 +75,7 @@ def read_markup(text: str, path: str) -> tuple[Action, ...]:
 
 
 def _undeclared(root: XmlElement) -> Iterator[Undeclared]:
-    """Yield the arguments that the file reads for sure, and that none of its elements declares.
+    """Yield the arguments that the file certainly reads, and that it does not declare.
 
     In ROS 1 arguments belong to one file. Each attribute of an element is evaluated, unless the
     element is in one with a condition.
@@ -111,7 +111,7 @@ def _of_element(element: XmlElement) -> XmlElement:
 
 
 def _yaml_entities(value: Node) -> Iterator[XmlElement]:
-    """Yield the elements of a list of actions in YAML, which are maps from a name to contents."""
+    """Yield the elements of a list of actions in YAML, whose items are maps by element names."""
     for item in value.nodes if isinstance(value, Items) else (value,):
         if isinstance(item, Pairs):
             for key, inner in item.pairs:
@@ -119,7 +119,7 @@ def _yaml_entities(value: Node) -> Iterator[XmlElement]:
 
 
 def _of_pair(key: Scalar, value: Node) -> XmlElement:
-    """Return the element that a key and its value are."""
+    """Return an entry of YAML as the XML element that it corresponds to."""
     name = key.text.replace("-", "_")
     attributes: dict[str, str] = {}
     children: list[XmlElement] = []
@@ -142,13 +142,13 @@ def _of_pair(key: Scalar, value: Node) -> XmlElement:
 
 
 def _at(key: Scalar, item: Node) -> Scalar:
-    """Return the key of a list with the location of one of its items."""
+    """Return the key of a list as the key of one of its items, located at the item."""
     first = item.pairs[0][0] if isinstance(item, Pairs) and item.pairs else item
     return Scalar(key.text, key.quoted, first.span)
 
 
 def _text(entity: XmlElement, *names: str) -> Text | None:
-    """Return the first attribute that there is of some names."""
+    """Return the first existing attribute of some names as a text, or None without any."""
     return next((substituted(entity.attributes[n]) for n in names if n in entity.attributes), None)
 
 
@@ -196,7 +196,7 @@ def _actions(entities: Sequence[XmlElement]) -> Iterator[Action]:
 
 
 def _tests(entity: XmlElement) -> Tests:
-    """Return the tests for an element."""
+    """Return the tests for an element's start, from `if` and `unless`."""
     found: list[Test] = []
     for name in ("if", "unless"):
         written = entity.attributes.get(name)
@@ -211,7 +211,7 @@ def _tests(entity: XmlElement) -> Tests:
 
 
 def _evaluated(written: str) -> Iterator[Part | Text]:
-    """Yield the parts of an expression: of ROS 2 with substitutions, of ROS 1 with bare names."""
+    """Yield the parts of an expression: substitutions of ROS 2, or bare argument names of ROS 1."""
     inside = written.strip()
     if len(inside) > 1 and inside[0] == inside[-1] and inside[0] in "'\"" and "$(" in inside:
         inside = inside[1:-1]
@@ -229,7 +229,7 @@ def _evaluated(written: str) -> Iterator[Part | Text]:
 
 
 def _started_node(entity: XmlElement, tests: Tests) -> Iterator[Action]:
-    """Yield the node that an element starts."""
+    """Yield the node that an element starts, with its tests."""
     package = _text(entity, "pkg", "package") or UNKNOWN
     plugin = entity.name == "composable_node"
     executable = _text(entity, "plugin") if plugin else _text(entity, "exec", "type", "executable")
@@ -298,7 +298,7 @@ def _remap(entity: XmlElement) -> Remap:
 
 
 def _given(entities: Sequence[XmlElement]) -> tuple[tuple[Text, ...], tuple[NodeParameter, ...]]:
-    """Return the files and the values of parameters."""
+    """Return the parameter files, and the single parameters, that elements of a node state."""
     files: list[Text] = []
     parameters: list[NodeParameter] = []
     for entity in entities:
@@ -313,7 +313,7 @@ def _given(entities: Sequence[XmlElement]) -> tuple[tuple[Text, ...], tuple[Node
 
 
 def _read_by(entity: XmlElement) -> Iterator[Reads]:
-    """Yield the files that a parameter reads, or names to a command such as xacro."""
+    """Yield the files that a parameter element reads, or passes to a command such as xacro."""
     command = _COMMAND.fullmatch(entity.attributes.get("value", ""))
     within = None if command is None else substituted(command[1].strip("'\""))
     for words in (_text(entity, "command"), _text(entity, "textfile"), within):
@@ -324,7 +324,7 @@ def _read_by(entity: XmlElement) -> Iterator[Reads]:
 def _parameter_values(
     entity: XmlElement, before: tuple[tuple[Text, Span], ...]
 ) -> Iterator[NodeParameter]:
-    """Yield a parameter with its values, and the parameters that are nested in it."""
+    """Yield a parameter and those nested in it; `before` are the outer steps of its name."""
     name = _text(entity, "name")
     if name is None:
         return
@@ -373,7 +373,7 @@ def _of_yaml(node: Node, keys: tuple[tuple[Text, Span], ...]) -> Iterator[NodePa
 
 
 def substituted(written: str) -> Text:
-    """Return a text with its substitutions, such as `$(var name)`, as parts."""
+    """Return a text in which substitutions, such as `$(var name)`, are parts."""
     parts: list[Part | Text] = []
     at = 0
     while (begin := written.find("$(", at)) >= 0:
@@ -394,7 +394,7 @@ def substituted(written: str) -> Text:
 
 
 def _has_text(tree: ast.AST) -> bool:
-    """Whether an expression of ROS 1 has a text or a package, so that a sum in it joins texts."""
+    """Whether an expression of ROS 1 joins texts: it contains a string or a package's folder."""
     return any(
         isinstance(each, ast.Call) and isinstance(each.func, ast.Name) and each.func.id == "find"
         for each in ast.walk(tree)
@@ -409,7 +409,7 @@ def _has_text(tree: ast.AST) -> bool:
 
 
 def _sum_of_texts(node: ast.expr) -> Text:
-    """Return the text of an expression of ROS 1 that joins texts, arguments and packages."""
+    """Return the text of an expression of ROS 1 that joins texts, `UNKNOWN` for others."""
     match node:
         case ast.Constant(value=str(text)):
             return (text,)
@@ -426,7 +426,7 @@ def _sum_of_texts(node: ast.expr) -> Text:
 
 
 def _substitution(inside: str) -> Part | Text:
-    """Return the part that a substitution is."""
+    """Return the part for the inside of `$(...)`, `UNKNOWN` if it is not supported."""
     word, _, rest = inside.strip().partition(" ")
     rest = rest.strip()
     if "$(" in rest:

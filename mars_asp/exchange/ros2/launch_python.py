@@ -80,7 +80,7 @@ _STEPS_OF_ACTION = 8
 
 
 def read_python(text: str, path: str) -> tuple[Action, ...]:
-    """Return the actions of a launch file in Python.
+    """Return the actions of a launch file in Python, which is not run.
 
     Raises:
         MarsError: the file is not Python.
@@ -111,7 +111,7 @@ class _LaunchReader(Evaluator):
     """Reads the actions that a launch file builds."""
 
     def actions(self, tree: ast.Module) -> tuple[Action, ...]:
-        """Return the actions of the description that the file generates."""
+        """Return the actions of the description that the launch file generates."""
         self.handling: set[ast.AST] = set()
         self.nodes = tuple(ast.walk(tree))
         for node in self.nodes:
@@ -126,9 +126,9 @@ class _LaunchReader(Evaluator):
         return (*declared, *found, *self.left_out(names), *self.undefined(tree))
 
     def readings(self, tree: ast.Module) -> Iterator[tuple[tuple[Action, ...], Tests]]:
-        """Yield the actions of the file, once for each set of branches that it takes, with these.
+        """Yield alternative lists of actions, each with the tests of the branches it takes.
 
-        Each branch of each condition is taken by some reading, the others there as before it.
+        Each branch of each condition occurs in some list; the other conditions stay as they were.
         """
         self.assigned = frozenset(
             node.id
@@ -159,7 +159,7 @@ class _LaunchReader(Evaluator):
             yield (Unread("branches of conditions", str(len(waiting)), place),), ()
 
     def taken(self) -> Iterator[Test]:
-        """Yield the branches that a reading took."""
+        """Yield the tests of the branches that the present reading took."""
         for node, (choice, _) in self.decisions.items():
             if isinstance(node, ast.expr | ast.stmt):
                 at = self.span(node)
@@ -172,7 +172,7 @@ class _LaunchReader(Evaluator):
                     yield Test((f"{OPEN_BRANCH}{place}",), value, True, at, branch=True)
 
     def reading(self, tree: ast.Module, forced: Mapping[ast.AST, int]) -> tuple[Action, ...]:
-        """Return the actions of the file by the branches that are forced, and else the first.
+        """Return the actions if conditions take the branches in `forced`, by node, else the first.
 
         Raises:
             MarsError: the file has no description.
@@ -191,7 +191,7 @@ class _LaunchReader(Evaluator):
         return (*self.declarations, *found)
 
     def interpret(self, value: Value, tests: Tests) -> Iterator[Action]:
-        """Yield the actions that a value is or holds."""
+        """Yield the actions in a value: of a list, or of a call of a launch class."""
         self.steps += _STEPS_OF_ACTION
         if self.steps > 2 * MOST_STEPS:
             return
@@ -207,7 +207,7 @@ class _LaunchReader(Evaluator):
                 return
 
     def action(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
-        """Yield the actions of a call that does not start a node itself."""
+        """Yield the actions of a call of a launch class that starts no node itself."""
         if call.name == "DeclareLaunchArgument":
             return
         tests = (*tests, *tests_of(call.named.get("condition"), call.span))
@@ -270,7 +270,7 @@ class _LaunchReader(Evaluator):
         )
 
     def opaque(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
-        """Yield the actions that a function of the file returns, as launching would call it."""
+        """Yield the actions that the function of an `OpaqueFunction` returns."""
         function = call.get("function", 0)
         if not isinstance(function, Local):
             yield Unread("functions that only a run calls", "OpaqueFunction", call.span)
@@ -284,7 +284,7 @@ class _LaunchReader(Evaluator):
         yield together(tuple(self.interpret(found, tests)), tests)
 
     def handled(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
-        """Yield the actions of timers and event handlers, which start some time."""
+        """Yield the actions of timers and event handlers, which may start later."""
         held = [value for name, value in call.named.items() if name != "target_action"]
         for each in (*call.arguments, *held):
             # A handler may be a function that takes the event and the context, and that
@@ -297,7 +297,7 @@ class _LaunchReader(Evaluator):
                 self.handling.discard(each.of)
 
     def started(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
-        """Yield the node that a call starts, or for a container the components in it."""
+        """Yield the node that a call starts, or the components in a container."""
         tests = (*tests, *tests_of(call.named.get("condition"), call.span))
         if call.name in _CONTAINERS:
             if call.name == "ComposableNodeContainer":
@@ -333,7 +333,7 @@ class _LaunchReader(Evaluator):
         )
 
     def entered(self, entry: Local) -> Names:
-        """Return the names that the function that generates the description assigns."""
+        """Return the variables after the assignments of `generate_launch_description`."""
         names: Names = {}
         body = entry.of.body if isinstance(entry.of, ast.FunctionDef) else ()
         with suppress(Leaving):
@@ -343,23 +343,23 @@ class _LaunchReader(Evaluator):
         return names
 
     def declared(self, names: Names) -> Iterator[Declare]:
-        """Yield the launch arguments that the file declares, wherever it does."""
+        """Yield the launch arguments that the file declares anywhere."""
         for node in self.nodes:
             if isinstance(node, ast.Call) and self.name_of(node) == "DeclareLaunchArgument":
                 yield from declared_by(self.alone(node, names))
 
     def alone(self, node: ast.Call, names: Names) -> PythonCall:
-        """Return a call whose arguments all have names, as far as they are known."""
+        """Return a call with its arguments evaluated by the given variables."""
         arguments, named = self.given(node, names, 0)
         kept = {key: each for key, each in named.items() if not isinstance(each, NoneValue)}
         return PythonCall(self.name_of(node), arguments, kept, self.span(node))
 
     def name_of(self, node: ast.Call) -> str:
-        """Return the name of the called function, regardless of its import name."""
+        """Return the imported name of the function that a call calls."""
         return self.called.get(called_name(node), called_name(node))
 
     def left_out(self, names: Names) -> Iterator[Unread]:
-        """Yield the nodes that the file makes but never launches."""
+        """Yield the nodes that the file constructs but never launches."""
         for node in self.nodes:
             if not isinstance(node, ast.Call) or self.name_of(node) not in _NODES:
                 continue
@@ -371,7 +371,7 @@ class _LaunchReader(Evaluator):
                 yield Unread("nodes that are made but not launched", name, span)
 
     def undefined(self, tree: ast.Module) -> Iterator[Unread]:
-        """Yield the names that launching uses and nothing in the file defines, as an error."""
+        """Yield an error for each undefined name that launching would use."""
         bound = {*dir(builtins), "__file__"}
         used = [node for node in _launched_names(tree) if isinstance(node.ctx, ast.Load)]
         for node in self.nodes:
@@ -402,7 +402,7 @@ class _LaunchReader(Evaluator):
 
 
 def _launched_names(tree: ast.Module) -> Iterator[ast.Name]:
-    """Yield the names in statements of a file that launching runs, and in functions they name."""
+    """Yield the names in code that launching runs, and in functions that it mentions."""
     functions: dict[str, ast.stmt] = {}
     waiting: list[ast.stmt] = []
     for each in tree.body:
@@ -421,7 +421,7 @@ def _launched_names(tree: ast.Module) -> Iterator[ast.Name]:
 
 
 def _arguments_of(call: PythonCall) -> tuple[Text, ...]:
-    """Return the arguments of a program; arguments for ROS follow `--ros-args`."""
+    """Return the arguments of a program; those for ROS come last, after `--ros-args`."""
     own, for_ros = (
         tuple(map(text_from, items_of(call.named.get(name))))
         for name in ("arguments", "ros_arguments")

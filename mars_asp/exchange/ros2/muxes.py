@@ -22,14 +22,18 @@ _PACKAGES = frozenset(
 
 
 def is_mux(program: RosProgram) -> bool:
-    """Whether a program is a mux."""
+    """Whether a program is one of the supported muxes of velocity commands, such as twist_mux."""
     if program.executable.startswith(("joystick_relay", "twist_marker")):
         return False
     return program.package in _PACKAGES or program.executable.startswith("twist_mux")
 
 
 def mux_of(started: Started, name: str, full: str, given: Sequence[Mux]) -> Mux | None:
-    """Return the mux that a node is, by the parameters that are for it, else by the first."""
+    """Return the mux that a started node is, with full topic names, or None without parameters.
+
+    Of the muxes in `given` it is the one called `name`, else the first. `full` is the node's full
+    name.
+    """
     if not given:
         return None
     mux = next((each for each in given if each.name.rpartition("/")[2] == name), given[0])
@@ -51,7 +55,7 @@ def mux_of(started: Started, name: str, full: str, given: Sequence[Mux]) -> Mux 
 
 
 def unbound(mux: Mux) -> Mux:
-    """Return the mux of a file that no node is, named in the root namespace."""
+    """Return a mux of a file that no started node uses, with names in the root namespace."""
     full = "/" + (mux.name or "twist_mux").lstrip("/")
     inputs = tuple(replace(each, topic=joined("/", each.topic)) for each in mux.inputs)
     return replace(mux, name=full, output=joined("/", mux.output), inputs=inputs)

@@ -7,14 +7,14 @@ Renaming = tuple[str, str]
 
 
 def absolute(name: str, namespace: str, node: str) -> str:
-    """Return the full name of a topic that a node of a namespace knows by a name."""
+    """Return the full name of a topic; `name` is relative, private (`~`) or full already."""
     if name.startswith("~"):
         return joined(joined(namespace, node), name[1:].lstrip("/"))
     return joined(namespace, name)
 
 
 def joined(namespace: str, name: str) -> str:
-    """Return the full name of a name in a namespace; one that begins with a slash is full."""
+    """Return `name` in a namespace; a name that begins with a slash is unchanged."""
     if name.startswith("/"):
         return "/" + "/".join(filter(None, name.split("/")))
     parts = [part for part in (*namespace.split("/"), *name.split("/")) if part]
@@ -22,7 +22,7 @@ def joined(namespace: str, name: str) -> str:
 
 
 def renamed(name: str, namespace: str, node: str, rules: Sequence[Renaming]) -> str:
-    """Return the full name of a topic after a node's remappings, of which the first fits."""
+    """Return the full name of a topic after the first remapping of `rules` that matches."""
     full = absolute(name, namespace, node)
     for source, target in _of(rules, node):
         if absolute(source, namespace, node) == full:
@@ -31,7 +31,7 @@ def renamed(name: str, namespace: str, node: str, rules: Sequence[Renaming]) -> 
 
 
 def _of(rules: Iterable[Renaming], node: str) -> Iterable[Renaming]:
-    """Yield the rules that are for a node, without its name before them."""
+    """Yield the remappings that apply to a node, without a leading `node:`."""
     for source, target in rules:
         prefix, colon, rest = source.partition(":")
         if not colon or prefix in ("rostopic",):

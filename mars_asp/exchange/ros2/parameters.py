@@ -34,7 +34,7 @@ class GivenParameter(NamedTuple):
 
 
 def document_of(given: Iterable[GivenParameter], span: Span) -> Pairs:
-    """Return parameters as the map of maps that they were written as."""
+    """Return parameters as nested maps, as a file would write them."""
     found: dict[str, tuple[Scalar, list[GivenParameter]]] = {}
     leaves: dict[str, tuple[Scalar, Node]] = {}
     for each in given:
@@ -49,10 +49,10 @@ def document_of(given: Iterable[GivenParameter], span: Span) -> Pairs:
 
 
 def values_for(document: Node, name: str) -> dict[str, GivenParameter]:
-    """Return the parameters that a document gives the node of a full name, dotted where nested.
+    """Return the parameters that a YAML document sets for a node, by their dotted names.
 
-    A later part of the document wins. A file without `ros__parameters` is one of ROS 1, which is
-    loaded for the node as a whole.
+    `name` is the node's full name. A later part of the document wins. A file without
+    `ros__parameters` is one of ROS 1, which is loaded for the whole node.
     """
     found: dict[str, GivenParameter] = {}
     parts = list(_steps_in(name))
@@ -65,11 +65,11 @@ def values_for(document: Node, name: str) -> dict[str, GivenParameter]:
 
 
 def section_for(document: Node, name: str, is_component: bool) -> tuple[Scalar | None, bool | None]:
-    """Return the first name in a file of ROS 2, and whether a section is for the node of a name.
+    """Return the first key of a parameter file, and whether a section of it is for the node `name`.
 
-    The launch file picks the section of a component, and may leave out the namespaces; all other
-    nodes look for their full names (rcl_yaml_param_parser). Whether is `None` in a file without a
-    section, the name `None` in an empty one.
+    A component's section need not state the namespaces, as the launch file selects it; other nodes
+    search their full names (rcl_yaml_param_parser). The second result is None in a file without
+    sections, the first None in an empty one.
     """
     parts = list(_steps_in(name))
     sections = [keys for keys, _ in _sections(document, ())]
@@ -85,7 +85,7 @@ def section_for(document: Node, name: str, is_component: bool) -> tuple[Scalar |
 
 
 def is_for(written: str, name: str) -> bool:
-    """Whether parameters below a key of a file are for the node of a full name."""
+    """Whether a key of a parameter file, which may have wildcards, matches a node's full name."""
     return _fits(_steps_in(written), list(_steps_in(name)))
 
 
@@ -94,7 +94,7 @@ def _steps_in(name: str) -> tuple[str, ...]:
 
 
 def _sections(node: Node, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Node]]:
-    """Yield the map under each `ros__parameters`, with the parts of the names above it."""
+    """Yield each map under `ros__parameters`, with the steps of the node name above it."""
     if not isinstance(node, Pairs):
         return
     for key, value in node.pairs:
@@ -105,7 +105,7 @@ def _sections(node: Node, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ..
 
 
 def _fits(keys: tuple[str, ...], parts: list[str]) -> bool:
-    """Whether names with wildcards mean a node; a file may leave out the namespaces before."""
+    """Whether the steps of a name with wildcards match a node's name; namespaces are optional."""
     if not keys:
         return True
     if keys[0] == "**":
@@ -117,7 +117,7 @@ def _fits(keys: tuple[str, ...], parts: list[str]) -> bool:
 
 
 def _dotted_values(node: Node, keys: tuple[Scalar, ...]) -> Iterator[tuple[str, GivenParameter]]:
-    """Yield the values of a map, the names of nested ones dotted."""
+    """Yield the values in a map with dotted names; `keys` are the steps of the outer ones."""
     if isinstance(node, Pairs):
         for key, value in node.pairs:
             yield from _dotted_values(value, (*keys, key))

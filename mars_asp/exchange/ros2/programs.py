@@ -64,7 +64,7 @@ class Programs:
     """Finds and reads the sources of programs, each once."""
 
     def __init__(self, workspace: Workspace) -> None:
-        """Take the workspace in which they lie."""
+        """Begin with a workspace whose programs are read on request."""
         self.workspace = workspace
         self._python = PythonPrograms(self._module_source)
         self.interface = cache(self._find_interface)
@@ -96,7 +96,7 @@ class Programs:
                     yield RosProgram(package.name, plugin, True)
 
     def unreadable_modules(self) -> Iterator[tuple[str, Span]]:
-        """Yield the modules of ROS 2 that were read and are not Python, with the errors."""
+        """Yield the modules of ROS 2 programs that are not valid Python, with the errors."""
         broken = self._python.broken
         files = {self.workspace.shown(file): file for file in self.workspace.files if broken}
         for path, line, error in broken:
@@ -139,10 +139,10 @@ class Programs:
                     yield AbsentFile(f"{module}:{function}", package.name, place, "function")
 
     def names_parameter(self, package: str, name: str) -> bool:
-        """Whether a source of a package here, or of one that it depends on, has the word of a name.
+        """Whether a source of a package, or of one it depends on, contains a parameter's name.
 
-        Of a name with slashes it is the last word, and a source may put it together. A package
-        whose nodes take any parameter has all.
+        Of a name with slashes only the last word is searched; it may be composed in the source. It
+        is also true if nodes of the package accept any parameter, or if the package is not here.
         """
         found = self.workspace.package(package)
         if found is None:
@@ -153,7 +153,7 @@ class Programs:
         return is_known or any(re.fullmatch(form, last) for form in self._composed(found))
 
     def _composed_names(self, package: Package) -> frozenset[str]:
-        """Return patterns of composed names, such as `name + "_min"`; if without `_`, of digits."""
+        """Return regular expressions for names composed in the sources, as `name + "_min"`."""
         found: set[str] = set()
         for text in map(self.workspace.readable, self._sources_for(package)):
             names = set(chain.from_iterable(_NAMING.findall(text)))
@@ -176,7 +176,7 @@ class Programs:
         return (f for f in files if f.suffix in _CODE and not _LAUNCHES.search(f.as_posix()))
 
     def _span_of(self, file: Path, text: str, word: str) -> Span:
-        """Return the first place of a word in a file."""
+        """Return the location of the first occurrence of a word in a file."""
         at = text.find(word)
         line = text.count("\n", 0, at) + 1
         column = at - text.rfind("\n", 0, at)
@@ -205,7 +205,7 @@ class Programs:
         return self._by_name(package, program.executable)
 
     def _by_name(self, package: Package, executable: str) -> Interface | None:
-        """Return the interface of a script, or of the one source of a name."""
+        """Return the interface of a script or single source file called `executable`, or None."""
         installed = self.workspace.targets(package).programs
         paths = [path for path in installed if Path(path).name == executable]
         # Programs of ROS 2 may be in the folder of the modules.
@@ -233,7 +233,7 @@ class Programs:
     def _compiled(
         self, package: Package, sources: Iterable[str], linked: Iterable[str] = ()
     ) -> Interface | None:
-        """Return the interface of sources in C++, with the headers that they include.
+        """Return the interface of C++ sources and the headers that they include.
 
         A `linked` file counts only if its own header is among these: a library may also hold
         other nodes.
@@ -256,7 +256,7 @@ class Programs:
         component: str = "",
         others: Collection[str] = (),
     ) -> Interface | None:
-        """Return the interface of files, without the classes of other components."""
+        """Return the interface of C++ files and their headers, without classes in `others`."""
         texts: dict[Path, str] = {}
         waiting = list(reversed(files))
         # Headers are reached if a source includes them.
@@ -288,7 +288,7 @@ class Programs:
         return read_cpp(shown, component, others)
 
     def _with_library(self, package: Package, file: Path, component: str) -> Interface | None:
-        """Return the interface of a component with the sources of its library.
+        """Return the interface of the class `component` in a file, with its library's sources.
 
         Without a target for the file, these are all sources of the package that start no program.
         Sources that register other components are left out, as are the classes of these.
@@ -335,7 +335,7 @@ class Programs:
         return found
 
     def _component(self, plugin: str) -> Interface | None:
-        """Return the interface of a component by its class."""
+        """Return the interface of a component by its class, or None if no file registers it."""
         last = re.split(r"::|/", plugin)[-1]
         file = self._registered.get(plugin) or self._registered.get(last)
         if file is not None:
@@ -348,7 +348,7 @@ class Programs:
         return None
 
     def _module_source(self, module: str) -> tuple[str, str] | None:
-        """Return the text of a module of the workspace, and its path."""
+        """Return text and path of a Python module of the workspace, or None."""
         name = module.removeprefix("file:")
         file = Path(name) if name != module else self._modules.get(module)
         if file is None:
@@ -369,7 +369,7 @@ class Programs:
 
     @cached_property
     def _headers(self) -> dict[str, dict[Path, list[Path]]]:
-        """The headers of a name in each package."""
+        """The header files of each name, by the folders of their packages."""
         found: dict[str, dict[Path, list[Path]]] = {}
         for folder, files in self._sources.items():
             for file in files:
@@ -409,7 +409,7 @@ class Programs:
 
     @cached_property
     def _registrations(self) -> Sequence[tuple[str, Path, bool]]:
-        """The classes that files register, with these, and whether they are nodes."""
+        """Each registered class, with the file that registers it and whether it is a node."""
         found: list[tuple[str, Path, bool]] = []
         for files in self._sources.values():
             for file in files:
@@ -432,7 +432,7 @@ class Programs:
 
     @cached_property
     def _registered(self) -> dict[str, Path]:
-        """The files that register components, by the classes of these."""
+        """The file that registers each component, by the class of the component."""
         found: dict[str, Path] = {}
         for name, file, _ in self._registrations:
             found[name] = file
@@ -442,7 +442,7 @@ class Programs:
 
     @cached_property
     def _components_in(self) -> dict[Path, set[str]]:
-        """The classes of the components that each file registers."""
+        """The classes of the components that each file registers, by file."""
         found: dict[Path, set[str]] = {}
         for name, file, is_node in self._registrations:
             if is_node:

@@ -86,7 +86,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         return self._span(node)
 
     def _node_span(self, node: ast.expr | ast.stmt) -> Span:
-        """Return the location of a node of the tree, which counts columns in bytes."""
+        """Return the location of a syntax node, whose columns count bytes."""
         # The name of a call is on its first line.
         whole = node.func if isinstance(node, ast.Call) else node
         last, end = whole.end_lineno or node.lineno, whole.end_col_offset or whole.col_offset
@@ -94,7 +94,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         return Span(self.path, node.lineno, column, last, column_at(self.lines, last, end))
 
     def branch(self, node: ast.AST, condition: ast.expr, names: Names) -> int:
-        """Return the branch of a condition: 0 if it holds, 1 if not, the reading's own if open."""
+        """Return 0 if a condition holds, 1 if it does not, else the branch of this reading."""
         found = tested(condition, lambda each: self.value(each, names), self.span(condition))
         holds = decision(found)
         if holds is not None:
@@ -105,7 +105,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         return self.decided(node, 2)
 
     def decided(self, node: ast.AST, options: int) -> int:
-        """Return which branch of a condition this reading takes; all are taken by some reading."""
+        """Return the number of the branch that this reading takes, of `options` branches."""
         choice = self.forced.get(node, 0)
         self.decisions.setdefault(node, (choice, options))
         return choice
@@ -113,12 +113,12 @@ class Evaluator(ExpressionEvaluator[Names]):
     # ---- Statements
 
     def run(self, body: Iterable[ast.stmt], names: Names) -> None:
-        """Run statements."""
+        """Execute statements, which may change the variables in `names`."""
         for statement in body:
             self.statement(statement, names)
 
     def statement(self, node: ast.stmt, names: Names) -> None:  # noqa: C901 -- one case each
-        """Run one statement.
+        """Execute one statement.
 
         Raises:
             Leaving: it leaves the function, the loop or the launch file.
@@ -176,7 +176,7 @@ class Evaluator(ExpressionEvaluator[Names]):
                 pass
 
     def leaves(self, body: Iterable[ast.stmt], names: Names) -> bool:
-        """Run the body of a loop once; return whether it leaves the loop."""
+        """Execute the body of a loop once; return whether it leaves the loop (`break`)."""
         try:
             self.run(body, names)
         except LoopLeft as left:
@@ -184,7 +184,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         return False
 
     def assign(self, target: ast.expr, value: Value, names: Names) -> None:
-        """Give a value to a name, or its parts to several."""
+        """Assign a value to a target: a name, an item, or several names."""
         match target:
             case ast.Attribute(value=inner, attr=attribute):
                 owner = self.value(inner, names)
@@ -201,7 +201,7 @@ class Evaluator(ExpressionEvaluator[Names]):
     # ---- Expressions
 
     def other_value(self, node: ast.expr, names: Names, depth: int) -> Value:
-        """Return the value of an expression that assigns, chooses, loops or is a function."""
+        """Return the value of `:=`, `and`, `or`, a comprehension or lambda; None for others."""
         match node:
             case ast.NamedExpr(target=target, value=value):
                 named = self.value(value, names, depth + 1)
@@ -249,7 +249,7 @@ class Evaluator(ExpressionEvaluator[Names]):
                 return None
 
     def item(self, node: ast.Subscript, names: Names, depth: int) -> Value:
-        """Return an item of a list or dictionary, or a launch argument."""
+        """Return an item of a list or dictionary, or a launch argument; None if unknown."""
         if is_configurations(node.value):
             found = self.value(node.slice, names, depth + 1)
             return known(PythonCall("LaunchConfiguration", (found,), {}, self.span(node)))
@@ -278,13 +278,13 @@ class Evaluator(ExpressionEvaluator[Names]):
         return None
 
     def alternative(self, node: ast.IfExp, names: Names) -> int:
-        """Return the branch of a condition that this reading takes."""
+        """Return the value of `a if c else b` that this reading takes: 0 or 1."""
         return self.branch(node, node.test, names)
 
     def scopes(
         self, generators: Sequence[ast.comprehension], names: Names, depth: int
     ) -> Iterator[Names]:
-        """Yield the names for each round of a comprehension."""
+        """Yield the variables in each round of a comprehension."""
         if not generators:
             yield dict(names)
             return
@@ -299,7 +299,7 @@ class Evaluator(ExpressionEvaluator[Names]):
                 yield from self.scopes(others, inner, depth)
 
     def call_value(self, node: ast.Call, names: Names, depth: int) -> Value:
-        """Return the value of a call, evaluated with the values of its arguments."""
+        """Return the value of a call; None if unknown, or the unevaluated call."""
         arguments, named = self.given(node, names, depth)
         span = self.span(node)
         if isinstance(node.func, ast.Attribute):
@@ -371,7 +371,7 @@ class Evaluator(ExpressionEvaluator[Names]):
     def instance(
         self, of: LaunchClass, arguments: Sequence[Value], named: Mapping[str, Value]
     ) -> Value:
-        """Return the object that a class of the file makes."""
+        """Return a new object of a class in the file, initialised with the arguments."""
         made = LaunchObject(of)
         entry = self.member(of, "__init__")
         if isinstance(entry, ast.FunctionDef):
@@ -383,7 +383,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         return made
 
     def attribute(self, owner: LaunchObject | LaunchClass, name: str) -> Value:
-        """Return an attribute of an object or class, or None if it is not known."""
+        """Return an attribute, constant or property of an object or class, None if unknown."""
         if isinstance(owner, LaunchObject) and name in owner.attributes:
             return owner.attributes[name]
         found = self.member(owner if isinstance(owner, LaunchClass) else owner.of, name)
@@ -395,7 +395,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         return None if found is None else self.value(found, self.globals)
 
     def member(self, of: LaunchClass, name: str) -> ast.FunctionDef | ast.expr | None:
-        """Return the function or value that a class or one of its bases in the file has."""
+        """Return the method or value `name` of a class or its bases in the file, or None."""
         waiting, seen = [of.of], set[str]()
         while waiting:
             node = waiting.pop(0)
@@ -411,7 +411,7 @@ class Evaluator(ExpressionEvaluator[Names]):
     def call_local(
         self, function: Local, arguments: Sequence[Value], named: Mapping[str, Value]
     ) -> Value:
-        """Return the value that a function of the file returns."""
+        """Return the result of executing a function of the file, None if unknown."""
         self.calls += 1
         if self.depth >= _DEEPEST_CALL or self.calls > _MOST_CALLS:
             return None
@@ -462,13 +462,13 @@ class Returned(Leaving):
 
 
 class LoopLeft(Leaving):
-    """A round of a loop ends, and with `ends` the loop."""
+    """The end of a round of a loop; with `ends` (`break`), of the whole loop."""
 
     def __init__(self, ends: bool) -> None:
-        """Take whether the loop ends."""
+        """Store whether the whole loop ends."""
         super().__init__()
         self.ends = ends
 
 
 class Refused(Leaving):
-    """The file raises an exception, or uses a name that these branches leave without a value."""
+    """An exception that the file raises, or a variable without a value in these branches."""

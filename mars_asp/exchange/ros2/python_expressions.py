@@ -40,13 +40,13 @@ ITEMS_A_STEP = 20
 
 
 class ExpressionEvaluator(ABC, Generic[Scope]):
-    """Evaluates expressions, each up to a depth, and all up to a number of steps."""
+    """Evaluates expressions up to the depth `deepest`, and up to `most_steps` in total."""
 
     most_steps: int
     deepest: int
 
     def __init__(self) -> None:
-        """Take no steps yet."""
+        """Begin to count steps."""
         self.steps = 0
         self.constant = cache(self.literal_value)
 
@@ -56,18 +56,18 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
 
     @abstractmethod
     def variable_value(self, node: ast.Name | ast.Attribute, scope: Scope, depth: int) -> Value:
-        """Return the value of a name or an attribute."""
+        """Return the value of a variable or an attribute; None if unknown."""
 
     @abstractmethod
     def call_value(self, node: ast.Call, scope: Scope, depth: int) -> Value:
-        """Return the value of a call."""
+        """Return the value of a call; None if unknown."""
 
     @abstractmethod
     def alternative(self, node: ast.IfExp, scope: Scope) -> int | None:
-        """Return 0 for the first value of a condition, 1 for the other, None for neither."""
+        """Return 0 to evaluate the first value of `a if c else b`, 1 the other, None neither."""
 
     def value(self, node: ast.expr, scope: Scope, depth: int = 0) -> Value:
-        """Return the value of an expression, or None if only a run would know it."""
+        """Return the value of an expression, or None if it is not known without a run."""
         self.steps += 1
         if self.steps > self.most_steps or depth > self.deepest:
             return None
@@ -106,16 +106,16 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
                 return self.other_value(node, scope, depth)
 
     def other_value(self, node: ast.expr, scope: Scope, depth: int) -> Value:
-        """Return the value of an expression of another sort; a subclass may have some."""
+        """Return the value of an expression of a type that only a subclass supports."""
         return None
 
     def item(self, node: ast.Subscript, scope: Scope, depth: int) -> Value:
-        """Return an item of a list or dictionary."""
+        """Return an item of a list or dictionary; None if unknown."""
         owner = self.value(node.value, scope, depth + 1)
         return picked(owner, self.value(node.slice, scope, depth + 1))
 
     def literal_value(self, node: ast.Constant) -> Value:
-        """Return the value of a literal, or None if it is of no use."""
+        """Return the value of a literal; None for one that is not needed."""
         match node.value:
             case bool() as truth:
                 return Plain((str(truth),), self.span(node))
@@ -167,14 +167,14 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
         return MappedValue(tuple(pairs))
 
     def formatted(self, node: ast.expr, scope: Scope, depth: int) -> Text:
-        """Return a part of a formatted string."""
+        """Return the text of one element of an f-string."""
         if not isinstance(node, ast.FormattedValue):
             return text_from(self.value(node, scope, depth + 1))
         found = inserted(self.value(node.value, scope, depth + 1))
         return UNKNOWN if node.format_spec else found
 
     def binary(self, node: ast.BinOp, scope: Scope, depth: int) -> Value:
-        """Return a sum, a product, or a path that is joined by `/`; long chains lean left."""
+        """Return a sum, product or path (`a / b`); iterates over chains such as `a + b + c`."""
         left = node.left
         chain = [(node.op, node.right)]
         while isinstance(left, ast.BinOp) and isinstance(left.op, _ARITHMETIC):
@@ -190,7 +190,7 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
     def given(
         self, node: ast.Call, scope: Scope, depth: int
     ) -> tuple[tuple[Value, ...], dict[str, Value]]:
-        """Return the positional arguments of a call, and its named ones."""
+        """Return the evaluated positional and named arguments of a call."""
         named: dict[str, Value] = {}
         arguments = tuple(self.elements(node.args, scope, depth + 1))
         for keyword in node.keywords:
@@ -204,7 +204,7 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
 
 
 def bind(target: ast.expr, value: Value, names: Names) -> None:
-    """Give a value to a name, or its items to several."""
+    """Assign a value to a name in `names`, or its items to several."""
     match target:
         case ast.Name(id=name):
             names[name] = value

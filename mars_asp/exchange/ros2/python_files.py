@@ -37,7 +37,7 @@ class SourceFile:
 
 
 class PythonFiles:
-    """Reads files by the names of their modules, each once."""
+    """Reads Python files by the names of their modules, each once."""
 
     def __init__(self, find: Find) -> None:
         """Take the function that finds the text and shown path of a module."""
@@ -49,7 +49,7 @@ class PythonFiles:
         self.broken: dict[tuple[str, int, str], None] = {}
 
     def file(self, module: str) -> SourceFile | None:
-        """Return a file, or None if it is not found or not Python."""
+        """Return the file of a module, or None if it is not found or not Python."""
         if module not in self._read:
             found = self._find(module) if self._left else None
             self._left -= found is not None
@@ -62,7 +62,7 @@ class PythonFiles:
         return self._read[module]
 
     def once(self, find: Callable[[ast.AST], T], part: ast.AST) -> T:
-        """Return the result of a function for a part of a file, which many programs may share."""
+        """Return `find(part)`, memoized, as many programs may share a part of a file."""
         key = find, part
         if key not in self._found:
             self._found[key] = find(part)
@@ -71,7 +71,7 @@ class PythonFiles:
 
 
 def is_newer(error: SyntaxError) -> bool:
-    """Whether a syntax error may be none in a newer Python than this one.
+    """Whether a syntax error may be due to syntax of a newer Python than the running one.
 
     From 3.12 on texts with values nest quotes and go over several lines, types have names, and
     functions and classes have types as parameters (PEP 695, 701).
@@ -83,7 +83,7 @@ def is_newer(error: SyntaxError) -> bool:
 
 
 def mentioned_names(part: ast.AST) -> tuple[str, ...]:
-    """Return the names, dotted ones whole, that a part of a file mentions, each once."""
+    """Return the names in a part of a file, without duplicates; dotted ones are kept whole."""
     names = (
         dotted_name(node) for node in ast.walk(part) if isinstance(node, ast.Name | ast.Attribute)
     )
@@ -91,7 +91,7 @@ def mentioned_names(part: ast.AST) -> tuple[str, ...]:
 
 
 def words_in(part: ast.AST) -> frozenset[str]:
-    """Return the names, dotted ones split, that a part of a file mentions."""
+    """Return the names that occur in a part of a file, dotted names split."""
     return frozenset(word for name in mentioned_names(part) for word in name.split("."))
 
 
@@ -101,7 +101,7 @@ def calls_of(part: ast.AST) -> tuple[ast.Call, ...]:
 
 
 def parse_source(text: str, path: str, module: str) -> SourceFile | None:
-    """Return a file, or None if Python cannot read it.
+    """Return the parsed file, or None if it exceeds the limits of Python's parser.
 
     Raises:
         SyntaxError: it is not Python.
@@ -163,7 +163,7 @@ def _all_statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
 
 
 def dotted_name(node: ast.expr) -> str:
-    """Return a dotted name as it is written, or an empty text for any other expression."""
+    """Return a dotted name such as `a.b`, or "" for any other expression."""
     names: list[str] = []
     while isinstance(node, ast.Attribute):
         names.append(node.attr)
@@ -172,27 +172,27 @@ def dotted_name(node: ast.expr) -> str:
 
 
 def called_name(call: ast.Call) -> str:
-    """Return the last name of the called expression, or an empty text if it has none."""
+    """Return the last word of the called expression (`b` of `a.b()`), or "" without one."""
     if isinstance(call.func, ast.Attribute):
         return call.func.attr
     return call.func.id if isinstance(call.func, ast.Name) else ""
 
 
 def argument_of(call: ast.Call, at: int, *names: str) -> ast.expr | None:
-    """Return the argument of a call that has one of the names, or else the position."""
+    """Return the argument with one of the names, else the one at position `at`, or None."""
     named = {each.arg: each.value for each in call.keywords}
     found = next((named[name] for name in names if name in named), None)
     return call.args[at] if found is None and at < len(call.args) else found
 
 
 def passed_by(call: ast.Call, names: Iterable[str]) -> dict[str, ast.expr]:
-    """Return the arguments of a call by name; `names` are those of the positional parameters."""
+    """Return the arguments of a call by name; `names` are the positional parameters in order."""
     named = {each.arg: each.value for each in call.keywords if each.arg}
     return dict(zip(names, call.args, strict=False)) | named
 
 
 def defaults_of(parameters: ast.arguments) -> dict[str, ast.expr]:
-    """Return the defaults of the parameters of a function."""
+    """Return the default of each parameter that has one."""
     every = [*parameters.posonlyargs, *parameters.args]
     last = every[len(every) - len(parameters.defaults) :]
     found = {each.arg: value for each, value in zip(last, parameters.defaults, strict=True)}
@@ -201,7 +201,7 @@ def defaults_of(parameters: ast.arguments) -> dict[str, ast.expr]:
 
 
 def column_at(lines: Sequence[str], line: int, offset: int) -> int:
-    """Return the column, from 1, of a byte offset in a line, as syntax trees count."""
+    """Return the column, from 1, of a byte offset in a line (from 1)."""
     text = lines[line - 1] if line <= len(lines) else ""
     if text.isascii():
         return offset + 1
@@ -209,7 +209,7 @@ def column_at(lines: Sequence[str], line: int, offset: int) -> int:
 
 
 def members_of(node: ast.AST | None) -> Iterator[tuple[str, ast.expr | ast.FunctionDef]]:
-    """Yield the functions and values that the body of a class assigns to names."""
+    """Yield the methods and values in the body of a class, with their names."""
     for statement in node.body if isinstance(node, ast.ClassDef) else ():
         match statement:
             case ast.FunctionDef(name=name):

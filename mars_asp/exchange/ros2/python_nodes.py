@@ -29,7 +29,7 @@ from mars_asp.exchange.ros2.python_values import (
 
 
 def declared_by(call: PythonCall) -> Iterator[Declare]:
-    """Yield the launch argument that a call declares, if its name is known."""
+    """Yield the launch argument that a `DeclareLaunchArgument` declares, if its name is known."""
     name = plain(text_from(call.get("name", 0)))
     if name is not None:
         default = call.get("default_value")
@@ -38,7 +38,7 @@ def declared_by(call: PythonCall) -> Iterator[Declare]:
 
 
 def read_by(call: PythonCall) -> Iterator[Reads]:
-    """Yield the files that a call opens to read them, or names to a command such as xacro."""
+    """Yield the files that a call opens to read, or passes to a command such as xacro."""
     match call.name:
         case "Command":
             yield Reads(text_from(call.get("command", 0)), call.span)
@@ -60,7 +60,10 @@ def parameters_of(value: Value, span: Span) -> Iterator[NodeParameter]:
 
 
 def parameter_of(keys: Sequence[tuple[Value, Span]], value: Value, span: Span) -> NodeParameter:
-    """Return a parameter by the steps of its name; the spans are for values without a location."""
+    """Return the parameter with a value; `keys` are the steps of its name.
+
+    Locations in the arguments are for values that have none.
+    """
     steps = tuple((text_from(key), _place_of(key, place)) for key, place in keys)
     # Texts without open parts are a list; with substitutions they are one text.
     items = tuple(map(text_from, value.items)) if isinstance(value, Listed) else ()
@@ -76,7 +79,7 @@ def _place_of(value: Value, otherwise: Span) -> Span:
 
 
 def forced(value: Value, span: Span) -> Iterator[Declare]:
-    """Yield the launch arguments that a dictionary sets; `span` is its location."""
+    """Yield the launch arguments that a dictionary sets, as declarations with forced values."""
     for each in parameters_of(value, span):
         name = plain(each.name)
         if name is not None:
@@ -84,7 +87,7 @@ def forced(value: Value, span: Span) -> Iterator[Declare]:
 
 
 def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[NodeParameter, ...]]:
-    """Return the files and the values of the parameters of a node."""
+    """Return the parameter files and the single parameters in the value of `parameters=`."""
     files: list[Text] = []
     parameters: list[NodeParameter] = []
     for item in items_of(value) or ([] if value is None else [value]):
@@ -101,7 +104,7 @@ def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[NodePara
 
 
 def _texts_in_quotes(text: Text) -> list[Text]:
-    """Return the texts in double quotes within an expression."""
+    """Return the texts between double quotes in an expression."""
     pieces: list[list[Part]] = [[]]
     for part in text:
         first, *others = part.split('"') if isinstance(part, str) else (part,)
@@ -124,7 +127,7 @@ def _nested_parameters(value: MappedValue, span: Span) -> Iterator[NodeParameter
 
 
 def remaps_of(call: PythonCall) -> tuple[tuple[Remap, ...], tuple[tuple[str, Span], ...]]:
-    """Return the remappings of a node, and the locations of others that are not known."""
+    """Return the known remappings of a node, and the texts and locations of unknown ones."""
     found: list[Remap] = []
     unread: list[tuple[str, Span]] = []
     value = call.named.get("remappings")

@@ -38,10 +38,11 @@ OF_LOOP: ast.expr = ast.Constant(b"loop")
 
 
 class CodePlace(NamedTuple):
-    """The surroundings of a place in a program, and its line and column.
+    """A place in a program: its line and column `at`, and the code around it.
 
     `scopes` are the functions and classes around it, outermost first. `blocks` are the branches and
-    loops within the innermost, each with its sort, which is the number of a branch.
+    loops within the innermost scope, each an id and the number of the branch. `tests` are the
+    conditions that hold or fail there.
     """
 
     scopes: tuple[ast.AST, ...] = ()
@@ -52,12 +53,15 @@ class CodePlace(NamedTuple):
 
     @property
     def functions(self) -> list[ast.AST]:
-        """The functions and classes around it, without comprehensions."""
+        """The functions and classes around the place, without comprehensions."""
         return [scope for scope in self.scopes if not isinstance(scope, _COMPREHENSIONS)]
 
 
 class Assignment(NamedTuple):
-    """A value that a variable gets, and where; of a parameter its function."""
+    """A value of a variable, and the place of the assignment.
+
+    `parameter` is the function of which the variable is a parameter, or None.
+    """
 
     value: ast.expr
     place: CodePlace
@@ -65,10 +69,10 @@ class Assignment(NamedTuple):
 
 
 class Scopes:
-    """The calls of a part of a program, and the values that its variables get."""
+    """The calls in a part of a program, and the assignments of its variables."""
 
     def __init__(self, part: ast.AST) -> None:
-        """Go through a part of a program once."""
+        """Collect the calls and assignments of a part of a program."""
         self.calls: list[tuple[ast.Call, CodePlace]] = []
         #: The variables that keep the results of calls, by these.
         self.keepers: dict[ast.Call, str] = {}
@@ -94,7 +98,7 @@ class Scopes:
             each.sort(key=_end_of)
 
     def _assign(self, node: Any, place: CodePlace) -> None:
-        """Keep the values that a statement assigns, and the names that it takes from outside."""
+        """Collect the values that a statement assigns, and its `global` and `nonlocal` names."""
         if isinstance(node, ast.Global | ast.Nonlocal):
             if place.scopes:
                 self._outer.setdefault(place.scopes[-1], set()).update(node.names)
@@ -113,7 +117,7 @@ class Scopes:
                 self.keepers[value] = name
 
     def _keep(self, name: str, value: ast.expr, function: ast.AST | None, place: CodePlace) -> None:
-        """Keep a value of a variable, which holds where the statement ends."""
+        """Add a value of a variable, which holds from the end of its statement."""
         if function is not None:
             place = CodePlace((*place.scopes, function), at=place.at)
         elif value not in (UNKNOWN_VALUE, OF_LOOP):
@@ -125,7 +129,7 @@ class Scopes:
             self._assigning.setdefault(name, {})[scope] = None
 
     def values(self, name: str, place: CodePlace) -> Sequence[Assignment]:
-        """Return the values that a variable may have at a place; none if it is not of this part."""
+        """Return the assignments that a variable may have at a place; none if not assigned here."""
         if "." in name:
             return self._of_attribute(name, place)
         for depth in range(len(place.scopes), -1, -1):
@@ -143,7 +147,7 @@ class Scopes:
         return ()
 
     def _of_attribute(self, name: str, place: CodePlace) -> Sequence[Assignment]:
-        """Return the values of an attribute, which is one in all functions."""
+        """Return the assignments of an attribute, which all functions share."""
         own = place.scopes[-1] if place.scopes else None
         every = self._assigned.get((own, name), [])
         before = every[: bisect_right(every, place.at, key=_end_of)]
@@ -161,7 +165,7 @@ def _end_of(assignment: Assignment) -> tuple[int, int]:
 
 
 def _assigned_by(node: ast.AST) -> Iterator[tuple[str, ast.expr, ast.AST | None]]:
-    """Yield the variables that a statement assigns, with their values; or the parameters."""
+    """Yield the variables that a statement assigns, or a function's parameters, with values."""
     match node:
         case ast.Assign(targets=targets, value=value):
             yield from (pair for target in targets for pair in _pairs(target, value))
@@ -214,7 +218,7 @@ def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr, a
 
 
 def _children(node: ast.AST, place: CodePlace) -> Iterator[tuple[ast.AST, CodePlace]]:
-    """Yield the parts of a node that have places of their own, each with its place."""
+    """Yield the child nodes that have a place of their own, with it."""
     match node:
         case ast.If(test=test, body=body, orelse=orelse):
             yield test, place
@@ -258,14 +262,14 @@ def _children(node: ast.AST, place: CodePlace) -> Iterator[tuple[ast.AST, CodePl
 
 
 def _block(statements: Sequence[ast.AST], place: CodePlace, sort: int = _SOMETIMES) -> CodePlace:
-    """Return the place of statements that may be left out."""
+    """Return the place inside a block of statements that may be skipped; `sort` is its branch."""
     return place._replace(blocks=(*place.blocks, (id(statements), sort)))
 
 
 def _reaching(
     assigned: Sequence[Assignment], blocks: tuple[tuple[int, int], ...]
 ) -> list[Assignment]:
-    """Return the assignments, last first, that may hold at a later place within blocks."""
+    """Return the assignments, last first, that may hold at a later place in `blocks`."""
     found: list[Assignment] = []
     for each in reversed(assigned[-_MOST_ASSIGNED:]):
         pairs = zip(each.place.blocks, blocks, strict=False)
@@ -283,7 +287,7 @@ def _reaching(
 def _may_come_round(
     every: Sequence[Assignment], reaching: Sequence[Assignment], place: CodePlace
 ) -> bool:
-    """Whether a loop around a place may go on with a value that another round has assigned."""
+    """Whether a loop around a place may bring a value of `every` from an earlier round."""
     loops = {block for block in place.blocks if block[1] == _LOOP}
     # A round that assigns it anew in any case has none of another.
     loops -= {block for each in reaching[-1:] for block in each.place.blocks}
@@ -294,14 +298,14 @@ def _may_come_round(
 def _covers(
     assigned: Sequence[tuple[tuple[int, int], ...]], blocks: tuple[tuple[int, int], ...]
 ) -> bool:
-    """Whether one of the assignments is reached whenever a later place is."""
+    """Whether some assignment is certainly executed before a later place in `blocks`."""
     return any(_is_certain(assigned, blocks[:size]) for size in range(len(blocks) + 1))
 
 
 def _is_certain(
     assigned: Sequence[tuple[tuple[int, int], ...]], outer: tuple[tuple[int, int], ...]
 ) -> bool:
-    """Whether a block assigns itself, or in both branches of one of its conditions."""
+    """Whether `outer` assigns in any case: itself, or in both branches of a condition in it."""
     if outer in assigned:
         return True
     within = [each for each in assigned if each[: len(outer)] == outer]

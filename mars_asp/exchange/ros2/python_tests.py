@@ -30,14 +30,17 @@ Evaluate = Callable[[ast.expr], Value]
 
 
 class Tested(NamedTuple):
-    """The tests that a condition implies, and whether they imply the condition."""
+    """The tests that a condition implies; `is_complete` if they imply the condition as well."""
 
     tests: tuple[Test, ...] = ()
     is_complete: bool = False
 
 
 def tested(node: ast.expr, value: Evaluate, span: Span) -> Tested:
-    """Return the tests of launch arguments that the condition of a statement is."""
+    """Return the condition of a statement as tests of launch arguments.
+
+    `value` evaluates an expression, `span` is the location of the tests.
+    """
     match node:
         case ast.BoolOp(op=ast.And(), values=parts):
             each = [tested(part, value, span) for part in parts[:_MOST_PARTS]]
@@ -83,7 +86,7 @@ def tested(node: ast.expr, value: Evaluate, span: Span) -> Tested:
 
 
 def _literal(holds: bool, span: Span) -> Tested:
-    """Return the test of a condition that is known."""
+    """Return the test for a condition whose truth is known: a constant."""
     return Tested((Test(("true",), None, holds, span),), True)
 
 
@@ -140,7 +143,7 @@ def _is_none(node: ast.expr, value: Evaluate) -> bool:
 
 
 def _tested_text(node: ast.expr, value: Evaluate) -> Text | None:
-    """Return the text of a variable or an argument, or None if an expression is neither."""
+    """Return the text if an expression is a known text or one launch argument, else None."""
     for _ in range(_MOST_PARTS):
         match node:
             case ast.Call(func=ast.Attribute(attr="perform_substitution"), args=[inner, *_]):
@@ -174,12 +177,12 @@ def truth(node: ast.expr, value: Value) -> bool | None:
 
 
 def is_configurations(node: ast.expr) -> bool:
-    """Whether an expression is the arguments of a launch file, as its context keeps them."""
+    """Whether an expression is `context.launch_configurations`."""
     return isinstance(node, ast.Attribute) and node.attr == "launch_configurations"
 
 
 def decision(tests: Tested) -> bool | None:
-    """Return whether a condition of literals holds, or None if it depends on an argument."""
+    """Return whether a condition of constants holds, or None if it depends on an argument."""
     results = [
         plain(test.text) == plain(test.value)
         if test.value is not None
@@ -194,7 +197,7 @@ def decision(tests: Tested) -> bool | None:
 
 
 def branch_tests(tests: Tested, name: str, choice: int, span: Span) -> Iterator[Test]:
-    """Yield the tests for one branch of a statement; `name` is that of its condition."""
+    """Yield the tests for branch `choice` (0: true) of a condition, which is called `name`."""
     is_single = tests.is_complete and len(tests.tests) == 1
     if choice == 0:
         yield from tests.tests

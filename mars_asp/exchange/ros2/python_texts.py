@@ -58,7 +58,7 @@ NO_CODE = ast.Module([], [])
 
 
 class SourceScope(NamedTuple):
-    """The location of an expression, and the values of the targets of the loops around it."""
+    """The place of an expression, and the values of the loop variables around it."""
 
     place: CodePlace = CodePlace()
     bound: Mapping[str, Value] = {}
@@ -78,7 +78,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         far: int = 0,
         given: Mapping[str, ast.expr] | None = None,
     ) -> None:
-        """Take a part of a file, and the values of `given` parameters of its class.
+        """Begin with a part `node` of a file, and with values of `given` parameters of its class.
 
         `far` is over how many files a constant was followed to here.
         """
@@ -116,7 +116,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         self.scope, self.steps = SourceScope(self.places[id(call)]), 0
 
     def rounds_of(self, call: ast.Call) -> Iterator[None]:
-        """Yield once for each round of the loops around a call, with its loop variables set."""
+        """Yield once for each round of the loops around a call, with loop variables set."""
         self.go_to(call)
         rounds = self._rounds(self.scope.place.loops, self.scope)
         for self.scope in islice(rounds, _MOST_ROUNDS):
@@ -124,7 +124,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
             yield
 
     def _rounds(self, loops: Sequence[SourceLoop], scope: SourceScope) -> Iterator[SourceScope]:
-        """Yield the scope of each round of loops."""
+        """Yield the scope in each round of nested loops."""
         if not loops:
             yield scope
             return
@@ -135,9 +135,10 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
             yield from self._rounds(inner, scope._replace(bound=bound))
 
     def choices(self) -> Iterator[None]:
-        """Go through the ways to take one of several values, the first of each to begin with.
+        """Yield once for each combination of values, where variables have several.
 
-        Each time the expression is to be looked into, to find those that it has.
+        The first round takes first values. In each round the expression has to be evaluated again,
+        which finds further choices.
         """
         waiting: list[dict[tuple[int, ...], int]] = [{}]
         for _ in range(_MOST_CHOICES):
@@ -154,7 +155,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         self.taken, self.has_more = None, bool(waiting)
 
     def _one_of(self, values: Sequence[ast.expr]) -> int | None:
-        """Return which of several values is taken; None if there should be one."""
+        """Return the index of the value to take; None if there are several outside `choices`."""
         if len(values) == 1:
             return 0
         if self.taken is None:
@@ -164,7 +165,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return self.taken.get(key, 0)
 
     def held(self, node: ast.expr, scope: SourceScope) -> tuple[ast.expr, SourceScope] | None:
-        """Return the expression that a variable has as its value, and the scope of that."""
+        """Return the expression assigned to a variable, with its scope; None if there is none."""
         name = dotted_name(node)
         if name.startswith("cls."):
             name = f"self.{name[4:]}"
@@ -190,7 +191,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return value, SourceScope(place, scope.bound if is_here else {})
 
     def _passed(self, function: ast.AST, name: str, place: CodePlace) -> tuple[ast.expr, CodePlace]:
-        """Return the value that a call in this part gives for a parameter of a function."""
+        """Return the argument for a parameter `name` in a call of its function, with its place."""
         if not isinstance(function, ast.FunctionDef) or function.name == "__init__":
             return self._given.get(name, UNKNOWN_VALUE), place
         calls = self._calls_by_name.get(function.name, [])
@@ -213,11 +214,11 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return found
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
-        """Return the location of the file: only the locations of topics matter."""
+        """Return the location of the file, as no other locations are needed."""
         return self._span
 
     def alternative(self, node: ast.IfExp, scope: SourceScope) -> int | None:
-        """Return which value of a condition is taken, or None if there should be one."""
+        """Return the branch of `a if c else b` that this round takes, or None outside `choices`."""
         return self._one_of((node.body, node.orelse))
 
     def variable_value(
@@ -281,7 +282,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return None if isinstance(node.value, bool) else super().literal_value(node)
 
     def switches(self, call: ast.Call) -> frozenset[tuple[str, bool]]:
-        """Return the parameters that decide whether a call is reached, each with its value."""
+        """Return the ROS parameters that decide whether a call is reached, with their values."""
         found: set[tuple[str, bool]] = set()
         self.go_to(call)
         for test, holds in self.scope.place.tests:
@@ -297,7 +298,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return frozenset(found)
 
     def constant_of(self, node: ast.expr) -> tuple[SourceFile, ast.expr] | None:
-        """Return a constant of another class or file of the workspace, with that file."""
+        """Return a constant of another class or file, with its file; None if there is none."""
         names = dotted_name(node).removesuffix(".value").split(".")
         full = [*self.file.imports.get(names[0], names[0]).split("."), *names[1:]]
         for file, inner in (
@@ -313,11 +314,11 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return None
 
     def text(self, node: ast.expr) -> str | None:
-        """Return the text that an expression is, with the defaults of the parameters within."""
+        """Return an expression's string, with defaults of ROS parameters; None if unknown."""
         return self.text_of(self.value(node, self.scope))
 
     def text_of(self, value: Value, depth: int = 0) -> str | None:
-        """Return a value that is a text, with the defaults of the parameters within."""
+        """Return a value's string, with the defaults of ROS parameters; None if unknown."""
         if not isinstance(value, Plain) or value.number is not None:
             return None
         parts = [
@@ -328,7 +329,10 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return "".join(known) if len(known) == len(parts) else None
 
     def name_parts(self, value: Value) -> tuple[tuple[str | None, str | None], ...]:
-        """Return the parts of a text, each default with its parameter; none if it has no such."""
+        """Return pairs (text or default, ROS parameter or None) of a name with parameters.
+
+        The result is empty without a parameter, or if a part is unknown.
+        """
         text = value.text if isinstance(value, Plain) else ()
         is_known = all(isinstance(part, str | OwnParameter) for part in text)
         if not is_known or all(isinstance(part, str) for part in text):
@@ -340,7 +344,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         )
 
     def default_of(self, parameter: str, depth: int = 0) -> str | None:
-        """Return the default of a parameter, or None if it is neither a text nor a whole number."""
+        """Return the default of a ROS parameter; None if neither a text nor an integer."""
         default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
         value = None if default is None else self.value(default, self.scope, depth + 1)
         if isinstance(value, Plain) and value.number is not None:
@@ -349,18 +353,18 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         return self.text_of(value, depth + 1)
 
     def number(self, node: ast.expr) -> Fraction | None:
-        """Return the number that an expression is, or None if it is none."""
+        """Return the number that an expression evaluates to, or None."""
         value = self.value(node, self.scope)
         return value.number if isinstance(value, Plain) else None
 
     def type(self, node: ast.expr) -> str | None:
-        """Return the message type that an expression names."""
+        """Return the message type that an expression names, or None."""
         value = self.value(node, self.scope)
         return value.full.replace(".", "/") if isinstance(value, PythonName) else None
 
 
 def parameter_of(value: Value) -> str | None:
-    """Return the parameter that a value is, or None if it is something else."""
+    """Return the ROS parameter whose value this is, or None for another value."""
     match value:
         case Plain((OwnParameter(name),)):
             return name
@@ -369,6 +373,6 @@ def parameter_of(value: Value) -> str | None:
 
 
 def _identity(value: ast.expr) -> str | int:
-    """Return the dump of a value that does not depend on its location, else its unique id."""
+    """Return equal keys for equal values, as far as these do not depend on their location."""
     names = {each.id for each in ast.walk(value) if isinstance(each, ast.Name)}
     return ast.dump(value) if names <= {"self"} else id(value)

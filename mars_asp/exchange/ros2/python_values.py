@@ -59,7 +59,7 @@ class PythonCall:
     span: Span
 
     def get(self, name: str, position: int | None = None) -> "Value":
-        """Return an argument by its name or its position, or None (unknown) if there is none."""
+        """Return an argument by name or position; None (unknown) if it is not passed."""
         if name in self.named:
             return self.named[name]
         if position is not None and position < len(self.arguments):
@@ -69,7 +69,7 @@ class PythonCall:
 
 @dataclass(slots=True)
 class Listed:
-    """A list, which grows as it does in the file."""
+    """A list, which may be appended to."""
 
     items: "list[Value]" = field(default_factory=list)
     span: Span | None = None
@@ -77,7 +77,7 @@ class Listed:
 
 @dataclass(frozen=True, slots=True)
 class MappedValue:
-    """A dictionary, of which keys may be texts with open parts."""
+    """A dictionary as pairs; keys may be texts with open parts."""
 
     pairs: "tuple[tuple[Value, Value], ...]"
 
@@ -102,7 +102,7 @@ class Local:
 
 @dataclass(frozen=True, slots=True)
 class NoneValue:
-    """The value `None` of a launch file, which is false; Python's None is an unknown value."""
+    """The constant `None` of a launch file, whereas Python's None is an unknown value."""
 
     def __bool__(self) -> bool:
         """Return false."""
@@ -142,7 +142,7 @@ class PythonName:
 
 @dataclass(frozen=True, slots=True)
 class Rewritten:
-    """A file of parameters, some of which get other values."""
+    """A parameter file with replaced values, as of `RewrittenYaml`."""
 
     text: Text
     rewrites: MappedValue
@@ -175,7 +175,7 @@ Names: TypeAlias = dict[str, Value]
 
 
 def text_from(value: Value) -> Text:
-    """Return the text that a value is; a list of texts is one, as substitutions are."""
+    """Return the text of a value, `UNKNOWN` if it has none; a list of texts is concatenated."""
     if isinstance(value, Plain | Rewritten):
         return value.text
     if not isinstance(value, Listed):
@@ -194,12 +194,12 @@ def text_from(value: Value) -> Text:
 
 
 def items_of(value: Value) -> "list[Value]":
-    """Return the items of a list, none of all else."""
+    """Return the items of a list; an empty list for other values."""
     return value.items if isinstance(value, Listed) else []
 
 
 def each_of(value: Value) -> list[Value]:
-    """Return the rounds of a loop over a value, one with an unknown item if these are unknown."""
+    """Return the items over which a loop runs; one unknown item if they are unknown."""
     items = _known_items(value)
     return [None] if items is None else items
 
@@ -211,14 +211,14 @@ def _known_items(value: Value) -> list[Value] | None:
 
 
 def inserted(value: Value) -> Text:
-    """Return the text of a value within another text; that of a list is not known."""
+    """Return the text of a value as `str()` would insert it, `UNKNOWN` for a list."""
     return UNKNOWN if isinstance(value, Listed) else text_from(value)
 
 
 def filled(
     text: Text, arguments: Sequence[Value], named: Mapping[str, Value], by_percent: bool = False
 ) -> Text:
-    """Return a text with values in its holes, as `str.format` or `%` put them there."""
+    """Return a text with placeholders replaced, as by `str.format` or, if `by_percent`, by `%`."""
     template = plain(text)
     if template is None:
         return UNKNOWN
@@ -245,7 +245,7 @@ def filled(
 
 
 def combined(sign: ast.operator, first: Value, second: Value, span: Span) -> Value:
-    """Return the result of an operation: a number, a path, or a longer list or text."""
+    """Return the result of an operation: a number, path, text or list; None if unknown."""
     match first, second:
         case Plain(number=Fraction() as left), Plain(number=Fraction() as right):
             return _calculated(sign, (left, right), (plain(first.text), plain(second.text)), span)
@@ -270,7 +270,7 @@ def combined(sign: ast.operator, first: Value, second: Value, span: Span) -> Val
 def _calculated(
     sign: ast.operator, numbers: tuple[Fraction, Fraction], texts: Sequence[str | None], span: Span
 ) -> Value:
-    """Return the exact result of an operation on numbers, or None if there is none."""
+    """Return the exact result of an operation on numbers, or None if it has none."""
     if isinstance(sign, ast.Div) and not numbers[1]:
         return None
     number = _ARITHMETIC[type(sign)](*numbers)
@@ -283,7 +283,7 @@ def _calculated(
 
 
 def counted(call: PythonCall) -> Value:
-    """Return the values of `range`, `enumerate` or `zip`, or None if they are not written out."""
+    """Return the values of `range`, `enumerate` or `zip` as a list, or None if unknown."""
     if call.name == "range":
         texts = [plain(text_from(each)) for each in call.arguments]
         bounds = [int(text) for text in texts if text is not None and _WHOLE.fullmatch(text)]
@@ -314,7 +314,7 @@ def _key(value: Value) -> str | None:
 
 
 def picked(owner: Value, key: Value) -> Value:
-    """Return the item of a list or dictionary at a key, or the file of which it is a part."""
+    """Return the item at a key, None if unknown; of a file's content, the file itself."""
     if isinstance(owner, PythonFile):
         return owner
     at = _key(key)
@@ -339,24 +339,24 @@ def folder_of(text: Text) -> Text:
 
 
 def path_of(*parts: Text) -> Text:
-    """Return a path of parts."""
+    """Return the parts joined to a path."""
     return join_texts(("/",), parts)
 
 
 def join_texts(between: Text, parts: Iterable[Text]) -> Text:
-    """Return texts as one, with another between them."""
+    """Return texts joined by a separator."""
     return text_of(*[each for part in parts for each in (between, part)][1:])
 
 
 class NotKnown:
-    """The result of a method that is not carried out here."""
+    """The result of a method that is not supported."""
 
 
 NOT_KNOWN = NotKnown()
 
 
 def known(call: PythonCall) -> Value:  # noqa: C901 -- one case for each function
-    """Return the text that a call makes, or the call itself if it makes none."""
+    """Return the value of a call of a supported function, else the call itself."""
     first = call.arguments[0] if call.arguments else None
     match call.name:
         case "LaunchDescription":
@@ -420,7 +420,7 @@ def known(call: PythonCall) -> Value:  # noqa: C901 -- one case for each functio
 def known_method(
     owner: Value, name: str, arguments: Sequence[Value], named: Mapping[str, Value]
 ) -> Value | NotKnown:
-    """Carry out a method of a list, dictionary or text."""
+    """Return the result of a method of a list, dictionary or text; it may change the list."""
     first = arguments[0] if arguments else None
     match owner, name:
         case Listed(), "append":

@@ -10,7 +10,7 @@ NO_PARAMETERS = ast.arguments([], [], None, [], [], None, [])
 
 
 def declared(call: ast.Call, name: str) -> Iterator[tuple[ast.expr, ast.expr]]:
-    """Yield the parameters that a call of a name declares, each with its default."""
+    """Yield name and default of each parameter that a call of the function `name` declares."""
     if name == "declare_parameter":
         given = argument_of(call, 0, "name")
         value = argument_of(call, 1, "value")
@@ -29,13 +29,13 @@ def declared(call: ast.Call, name: str) -> Iterator[tuple[ast.expr, ast.expr]]:
 def given_by(
     parameters: ast.arguments, call: ast.Call, text: Callable[[ast.expr], str | None]
 ) -> dict[str, ast.expr]:
-    """Return the arguments of a call of a class by name: literal texts, or None if unknown."""
+    """Return the arguments of a call of a class by name: their texts, or None if unknown."""
     given = passed_by(call, [each.arg for each in parameters.args[1:]])
     return {name: ast.Constant(text(value)) for name, value in given.items()}
 
 
 def alternatives(part: ast.AST, calls: Sequence[ast.Call]) -> Iterator[list[ast.Call]]:
-    """Yield the calls in groups: those in the branches of one `if` together, each other alone."""
+    """Yield groups of calls: those in branches of one `if` together, every other one alone."""
     left = {id(call): call for call in calls}
     for test in ast.walk(part) if len(calls) > 1 else ():
         if isinstance(test, ast.If) and test.orelse:
@@ -52,7 +52,7 @@ def alternatives(part: ast.AST, calls: Sequence[ast.Call]) -> Iterator[list[ast.
 
 
 def made_alike(made: Sequence[dict[str, ast.expr]]) -> dict[str, ast.expr]:
-    """Return the arguments of several objects, with None for those that differ."""
+    """Return the arguments that several objects have in common, None where they differ."""
     first, *others = made
     return {
         name: value
@@ -63,7 +63,7 @@ def made_alike(made: Sequence[dict[str, ast.expr]]) -> dict[str, ast.expr]:
 
 
 def parameters_of(node: ast.ClassDef) -> ast.arguments:
-    """Return the parameters with which objects of a class are made."""
+    """Return the parameters of a class's `__init__`, or of none."""
     made = next((each for name, each in members_of(node) if name == "__init__"), None)
     return made.args if isinstance(made, ast.FunctionDef) else NO_PARAMETERS
 

@@ -128,9 +128,9 @@ def import_ros2(
     Args:
         files: Texts and their paths, at least one that is not a mux file. The text of a folder is
             empty; mux files apply to muxes that are launched without parameters.
-        launch: The launch files to read of folders, each the top of a launch tree; all that no
-            other includes if there are none.
-        is_excluded: Whether a path in a folder is passed over.
+        launch: The launch files to read in folders, each the top of a launch tree; if empty, all
+            that no other file includes.
+        is_excluded: Whether to skip a path in a folder.
 
     Raises:
         MarsError: a launch file has errors, there is none, or `launch` names none.
@@ -174,12 +174,12 @@ def import_ros2(
 
 
 def _root(path: Path) -> tuple[Path, bool]:
-    """Return the folder that holds all that a path may lead to, and whether packages are in it.
+    """Return the folder to search for the files that a path uses, and whether to find packages.
 
-    Of a launch file, or the folder `launch` of a package, it is the package, and then the folder
-    above as long as that has other packages directly in it or is a `src`; without a package it is
-    the folder of the file. Nothing above a folder with `.git`, of one that is not to be built or of
-    a package with others in it is read. Standard input lies nowhere.
+    For a launch file, or a folder `launch`, it is the package, and then each folder above that has
+    other packages directly in it or is called `src`; without a package it is the folder of the
+    file. The search upwards ends at a folder with `.git` or a file such as `COLCON_IGNORE`, and at a package that
+    contains others. Standard input has no folder.
     """
     if path.is_dir():
         folder = path.resolve()
@@ -193,7 +193,7 @@ def _root(path: Path) -> tuple[Path, bool]:
 
 
 def _root_of(folder: Path) -> tuple[Path, bool]:
-    """Return the folder for one with a launch file, like `_root`."""
+    """Return the folder to search, as `_root` does, for a folder with a launch file."""
     root = folder
     while not _is_package(root):
         if (root / ".git").exists() or root == root.parent:
@@ -220,7 +220,7 @@ def _above_src(folder: Path) -> Path:
 
 
 def _only_a_part(folder: Path, named: str, absent: Sequence[str]) -> Iterator[Diagnostic]:
-    """Yield the note that files absent from a folder are in the workspace in which it lies."""
+    """Yield a note that files absent from a folder are in the workspace around it."""
     around, is_deep = _root_of(folder) if absent and Path(named).is_dir() else (folder, False)
     beside = [each.parent.name for each in around.glob("*/package.xml")] if is_deep else []
     words = {word for each in absent for word in re.findall(r"[\w-]+", each)}
@@ -235,7 +235,7 @@ def _is_package(folder: Path) -> bool:
 
 
 def _holds(folder: Path, inner: Path) -> bool:
-    """Whether a folder is a `src`, or has another package than `inner` directly in it."""
+    """Whether a folder is called `src`, or directly contains another package than `inner`."""
     if folder.name == "src":
         return True
     try:
@@ -283,7 +283,7 @@ class _WorkspaceRobot:
         self.repeated: dict[Path, tuple[RepeatedKey, ...]] = {}
 
     def graph(self, paths: Sequence[Path]) -> Graph:
-        """Return the nodes that files, or those of folders, start."""
+        """Return the nodes, muxes and relays that launch files, or those in folders, start."""
         self.catalogue = self._catalogue()
         launches = list(self._launches(paths))
         self.packages = {each.package for launch in launches for each in launch.started}
@@ -347,7 +347,7 @@ class _WorkspaceRobot:
         )
 
     def _launches(self, paths: Sequence[Path]) -> Iterator[Launch]:
-        """Yield each launch tree of folders, and one of the named files together."""
+        """Yield the launch trees of folders, and one of all named files together."""
         together = Launch(self.workspace)
         for path in paths:
             if path.is_dir():
@@ -359,7 +359,7 @@ class _WorkspaceRobot:
             yield together
 
     def _tree(self, launch: Launch, paths: Sequence[Path]) -> LaunchTree:
-        """Return the launch tree, nodes of one name kept apart."""
+        """Return the launch tree of a launch, in which nodes with equal names stay separate."""
         before = len(self.unread)
         missing = dict(launch.missing)
         left_out = None if launch.path is None else self.workspace.left_out(launch.path)
@@ -423,11 +423,10 @@ class _WorkspaceRobot:
         )
 
     def _undeclared(self, started: Started) -> Iterator[AbsentFile]:
-        """Yield the parameters that a program of ROS 2 is given and that its sources do not name.
+        """Yield the parameters of a program that its sources do not name, as missing.
 
-        Of a file that is written anew these are values that replace others in it. A component has
-        those of its process, and libraries read those that have parts. One for all nodes need not
-        be for each.
+        Not checked are files that are rewritten, components (they have the parameters of their
+        process), dotted names (libraries read them), and parameters for all nodes.
         """
         program = RosProgram(started.package, started.executable, started.plugin)
         interface = self.programs.interface(program)
@@ -448,7 +447,7 @@ class _WorkspaceRobot:
         )
 
     def _launched_in_folder(self, folder: Path) -> Iterator[Launch]:
-        """Yield the launch of each chosen file of a folder, else of those no other there includes.
+        """Yield a launch of each chosen file of a folder; by default, of those not included.
 
         Raises:
             MarsError: a choice is not a launch file of the folder, or has errors.
@@ -508,7 +507,7 @@ class _WorkspaceRobot:
         yield from tops
 
     def _chosen(self, files: Sequence[Path]) -> Sequence[Path]:
-        """Return the launch files that the user chose, by their paths or the ends of these.
+        """Return the launch files that the user chose by (the ends of) their paths.
 
         Raises:
             MarsError: a choice names no launch file, or several.
@@ -540,7 +539,7 @@ class _WorkspaceRobot:
         return list(found)
 
     def _is_launch(self, file: Path) -> bool:
-        """Whether a file is a launch file, by its name or by the folder and its text."""
+        """Whether a file is a launch file, by its name or folder, and by its text."""
         is_named = _LAUNCH.match(file.name) is not None
         if not is_named and not (file.suffix in _IN_FOLDER and "launch" in file.parent.parts[-2:]):
             return False
@@ -581,14 +580,14 @@ class _WorkspaceRobot:
         return found.pop() if len(found) == 1 else None
 
     def _is_of_ros1(self, file: Path) -> bool:
-        """Whether a package of ROS 2 has kept a launch file of ROS 1, which cannot be launched."""
+        """Whether a file is a launch file of ROS 1 in a package of ROS 2 alone."""
         package = self.workspace.package_of(file)
         if package is None or not _TYPE.search(self.workspace.text(file)):
             return False
         return package.is_of_ros2 and not package.is_of_ros1
 
     def _alone(self, paths: Sequence[Path]) -> Iterator[Started]:
-        """Yield each program of a folder as if it were started, where no launch file is."""
+        """Yield every program of the workspace as if started, for lack of launch files."""
         if self.workspace.root not in paths:
             return
         here = whole_file(self.workspace.shown(paths[0]))
@@ -607,11 +606,11 @@ class _WorkspaceRobot:
         yield from found[True] or found[False]
 
     def _by_hand(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Iterator[GraphNode]:
-        """Yield the nodes of a folder that users may start beside a launch tree.
+        """Yield the nodes that users may start beside a launch tree.
 
-        They are of programs that no launch file starts, and of launch files that others include.
-        A component may be launched in place of the program that is made of it, so topics of the
-        same lines are left out.
+        They are programs that no launch file starts, and nodes of launch files that others include.
+        A component may be launched in place of its program, so topics of the same lines are left
+        out.
         """
         started = {
             RosProgram(each.package, each.executable, each.plugin)
@@ -651,7 +650,7 @@ class _WorkspaceRobot:
         )
 
     def _nothing(self, paths: Sequence[Path]) -> MarsError:
-        """Return the error that nothing was found."""
+        """Return the error that the paths contain neither launch files nor programs."""
         message = "the folder has no launch file and no package with a program"
         help_text = "name a workspace, a package or a launch file"
         place = whole_file(self.workspace.shown(paths[0]))
@@ -659,7 +658,7 @@ class _WorkspaceRobot:
         return MarsError((found, *notes(_once(self.unread))))
 
     def _node(self, started: Started, of_ros2: bool | None) -> GraphNode | Mux | Relay | None:
-        """Return the node that is started, or the mux or relay that it is."""
+        """Return the node, mux or relay that is started; None if it is not read, and note it."""
         program = RosProgram(started.package, started.executable, started.plugin)
         key = started.package, started.executable, started.plugin
         known = self.catalogue.interface(*key)
@@ -747,7 +746,7 @@ class _WorkspaceRobot:
         )
 
     def _note_unread(self, interface: Interface, started: Started, full: str) -> None:
-        """Note the parts of a program of which the topics are not known."""
+        """Note the contents of a program that were not read; `full` is the node's name."""
         self.unread += interface.unread
         if interface.clients:
             self.unread.append(Unread(BY_CLIENTS, full, started.span))
@@ -758,7 +757,7 @@ class _WorkspaceRobot:
     def _without_source(
         self, started: Started, full: str, name: str, values: Mapping[str, GivenParameter]
     ) -> GraphNode:
-        """Return the node of a program with neither a source here nor an entry in the catalogue."""
+        """Return a node without topics, of a program whose source is unknown."""
         sort = "topics of nodes with neither a source here nor an entry in the catalogue"
         self.unread.append(Unread(sort, full, started.span))
         return GraphNode(
@@ -777,14 +776,14 @@ class _WorkspaceRobot:
     def _given_topics(
         self, started: Started, name: str, values: Mapping[str, GivenParameter]
     ) -> Iterator[str]:
-        """Yield the topics that the parameters of a node may name, whose source is not known."""
+        """Yield the topic names among the parameters of a node without source."""
         for key, given in values.items():
             for text in given.texts if given.is_known else ():
                 if _NAME.fullmatch(text) and (text.startswith("/") or "topic" in key):
                     yield absolute(text, started.namespace, name)
 
     def _renamed(self, started: Started, name: str) -> tuple[Renaming, ...]:
-        """Return the names that a launch file gives topics of a node, whatever these are."""
+        """Return the remappings of a node with full names."""
         return tuple(
             Renaming(
                 renamed(rule[0], started.namespace, name, ()),
@@ -795,7 +794,7 @@ class _WorkspaceRobot:
         )
 
     def _managed(self, started: Started) -> Iterator[tuple[str, Span]]:
-        """Yield the nodes that a lifecycle manager is to manage, by their full names."""
+        """Yield full name and location of each node that a lifecycle manager manages."""
         given = started.parameters.get("node_names")
         if started.package != "nav2_lifecycle_manager" or given is None or not given.is_known:
             return
@@ -807,7 +806,7 @@ class _WorkspaceRobot:
     def _relay(
         self, program: RosProgram, started: Started, name: str, values: Mapping[str, GivenParameter]
     ) -> Relay | None:
-        """Return the relay that a node is, if it is one whose topics are known."""
+        """Return the relay that a node is, or None if it is none or a topic is unknown."""
         # A nodelet has two words before its own.
         skipped = 2 if started.arguments[:1] in (("load",), ("standalone",)) else 0
         words = tuple(takewhile(lambda word: not word.startswith("--"), started.arguments))
@@ -826,7 +825,7 @@ class _WorkspaceRobot:
     def _given_files(
         self, started: Started, full: str, of_ros2: bool | None
     ) -> Iterator[GivenFile]:
-        """Yield the parameter files that a node of ROS 2 is given."""
+        """Yield the parameter files of a node of ROS 2; `full` is the node's name."""
         for file in started.files:
             document = self.document(file)
             if document is not None:
@@ -837,7 +836,7 @@ class _WorkspaceRobot:
                     yield GivenFile(self.workspace.shown(file), first.span, is_for_it)
 
     def _node_parameters(self, started: Started, full: str) -> Mapping[str, GivenParameter]:
-        """Return the values of the parameters of a node."""
+        """Return the parameters of a node by name; `full` is the node's name."""
         found: dict[str, GivenParameter] = {}
         for file in started.files:
             document = self.document(file)
@@ -848,7 +847,7 @@ class _WorkspaceRobot:
     def _bridge_file(
         self, started: Started, values: Mapping[str, GivenParameter]
     ) -> YamlNode | None:
-        """Return the file that lists the topics of a bridge."""
+        """Return the parsed file that lists a bridge's topics, None without one."""
         if FILE not in values:
             return None
         named = values[FILE].text
@@ -883,7 +882,7 @@ class _WorkspaceRobot:
         name: str,
         values: Mapping[str, GivenParameter],
     ) -> Iterator[Endpoint]:
-        """Yield the ends of topics at a node, by their full names."""
+        """Yield a node's ends of topics with full names; note unknown names."""
         for topic in topics:
             if _is_off(topic, values):
                 continue
@@ -908,7 +907,7 @@ class _WorkspaceRobot:
     def _names_by_parameter(
         self, topic: InterfaceTopic, started: Started, values: Mapping[str, GivenParameter]
     ) -> Iterator[str]:
-        """Yield the names that a topic has for its program, by its parameters."""
+        """Yield the names that parameters give a topic, empty if unknown."""
         # A file that cannot be read, or a value of a run, may replace a default.
         is_hidden = started.has_further_files or any(
             self.document(file) is None for file in started.files
@@ -934,7 +933,7 @@ class _WorkspaceRobot:
             yield _value_of(values.get(topic.parameter), default) or ""
 
     def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
-        """Return the place of the remapping that gives a topic its full name."""
+        """Return the location of the remapping from `written` to `full`, None without one."""
         for rule in started.remaps:
             if (
                 renamed(written, started.namespace, name, (rule,))
@@ -945,7 +944,7 @@ class _WorkspaceRobot:
         return None
 
     def _parameters_of_mux(self, started: Started, full: str) -> Iterator[Mux]:
-        """Yield the parameters of a mux: of its launch file, else its files, else the user's."""
+        """Yield the muxes in a node's parameters: launch file, else files, else the user's."""
         found: list[Mux] = []
         if any(key.partition(".")[0] in SORTS for key in started.parameters):
             values = self._node_parameters(started, full).values()
@@ -963,7 +962,7 @@ class _WorkspaceRobot:
         yield from found or (mux for document in self.muxes for mux in document.muxes)
 
     def _muxes(self, read: Callable[[], MuxDocument]) -> Sequence[Mux]:
-        """Return the muxes of parameters; note errors, warnings and skipped contents."""
+        """Return the muxes that `read` reads; note its errors and skipped contents."""
         try:
             document = read()
         except MarsError as error:
@@ -974,7 +973,7 @@ class _WorkspaceRobot:
         return document.muxes
 
     def _note(self) -> None:
-        """Note the nodes that depend on conditions, and those whose topics are of the catalogue."""
+        """Note the nodes with conditions, and those with topics from the catalogue."""
         if self.conditional:
             first, *_ = self.conditional.values()
             verb = "depends" if len(self.conditional) == 1 else "depend"
@@ -994,7 +993,7 @@ class _WorkspaceRobot:
 
 
 def _is_off(topic: InterfaceTopic, values: Mapping[str, GivenParameter]) -> bool:
-    """Whether a parameter is stated with a value with which the program lacks a topic."""
+    """Whether a parameter has a value that switches a topic of the program off."""
     return any(
         name in values and values[name].is_known and values[name].text.lower() == _TRUTH[not wanted]
         for name, wanted in topic.switches
@@ -1002,7 +1001,7 @@ def _is_off(topic: InterfaceTopic, values: Mapping[str, GivenParameter]) -> bool
 
 
 def _value_of(given: GivenParameter | None, default: str | None) -> str | None:
-    """Return the text that a parameter has, `None` if it is not known."""
+    """Return the value of a parameter: `default` if not set, None if not known."""
     if given is None:
         return default
     return given.text if given.is_known else None

@@ -18,7 +18,7 @@ _MOST_SOURCES = 200
 
 
 def has_unknown_scripts(text: str) -> bool:
-    """Whether a `setup.py` has console scripts that are not written as a list."""
+    """Whether a `setup.py` computes its console scripts instead of listing them."""
     texts = _texts_of(text)
     return not all(_is_list(listed, texts, text) for listed in _console_scripts(texts))
 
@@ -33,7 +33,7 @@ def _console_scripts(texts: PythonTexts) -> Iterator[ast.expr]:
 
 
 def _is_list(listed: ast.expr, texts: PythonTexts, text: str) -> bool:
-    """Whether scripts are a list, by itself or in a variable that nothing changes."""
+    """Whether an expression is a list, or a variable whose list is never changed."""
     if isinstance(listed, ast.Name):
         is_changed = re.search(rf"\b{listed.id}\s*(?:\.\w|\+=|\[)", text) is not None
         return not is_changed and isinstance(
@@ -65,7 +65,7 @@ def files_of_setup(text: str, package: str) -> Iterator[Installed]:
 
 
 def lists_all_files(text: str) -> bool:
-    """Whether a `setup.py` is Python that lists the files that it installs one by one.
+    """Whether a `setup.py` lists all files that it installs, as `files_of_setup` yields.
 
     Then it installs no others than `files_of_setup` yields.
     """
@@ -112,7 +112,7 @@ def _entries_of(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
 
 
 def _texts_of(text: str) -> PythonTexts:
-    """Return the expressions of a `setup.py`, none if it is not Python."""
+    """Return an evaluator for a `setup.py`; for one without code if it is not Python."""
     file = None
     with suppress(SyntaxError):
         file = parse_source(text, "setup.py", "setup")
@@ -121,10 +121,7 @@ def _texts_of(text: str) -> PythonTexts:
 
 
 def _data_sources(listed: ast.expr, texts: PythonTexts) -> Iterator[str | None]:
-    """Yield the files of an entry of `data_files`, by their paths or by patterns for one folder.
-
-    None is yielded for files that only a run knows.
-    """
+    """Yield the paths or patterns in an entry of `data_files`; None for unknown ones."""
     waiting = [listed]
     for _ in range(_MOST_SOURCES):
         if not waiting:

@@ -81,7 +81,10 @@ _CALLED = (
 
 
 class _TopicCall(NamedTuple):
-    """A topic that a call makes, the variable that keeps the result, and the handle."""
+    """A topic that a call creates, with the variable (`keeper`) that stores the result.
+
+    `handle` is the range of tokens of the node handle on which it is called.
+    """
 
     topic: InterfaceTopic
     keeper: str | None
@@ -91,16 +94,16 @@ class _TopicCall(NamedTuple):
 
 @lru_cache(maxsize=_MOST_PARSED)
 def _parsed_file(text: str, path: str) -> "_CppFile":
-    """Return a file with its calls; several programs share libraries."""
+    """Return the parsed file, memoized, as several programs share libraries."""
     return _CppFile(text, path, _CALLED, _RATES)
 
 
 def read_cpp(
     sources: Iterable[tuple[str, str]], component: str = "", others: Collection[str] = ()
 ) -> Interface:
-    """Return the interface of a program of several files, each a text and its path.
+    """Return the interface of a program whose files are pairs of text and path.
 
-    Of a component the classes of `others` are left out, but for those from which it is derived.
+    For a component, the classes in `others` are ignored, except its base classes.
     """
     files = [_parsed_file(text, path) for text, path in sources]
     texts = CppTexts(files)
@@ -177,13 +180,13 @@ class _CppFile(ScopedCode):
 
     @cached_property
     def topic_paths(self) -> Sequence[str]:
-        """The texts in quotes that look like topics below a namespace."""
+        """The string literals that look like topics in a namespace."""
         quoted = (self.string(self.tokens[at]) for at in self.strings)
         return [text for text in quoted if text and _PATH.fullmatch(text)]
 
     @cached_property
     def callbacks(self) -> Mapping[str, str]:
-        """The type of the message by the name of each function that has one parameter."""
+        """The message type of each possible callback, by the function's name."""
         found: dict[str, str] = {}
         for at in self.token_places("Subscriber"):
             end = angle(self.tokens, at + 1)
@@ -201,14 +204,14 @@ class _CppFile(ScopedCode):
         return found
 
     def calls_outside(self, classes: Collection[str]) -> Iterator[CppCall]:
-        """Yield the calls that are in none of some classes."""
+        """Yield the calls that are in none of the given classes."""
         for call in self.calls:
             around = list(self.bodies_at(call.at)) if classes else []
             if not around or self.class_of(around[-1]) not in classes:
                 yield call
 
     def node_names(self, classes: Collection[str]) -> Iterator[tuple[str, str]]:
-        """Yield the names that the file gives its node, each with its namespace."""
+        """Yield name and namespace of each node that the file creates."""
         tokens = self.tokens
         for call in self.calls_outside(classes):
             if call.name in ("Node", "LifecycleNode", "make_shared", "init"):
@@ -231,7 +234,7 @@ class _CppFile(ScopedCode):
         texts: CppTexts,
         kinds: Mapping[str, str],
     ) -> "_TopicCall | Unread | None":
-        """Return the topic that a call makes, or None if it makes none."""
+        """Return the topic that a call creates; None if it creates none, `Unread` if unknown."""
         tokens = self.tokens
         owner = text_at(tokens, call.at - 2) if text_at(tokens, call.at - 1) in (".", "->") else ""
         name_at, kind = 0, call.types[0] if call.types else None
@@ -303,7 +306,7 @@ class _CppFile(ScopedCode):
         return is_word(last.text) and self.is_typed(self.index_of(last))
 
     def switches(self, at: int, texts: CppTexts) -> set[tuple[str, bool]]:
-        """Return the parameters that decide whether a token is reached, each with its value."""
+        """Return the ROS parameters that decide whether a token is reached, with their values."""
         found: set[tuple[str, bool]] = set()
         for first, last, holds in self.tests_at(at):
             test = self.tokens[first : min(last, first + _MOST_WORDS)]
@@ -319,7 +322,7 @@ class _CppFile(ScopedCode):
 
     @cached_property
     def publications(self) -> dict[str, list[int]]:
-        """The tokens at which publishers publish, by the variables that keep these."""
+        """The tokens of `publish` calls, by the variable of the publisher."""
         found: dict[str, list[int]] = {}
         for at in self.token_places("publish"):
             if text_at(self.tokens, at - 1) in (".", "->"):
@@ -327,7 +330,7 @@ class _CppFile(ScopedCode):
         return found
 
     def _handle(self, call: CppCall, name_at: int) -> tuple[int, int]:
-        """Return the range of the handle of a call: before its name, or its first argument."""
+        """Return the range of a call's node handle: the object, or the first argument."""
         if not name_at:
             return handle_tokens(self, call.at)
         opening = call.at + 1
@@ -338,7 +341,7 @@ class _CppFile(ScopedCode):
     def further_names(
         self, call: CppCall, texts: CppTexts
     ) -> Iterator[tuple[InterfaceTopic, tuple[int, int]]]:
-        """Yield the name of a service, action or parameter of ROS 1, with its handle."""
+        """Yield the name of a service, action or parameter (ROS 1) with its handle."""
         if call.name in _RENAMED:
             if text_at(self.tokens, call.at - 1) not in (".", "->"):
                 return
@@ -364,7 +367,7 @@ class _CppFile(ScopedCode):
             yield replace(topic, name=topic.name + end), self._handle(call, name_at)
 
     def _taken(self, call: CppCall, kinds: Mapping[str, str]) -> str | None:
-        """Return the type of message that the callback of a subscription takes."""
+        """Return the message type that the callback of a subscription takes, or None."""
         for argument in call.arguments[1:]:
             texts = [token.text for token in argument]
             if "[" in texts:
@@ -378,7 +381,7 @@ class _CppFile(ScopedCode):
         return None
 
     def _keeper(self, call: CppCall) -> str | None:
-        """Return the variable that a call is assigned to."""
+        """Return the variable to which a call's result is assigned, or None."""
         tokens = self.tokens
         at = call.at - 1
         while at >= 0 and text_at(tokens, at) in ("->", ".", "::", "this", "node", "node_", "nh"):
@@ -394,7 +397,7 @@ class _CppFile(ScopedCode):
     # ---- Rates
 
     def rates(self) -> Iterator[tuple[str, Fraction]]:
-        """Yield the variables of publishers, each with the rate of a timer that publishes."""
+        """Yield each publisher's variable with the rate of a timer that publishes on it."""
         for hz, ranges in self._timers():
             yield from ((keeper, hz) for keeper in self._publishing(ranges))
 
@@ -423,7 +426,7 @@ class _CppFile(ScopedCode):
                     yield number, [(inner.begin, inner.end)]
 
     def _publishing(self, ranges: Iterable[tuple[int, int]]) -> Iterator[str]:
-        """Yield the variables on which stretches publish, and the functions that they call."""
+        """Yield the variables on which code in ranges, and functions it calls, publish."""
         by_name = {body.name: (body.begin, body.end) for body in self.bodies}
         waiting, seen = list(ranges), set[tuple[int, int]]()
         while waiting and len(seen) < _MOST_FOLLOWED:
@@ -442,7 +445,7 @@ class _CppFile(ScopedCode):
 def _prefixed(
     topic: InterfaceTopic, file: ScopedCode, handle: tuple[int, int], handles: Handles
 ) -> Iterator[InterfaceTopic | Unread]:
-    """Yield a topic by its names below each prefix that its handle can have."""
+    """Yield a topic with its name below each possible prefix of its handle."""
     for prefix in handles.prefixes(file, *handle):
         name = prefixed_name(prefix, topic.name)
         if topic.name.startswith(("/", "~")) or not topic.name:
@@ -455,7 +458,7 @@ def _prefixed(
 
 
 def _aliased(kind: str | None, aliases: Mapping[str, str | None]) -> str | None:
-    """Return the type of an alias, or None if it is unknown; any other type as it is."""
+    """Return the type that an alias names, None if unknown; other types unchanged."""
     for _ in range(_MOST_ALIASES):
         if kind is None or kind not in aliases:
             break
@@ -464,14 +467,14 @@ def _aliased(kind: str | None, aliases: Mapping[str, str | None]) -> str | None:
 
 
 def _used_if(files: Sequence["_CppFile"], keeper: str, texts: CppTexts) -> set[tuple[str, bool]]:
-    """Return the parameters that decide whether a publisher publishes at all."""
+    """Return the ROS parameters, with values, that decide whether a publisher is used at all."""
     places = [(file, at) for file in files for at in file.publications.get(keeper, ())]
     used = [file.switches(at, texts) for file, at in places[:_MOST_FOLLOWED]]
     return set.intersection(*used) if 0 < len(places) <= _MOST_FOLLOWED else set()
 
 
 def _parameter_type(tokens: Sequence[SourceToken]) -> str | None:
-    """Return the type of a parameter: all but its name, without wrappers."""
+    """Return the type of a parameter without name and pointer types, or None."""
     words = list(tokens)
     if len(words) > 1 and is_word(words[-1].text) and words[-2].text not in ("::", "<", ","):
         words = words[:-1]

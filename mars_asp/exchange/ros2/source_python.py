@@ -82,7 +82,7 @@ _REGISTERING = frozenset({"on_shutdown", "signal", "register"})
 
 
 class _Found(NamedTuple):
-    """A topic that a call makes, the variable of the publisher or subscription, the direction."""
+    """A topic that a call creates; `keeper` is the variable with the result, if any."""
 
     topic: InterfaceTopic
     keeper: str | None
@@ -93,7 +93,7 @@ class PythonPrograms(PythonFiles):
     """Reads programs, each file once."""
 
     def interface(self, module: str, function: str | None) -> Interface | None:
-        """Return the interface of a module started at a function, or None without such a module.
+        """Return the interface of a module whose program is `function`; None without module.
 
         Without a function, or if it is not found, the statements of the module are the program.
         """
@@ -101,7 +101,7 @@ class PythonPrograms(PythonFiles):
         return None if file is None else _Program(self, file, function).interface()
 
     def defines(self, module: str, name: str) -> bool:
-        """Whether a module that is Python has a name at its outer level, or may have it."""
+        """Whether a module has (or may have) a name at its outer level."""
         file = self.file(module)
         if file is None or file.stars:
             return True
@@ -162,7 +162,7 @@ class _Program:
         )
 
     def made_with(self, file: SourceFile, node: ast.AST) -> list[dict[str, ast.expr]]:
-        """Return the arguments of each object of a class, without duplicates."""
+        """Return the possible arguments of a class by name, one entry for each distinct object."""
         if not isinstance(node, ast.ClassDef):
             return [{}]
         parameters = parameters_of(node)
@@ -196,7 +196,7 @@ class _Program:
             waiting += reversed([target for target in targets if target is not None])
 
     def target(self, file: SourceFile, name: str) -> tuple[SourceFile, ast.AST] | None:
-        """Return the function or class of the workspace with a name in a file, or None."""
+        """Return the definition that a name in a file refers to, with its file, or None."""
         first, *rest = name.split(".")
         if first in file.outer:
             return file, file.outer[first]
@@ -211,7 +211,7 @@ class _Program:
     def imported(
         self, full: Sequence[str], is_relative: bool, depth: int = 0
     ) -> tuple[SourceFile, ast.AST] | None:
-        """Return the function or class of a full name, or None if it is none of the workspace.
+        """Return the definition of a full name, with its file, or None if not in the workspace.
 
         The name is noted if its module should be in the workspace and is not.
         """
@@ -255,7 +255,7 @@ class _Unit(PythonTexts):
         self.namespace = ""
 
     def location(self, node: ast.expr) -> Span:
-        """Return where a topic is named."""
+        """Return the location of an expression."""
         line = node.lineno
         column = column_at(self.file.lines, line, node.col_offset)
         end = column + 1
@@ -264,7 +264,7 @@ class _Unit(PythonTexts):
         return Span(self.file.path, line, column, line, end)
 
     def shown(self, node: ast.expr) -> str:
-        """Return an expression as it is written, of a long one its beginning."""
+        """Return the source of an expression for messages, shortened."""
         span = self.location(node)
         line = self.file.lines[span.line - 1] if span.line <= len(self.file.lines) else ""
         return line[span.column - 1 : span.end_column - 1][:_MOST_SHOWN]
@@ -297,7 +297,10 @@ class _Unit(PythonTexts):
     def topic(
         self, call: ast.Call, keeper: str | None, type_at: int, name_at: int, published: bool
     ) -> Iterator[_Found]:
-        """Yield the topic that a call makes, if its name is written somewhere."""
+        """Yield the topics that a call creates, one for each name that it may have.
+
+        `type_at` and `name_at` are positions of arguments, `keeper` the variable of the result.
+        """
         kind = argument_of(call, type_at, "msg_type", "data_class")
         name = argument_of(call, name_at, "topic", "name")
         if name is None or kind is None:
@@ -326,20 +329,20 @@ class _Unit(PythonTexts):
                 self.note(AT_RUN_TIME, name, self.shown(name))
 
     def used_if(self, keeper: str) -> frozenset[tuple[str, bool]]:
-        """Return the parameters, each with its value, on which every publish call depends."""
+        """Return the ROS parameters, with their values, on which all its publish calls depend."""
         calls = self.publications.get(keeper, [])
         used = [self.switches(call) for call in calls[:_MOST_FOLLOWED]]
         is_known = 0 < len(calls) <= _MOST_FOLLOWED
         return frozenset.intersection(*used) if is_known else frozenset()
 
     def is_last(self, keeper: str | None) -> bool:
-        """Whether only functions use a publisher that run as the program ends."""
+        """Whether a publisher is used only by functions that run as the program ends."""
         name = (keeper or "").rpartition(".")[2]
         return name in self.files.once(_used_at_the_end, self.file.tree)
 
     @cached_property
     def publications(self) -> dict[str, list[ast.Call]]:
-        """The calls that publish, by the names that keep the publishers."""
+        """The publish calls, by the variable of the publisher."""
         found: dict[str, list[ast.Call]] = {}
         for call, _ in self.calls[:_MOST_CALLS]:
             if called_name(call) == "publish":
@@ -348,7 +351,7 @@ class _Unit(PythonTexts):
         return found
 
     def further(self, call: ast.Call, name_at: int, keyword: str | None) -> None:
-        """Note the name of a service or action, or with no keyword of a parameter."""
+        """Collect the name of a service or action (argument `keyword`), or of a parameter."""
         name = argument_of(call, name_at, *([keyword] if keyword else ()))
         for _ in self.rounds_of(call):
             for _ in self.choices():
@@ -363,11 +366,11 @@ class _Unit(PythonTexts):
                     self.unnamed = True
 
     def note(self, sort: str, node: ast.expr, name: str) -> None:
-        """Note something that is not read."""
+        """Add an entry of this sort to `unread`, at an expression."""
         self.unread.append(Unread(sort, name, self.location(node)))
 
     def rates(self) -> Mapping[str, Fraction | None]:
-        """Return how often each publisher publishes: `None` where two timers differ."""
+        """Return the rate of each publisher's variable, None if two timers differ."""
         timers = islice(self.timers(), _MOST_TIMERS)
         return agreed((keeper, hz) for hz, used in timers for keeper in self.publishing(used))
 
@@ -419,7 +422,7 @@ class _Unit(PythonTexts):
         return any((self.type(base) or "").endswith("Node") for base in bases)
 
     def node_names(self) -> Iterator[Unread]:
-        """Yield the names that the program gives its node, or several nodes."""
+        """Yield the names of nodes that the program creates, as entries of `unread`."""
         for call, _ in self.calls[:_MOST_CALLS]:
             self.go_to(call)
             name = called_name(call)
@@ -444,7 +447,7 @@ class _Unit(PythonTexts):
 
 
 def _done_by(function: ast.AST) -> tuple[frozenset[str], frozenset[str]]:
-    """Return the variables on which a function publishes, and the own methods it calls."""
+    """Return the variables on which a function publishes, and the methods of `self` it calls."""
     keepers, called = set[str](), set[str]()
     for each in ast.walk(function):
         if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute):
@@ -457,7 +460,7 @@ def _done_by(function: ast.AST) -> tuple[frozenset[str], frozenset[str]]:
 
 
 def _used_at_the_end(tree: ast.AST) -> frozenset[str]:
-    """Return the names in a file that only functions use which run as the program ends."""
+    """Return the names that only functions use that run as the program ends."""
     nodes = tuple(ast.walk(tree))
     calls = [node for node in nodes if isinstance(node, ast.Call)]
     given = (each for call in calls if called_name(call) in _REGISTERING for each in call.args)

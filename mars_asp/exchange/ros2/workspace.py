@@ -96,7 +96,7 @@ _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class Package:
-    """A package: its name, its folder and its types of build, such as `ament_cmake`."""
+    """A package: its name, its folder and its build types, such as `ament_cmake`."""
 
     name: str
     folder: Path
@@ -104,29 +104,29 @@ class Package:
 
     @property
     def is_of_ros1(self) -> bool:
-        """Whether ROS 1 builds it."""
+        """Whether the package is built for ROS 1 (catkin)."""
         return "catkin" in self.build_types
 
     @property
     def is_of_ros2(self) -> bool:
-        """Whether ROS 2 builds it."""
+        """Whether the package is built for ROS 2."""
         return any(each.startswith("ament") for each in self.build_types)
 
     @property
     def is_built_by_cmake(self) -> bool:
-        """Whether CMake builds it for ROS 2, whatever other build files it has."""
+        """Whether the package is built for ROS 2 by CMake, even if it has a `setup.py`."""
         return "ament_cmake" in self.build_types
 
     @property
     def is_of_python(self) -> bool:
-        """Whether its `setup.py` builds it for ROS 2."""
+        """Whether the package is built for ROS 2 by its `setup.py`."""
         return "ament_python" in self.build_types
 
 
 class _Contents(NamedTuple):
     """The names of the files of a package, and the texts of its build files of CMake and Python.
 
-    Programs that files or commands may be are among the names, as `_as_program` writes them.
+    Possible programs are among the names in the form of `_as_program`.
     """
 
     names: Set[str]
@@ -135,7 +135,7 @@ class _Contents(NamedTuple):
 
 
 class Workspace:
-    """The files below a folder."""
+    """The files below the folder of a workspace."""
 
     def __init__(
         self,
@@ -145,7 +145,7 @@ class Workspace:
         deep: bool = True,
         is_excluded: IsExcluded = nothing_excluded,
     ) -> None:
-        """Take the folder of the workspace, and the path by which the user named it.
+        """Begin with the folder of the workspace; `named` is the user's path of it.
 
         `deep` is whether packages are also searched in the folders below; `is_excluded` whether
         a path in the workspace is skipped.
@@ -176,7 +176,7 @@ class Workspace:
         self._shown: dict[Path, str] = {}
 
     def given(self, path: str, text: str) -> Path:
-        """Return the path of a file or folder that the user names, of a file with its text.
+        """Return the path of a file or folder named by the user; `text` is a file's content.
 
         Raises:
             MarsError: the file is too large.
@@ -202,7 +202,7 @@ class Workspace:
 
     @cached_property
     def files(self) -> tuple[Path, ...]:
-        """The files of the kinds that are read, without those of folders that are built."""
+        """The files of readable kinds, without those of build folders."""
         found: list[Path] = []
         for folder, folders, names in os.walk(self.root):
             at = Path(folder)
@@ -242,7 +242,7 @@ class Workspace:
         return tuple(found)
 
     def _above(self, path: Path) -> Sequence[Path]:
-        """Return the folders of the workspace that hold one of its files or folders."""
+        """Return the folders of the workspace that contain a path, the innermost first."""
         return path.parents[: len(path.parts) - len(self.root.parts)]
 
     def _note_link(self, path: Path) -> bool:
@@ -254,7 +254,7 @@ class Workspace:
         return True
 
     def _inside(self, path: Path) -> Path | None:
-        """Return the path of a regular file or folder that lies in the workspace, without links."""
+        """Return the real path of a file or folder, or None if it is outside the workspace."""
         if path in self._own:
             return path
         try:
@@ -266,7 +266,7 @@ class Workspace:
 
     @cached_property
     def _by_manifest(self) -> Mapping[Path, Package]:
-        """The packages that manifests describe, by their folders."""
+        """The package of each folder with a manifest."""
         found = {}
         for file in self.files:
             if file.name == "package.xml":
@@ -281,9 +281,9 @@ class Workspace:
         return found
 
     def is_nested(self, path: Path) -> bool:
-        """Whether a file or folder is of a package in the folder of another, which no build finds.
+        """Whether a path is in a package inside another package, which no build finds.
 
-        The folder of the workspace may be a package with others in it that are not marked.
+        The workspace's folder may itself be a package, with others in it.
         """
         around = [path, *self._above(path)]
         first, *others = [each for each in around if each in self._by_manifest] or [self.root]
@@ -304,34 +304,37 @@ class Workspace:
         return tuple(sorted(found, key=lambda package: -len(package.folder.parts)))
 
     def package(self, name: str) -> Package | None:
-        """Return a package by its name, the first of several."""
+        """Return the first package with a name, or None."""
         return next(iter(self._by_name.get(name, ())), None)
 
     @cached_property
     def _by_name(self) -> Mapping[str, Sequence[Package]]:
-        """The packages of each name, of which a workspace may have several by mistake."""
+        """The packages of each name; there may be several by mistake."""
         found: dict[str, list[Package]] = {}
         for each in self.packages:
             found.setdefault(each.name, []).append(each)
         return found
 
     def _meant(self, name: str, folder: Path) -> Sequence[Package]:
-        """Return the packages that a name may mean in a folder: the one around it, else all."""
+        """Return the packages that a name in a file of `folder` may mean.
+
+        It is the package around the folder if it has the name, else all of the name.
+        """
         named = self._by_name.get(name, ())
         around = [each for each in named if each.folder in (folder, *folder.parents)]
         return around[:1] or named
 
     def _sole(self, name: str, folder: Path) -> Package | None:
-        """Return the package that a name means in a folder, or None if it may be several."""
+        """Return the package that a name means in a folder, or None if not exactly one."""
         found = self._meant(name, folder)
         return found[0] if len(found) == 1 else None
 
     def package_of(self, file: Path) -> Package | None:
-        """Return the package that a file lies in."""
+        """Return the package that contains a file, or None."""
         return self._package_around(file.parent)
 
     def _find_package(self, folder: Path) -> Package | None:
-        """Return the package that is or holds a folder."""
+        """Return the innermost package that contains a folder, or None."""
         found = (self._by_folder[at] for at in (folder, *folder.parents) if at in self._by_folder)
         return next(found, None)
 
@@ -350,7 +353,7 @@ class Workspace:
         return found
 
     def _find(self, path: str, folder: Path) -> Path | None:
-        """Return the file that a path of a launch file in a folder names, if it lies here."""
+        """Return the file that a path in a launch file of `folder` names, or None."""
         if not path or "\0" in path or len(path) > _MOST_PATH:
             return None
         match = _SHARE.match(path)
@@ -377,7 +380,7 @@ class Workspace:
         return None
 
     def _catalogued(self, path: str) -> Path | None:
-        """Return the catalogued form of a launch file of another package, or None."""
+        """Return the catalogue's form of another package's launch file, or None."""
         match = _SHARE.match(path)
         inside = "" if match is None else path[match.end() :]
         if match is None or not inside or ".." in Path(inside).parts or self.package(match[1]):
@@ -400,12 +403,11 @@ class Workspace:
         return None
 
     def _lacking(self, path: str, folder: Path) -> tuple[str, str] | None:
-        """Return the package and the path in it of a file that the package does not have.
+        """Return package and inner path of a file that the package certainly lacks, or None.
 
-        Return None if the path of a launch file in a folder names no file of one package here, or
-        one that the build may make: a template, a file of that name elsewhere in the package, or
-        one that its build file names. In a source workspace of catkin, a path is that of the
-        source.
+        It is not lacking if the build may generate it: from a template, from a file of the same
+        name elsewhere, or if the build file names it. In a catkin workspace paths are those of
+        sources.
         """
         match = _SHARE.match(path)
         if match is None:
@@ -442,10 +444,10 @@ class Workspace:
         return package.name, inside
 
     def _not_installed(self, path: str, folder: Path) -> tuple[str, str] | None:
-        """Return the package and the path in it of a file of ROS 2 that it has and leaves out.
+        """Return package and inner path of an existing file that is not installed, or None.
 
-        Return None if the path of a launch file in a folder is not one of the shared files of one
-        package here, or if that is installed, or may be by an unread part of its build file.
+        None also means that the path is not in the shared folder of one package of ROS 2 here, or
+        that an unread part of the build file may install it.
         """
         match = _SHARE.match(path)
         package = None if match is None else self._sole(match[1], folder)
@@ -460,10 +462,10 @@ class Workspace:
         return (package.name, inside) if is_sure else None
 
     def left_out(self, file: Path) -> tuple[str, str] | None:
-        """Return the package and the path in it of a launch file of ROS 2 that it leaves out.
+        """Return package and inner path of a launch file that is not installed, or None.
 
-        Launching by the name of the package finds it below any of its shared folders. A package
-        that installs nothing is taken to be launched by paths.
+        It may be in any shared folder. A package of ROS 2 that installs nothing is assumed to be
+        launched by paths, so that None is returned.
         """
         package = self.package_of(file)
         if package is None or not package.is_of_ros2:
@@ -479,7 +481,7 @@ class Workspace:
         return (package.name, inside) if is_sure else None
 
     def _lists_all(self, package: Package) -> bool:
-        """Whether the build file of a package lists its shared files, and was wholly read."""
+        """Whether the build file of a package lists all shared files, and was fully read."""
         if package.is_of_python:
             configuration = self.readable(package.folder / "setup.cfg")
             setup = self.readable(package.folder / "setup.py")
@@ -488,16 +490,16 @@ class Workspace:
         return has_build_file and self.targets(package).is_whole
 
     def has_program(self, package: str, executable: str, of_ros2: bool | None) -> bool:
-        """Whether a package that a launch file names may have a program of a name."""
+        """Whether a package may have a program `executable`; true if it is not here."""
         found = self._by_name.get(package)
         if found is None or self.is_for_other_ros(package, of_ros2):
             return True
         return any(self._may_have_program(each, executable) for each in found)
 
     def is_for_other_ros(self, package: str, of_ros2: bool | None) -> bool:
-        """Whether a package here is for the other version of ROS than a launch file that names it.
+        """Whether a package here is for the other ROS version than a launch file naming it.
 
-        The launch file then means another package of that name, which is elsewhere.
+        The launch file then means a package of the same name elsewhere.
         """
         found = self.package(package)
         if found is None or of_ros2 is None or found.is_of_ros1 == found.is_of_ros2:
@@ -505,7 +507,7 @@ class Workspace:
         return of_ros2 != found.is_of_ros2
 
     def places_scripts(self, package: Package) -> bool:
-        """Whether a package is not one of Python, or sets where its scripts are installed."""
+        """Whether a package need not state, or states, where its scripts are installed."""
         if not package.is_of_python or self._is_ignored(package, "setup.cfg"):
             return True
         files = (package.folder / name for name in ("setup.cfg", "setup.py", "pyproject.toml"))
@@ -520,7 +522,7 @@ class Workspace:
         return tuple(found)
 
     def _is_ignored(self, package: Package, inside: str) -> bool:
-        """Whether git ignores a path in a package, or a folder of that path."""
+        """Whether git ignores a path inside a package, or a folder above it."""
         file = Path(os.path.normpath(package.folder / inside[:_MOST_PATH]))
         for folder in file.parents:
             parts = file.relative_to(folder).parts if folder in self._ignored else ()
@@ -532,10 +534,7 @@ class Workspace:
 
     @cached_property
     def _ignored(self) -> Mapping[Path, Sequence[tuple[re.Pattern[str], bool]]]:
-        """The patterns of paths that git ignores, by the folders for which they are.
-
-        Each has whether it is for folders alone.
-        """
+        """The patterns of `.gitignore` by its folder, with whether they match folders only."""
         found = {}
         for file in self._ignoring:
             patterns = (line.strip() for line in self.readable(file).split("\n"))
@@ -567,7 +566,7 @@ class Workspace:
         return _Contents({*found, *programs}, build, python)
 
     def _may_have(self, package: Package, name: str) -> bool:
-        """Whether a package has a file of a name or its template, or its build file names it."""
+        """Whether a package has a file `name` or its template, or its build file names it."""
         contents, build, python = self._contents_of(package)
         stem = name.partition(".")[0]
         templates = (f"{stem}.xacro", f"{name}.xacro") if name.endswith((".urdf", ".sdf")) else ()
@@ -575,7 +574,7 @@ class Workspace:
         return has_file or _mentions(build + python, name)
 
     def _may_have_program(self, package: Package, name: str) -> bool:
-        """Whether a package has a script of a name, or its build files name such a program."""
+        """Whether a package has a script `name`, or its build files name such a program."""
         contents, build, python = self._contents_of(package)
         is_of_cmake = "CMakeLists.txt" in contents
         if "." in name:
@@ -598,7 +597,7 @@ class Workspace:
         return bool(is_built)
 
     def _installed_sources(self, package: Package, path: str) -> Iterator[Path]:
-        """Yield the files of a package that may be installed as a path of its shared folder."""
+        """Yield the source files that may be installed as `path` in the shared folder."""
         folder, _, name = path.rpartition("/")
         for source, target, is_folder in self._installed(package):
             above, _, last = source.rpartition("/")
@@ -621,7 +620,7 @@ class Workspace:
         return found
 
     def _read_targets(self, package: Package) -> Targets:
-        """Return the targets that CMake builds of a package, none where it does not build it."""
+        """Return the targets that CMake builds in a package; empty for other packages."""
         files = {
             file.relative_to(package.folder).as_posix(): partial(self.readable, file)
             for file in self.by_package[package.folder]
@@ -631,12 +630,12 @@ class Workspace:
 
     @cached_property
     def _macros(self) -> frozenset[str]:
-        """The macros and functions of modules of CMake that may install something."""
+        """The macros and functions in CMake modules of the workspace that may install files."""
         modules = (file for file in self.files if file.suffix == ".cmake")
         return frozenset(chain.from_iterable(map(installing_macros, map(self.readable, modules))))
 
     def readable(self, file: Path) -> str:
-        """Return the text of a file, or an empty one if it has errors or lies elsewhere."""
+        """Return the text of a file, or "" if it cannot be read."""
         try:
             is_here = file in self._texts or self._inside(file) is not None
             return self.text(file) if is_here else ""
@@ -662,10 +661,7 @@ class Workspace:
 
 
 def _pattern_of(line: str) -> re.Pattern[str]:
-    """Return the pattern of paths from a folder that begin with a slash.
-
-    A line with a slash before its end is for whole paths.
-    """
+    """Return the regular expression for a line of `.gitignore`, to match `/PATH` in its folder."""
     inner = line.rstrip("/")
     is_whole = "/" in inner and not inner.startswith("**/")
     return re.compile(
@@ -674,12 +670,12 @@ def _pattern_of(line: str) -> re.Pattern[str]:
 
 
 def _mentions(text: str, name: str) -> bool:
-    """Whether a build file has a name as a word."""
+    """Whether the text of a build file contains a name as a word."""
     return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", text) is not None
 
 
 def _as_program(file: str) -> str:
-    """Return how the contents of a package list the program that a file may be."""
+    """Return the entry in `_Contents` for a file that may be a program, such as `a (script)`."""
     stem, _, _ = file.partition(".")
     suffix = Path(file).suffix.lower()
     if suffix in _NO_PROGRAMS:

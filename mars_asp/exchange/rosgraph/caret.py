@@ -52,7 +52,7 @@ def read_caret(text: str, path: str) -> Dump:
 
 
 def _read_node(dump: Dump, node: Pairs, name: str) -> None:
-    """Add the topics that a node publishes and subscribes to."""
+    """Add the publications and subscriptions of a node."""
     rates: dict[str, Rate] = {}
     types: dict[str, str | None] = {}
     callbacks = list(maps(dump, value(node, "callbacks"), "callbacks"))
@@ -91,7 +91,7 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
 
 
 def _timer_rate(dump: Dump, callback: Pairs, name: str) -> Rate | None:
-    """Return the rate of a timer; note where it has none."""
+    """Return the rate of a timer; add an error and return None if it has none."""
     period = word(callback, "period_ns")
     if (
         period is None
@@ -128,12 +128,12 @@ def _callback_names(node: Node | None) -> tuple[str, ...]:
 
 
 def _common(callbacks: tuple[str, ...], rates: Mapping[str, Rate]) -> Rate | None:
-    """Return the rate of callbacks, or None if they are not timers of one rate."""
+    """Return the common rate of callbacks, or None unless all are timers of one rate."""
     found = {rates.get(callback) for callback in callbacks}
     return found.pop() if len(found) == 1 else None
 
 
 def _message_type(symbol: Scalar | None) -> str | None:
-    """Return the type of message that a callback takes, by its symbol."""
+    """Return the message type that a callback takes, by its C++ symbol, or None."""
     found = set(_MESSAGE.findall("" if symbol is None else symbol.text))
     return "::".join(found.pop()) if len(found) == 1 else None

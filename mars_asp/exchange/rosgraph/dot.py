@@ -80,7 +80,7 @@ def read_dot(text: str, path: str) -> Dump:
 
 
 def _topics(elements: dict[str, _DotElement]) -> Iterator[str]:
-    """Yield the identifiers of topics: those marked as topics, else boxes if other shapes occur."""
+    """Yield the identifiers of topics: marked elements; without any, boxes among other shapes."""
     marked = [
         each.id
         for each in elements.values()
@@ -126,7 +126,7 @@ def _label(attributes: dict[str, DotToken]) -> str:
 
 
 class _Drawing:
-    """The elements and edges of a text in DOT."""
+    """Reads a text in DOT; collects its elements and edges."""
 
     def __init__(self, text: str, path: str) -> None:
         self.source = path
@@ -164,7 +164,7 @@ class _Drawing:
                 raise wrong(self.next.span, message, "no graph of a robot needs that")
 
     def take(self) -> DotToken:
-        """Take the next token.
+        """Return the current token and go to the next one.
 
         Raises:
             MarsError: there is none.
@@ -197,7 +197,7 @@ class _Drawing:
         return 0
 
     def path(self, first: DotToken) -> None:
-        """Read a node, or edges from node to node."""
+        """Read a node, or a chain of edges such as `a -> b -> c`."""
         ends = [first]
         self.port()
         while self.next.is_mark("->", "--"):
@@ -220,13 +220,13 @@ class _Drawing:
             self.edges.append(_Edge(start.text, end.text, span, attributes))
 
     def port(self) -> None:
-        """Pass over where at a node an edge ends."""
+        """Skip the port of a node at which an edge ends, if there is one."""
         while self.next.is_mark(":"):
             self.take()
             self.take()
 
     def attributes(self) -> dict[str, DotToken]:
-        """Read lists of attributes."""
+        """Read lists of attributes, `[a=b, c=d]`."""
         found: dict[str, DotToken] = {}
         while self.next.is_mark("["):
             self.take()
@@ -243,7 +243,7 @@ class _Drawing:
         return found
 
     def value(self) -> DotToken:
-        """Read the value of an attribute, which may be several texts joined by `+`."""
+        """Read the value of an attribute, which may be strings joined by `+`."""
         token = self.take()
         if token.sort == "mark":
             raise self.unexpected(token, "a value")

@@ -78,5 +78,5 @@ def _end_of_html(text: str, at: int) -> int:
 
 
 def wrong(span: Span, message: str, help_text: str) -> MarsError:
-    """Return the error of a graph that is read no further."""
+    """Return an error that ends the reading of a graph."""
     return MarsError((Diagnostic("dot", "error", message, span, help=help_text),))

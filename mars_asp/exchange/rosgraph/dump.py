@@ -11,7 +11,7 @@ from mars_asp.model.graph import Endpoint, Graph, GraphNode
 
 
 def match_span(path: str, number: int, match: re.Match[str], group: int | str = 1) -> Span:
-    """Return the location of a group of a match in its line."""
+    """Return the location of a group of a match; the match is in line `number`."""
     return Span(path, number, match.start(group) + 1, number, match.end(group) + 1)
 
 
@@ -48,10 +48,10 @@ class Dump:
         span: Span,
         hz: Fraction | None = None,
     ) -> None:
-        """Add that a node publishes a topic, if `out`, or else subscribes to it.
+        """Add a publication of a node if `out`, else a subscription.
 
         Raises:
-            MarsError: there are more ends than any robot has.
+            MarsError: the dump has too many ends of topics.
         """
         self.node(node, span)
         if self.ends == ports.MOST:
@@ -66,11 +66,11 @@ class Dump:
             self.wrong(span, f"`{name[:40]}` cannot be a name", "write a name of one visible line")
 
     def skip(self, sort: str, name: str, span: Span) -> None:
-        """Note something that is not read."""
+        """Add an entry to `unread`."""
         self.unread.append(Unread(sort, name, span))
 
     def wrong(self, span: Span, message: str, help_text: str) -> None:
-        """Note an error."""
+        """Add an error to `problems`."""
         self.problems.append(Diagnostic("rosgraph", "error", message, span, help=help_text))
 
     def graph(self, path: str) -> Graph:

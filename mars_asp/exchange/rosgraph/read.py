@@ -88,7 +88,7 @@ def _unknown(path: str) -> Diagnostic:
 
 
 def _each_once(unread: Iterable[Unread]) -> Iterator[Unread]:
-    """Yield the unread things, each at its first location."""
+    """Yield the skipped contents without duplicates, each at its first location."""
     seen: set[tuple[str, str]] = set()
     for each in unread:
         if (each.sort, each.name) not in seen:
@@ -100,12 +100,12 @@ def _each_once(unread: Iterable[Unread]) -> Iterator[Unread]:
 
 
 def _bound(muxes: Sequence[Mux], graph: Graph) -> tuple[Mux, ...]:
-    """Return muxes by the names of the nodes and topics that ran."""
+    """Return muxes with the names of their nodes and topics in the graph."""
     return tuple(_mux(mux, _node_of(mux, graph)) for mux in muxes)
 
 
 def _node_of(mux: Mux, graph: Graph) -> GraphNode | None:
-    """Return the node of a mux, or None: it subscribes to an input, and has the name, if any."""
+    """Return the node that subscribes to an input of a mux and has its name if any, or None."""
     called = mux.name.rpartition("/")[2]
     for node in graph.nodes:
         hears = any(_heard(each.topic, node) for each in mux.inputs)
@@ -122,7 +122,7 @@ def _heard(topic: str, node: GraphNode) -> str | None:
 
 
 def _mux(mux: Mux, node: GraphNode | None) -> Mux:
-    """Return a mux; its output is the only command topic of its node, else that of parameters."""
+    """Return a mux with full names; its output is the node's only command topic, if it has one."""
     sent = [] if node is None else [end.topic for end in node.published if is_command(end.type)]
     inputs = tuple(
         replace(each, topic=(node and _heard(each.topic, node)) or "/" + each.topic.lstrip("/"))

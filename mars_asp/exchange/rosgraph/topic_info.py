@@ -38,7 +38,7 @@ def read_topic_info(text: str, path: str) -> Dump:
 
 
 class _TopicInfoReader:
-    """Collects the ends of topics, line by line."""
+    """Collects publishers and subscribers, line by line."""
 
     def __init__(self, path: str, topics: int) -> None:
         self.dump = Dump()
@@ -56,7 +56,7 @@ class _TopicInfoReader:
         self.space = "/"
 
     def take(self, number: int, line: str) -> None:
-        """Take a line that is not empty."""
+        """Process a line that is not empty; `number` is its number."""
         field = _FIELD.fullmatch(line)
         key = field["key"] if field else ""
         value = field["value"] if field else ""
@@ -85,7 +85,7 @@ class _TopicInfoReader:
                 self.above = line
 
     def begin_topic(self, type_: str, span: Span) -> None:
-        """Begin with the next topic."""
+        """Begin a topic of a message type, named by the line above or by the file."""
         self.finish_topic()
         command = _COMMAND.search(self.above)
         named = _TOPIC.findall(self.above) if command is None else [f"/{command[1]}"]
@@ -94,7 +94,7 @@ class _TopicInfoReader:
         self.topic = named[-1] if named else self.topic_of_file(span)
 
     def topic_of_file(self, span: Span) -> str | None:
-        """Return the topic that a file is named after; note where it cannot be."""
+        """Return the topic named by the file; add an error and return None if it is not."""
         stem = PurePath(self.path).stem
         if self.topics == 1 and _STEM.fullmatch(stem):
             return "/" + stem.strip("_").replace("__", "/")

@@ -54,7 +54,7 @@ class MuxDocument:
 
 
 class _MuxEntry(NamedTuple):
-    """An input or lock as it is written."""
+    """An input or lock of a mux as written."""
 
     name: str
     span: Span
@@ -62,7 +62,7 @@ class _MuxEntry(NamedTuple):
 
 
 class _Leaf(NamedTuple):
-    """A value that is not a map, with the steps of its path of keys."""
+    """A value that is not a map, with the keys (`parts`) that lead to it."""
 
     parts: tuple[tuple[str, Span], ...]
     key: Scalar
@@ -85,7 +85,7 @@ def read_document(text: str, path: str) -> MuxDocument:
 
 
 def read_parts(text: str, path: str) -> MuxDocument:
-    """Return the muxes of a YAML file; without any mux, for example with locks alone, none.
+    """Return the muxes of a YAML file, which may have none, for example only locks.
 
     Raises:
         MarsError: it is not YAML, or its muxes have errors (all of them are listed).
@@ -98,10 +98,10 @@ def read_parts(text: str, path: str) -> MuxDocument:
 
 
 def read_parameters(root: Pairs, node: str) -> MuxDocument:
-    """Return the mux that a node is by its parameters, which a launch file gives it.
+    """Return the mux in the parameters that a launch file gives a node.
 
     Raises:
-        MarsError: all that is wrong with it.
+        MarsError: all errors in the parameters.
     """
     reader = _MuxReader()
     reader.mux(root, tuple(filter(None, node.split("/"))), listed=True)
@@ -127,11 +127,11 @@ class _MuxReader:
         return MuxDocument(tuple(self.muxes), tuple(self.unread), tuple(self.problems))
 
     def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
-        """Note an error."""
+        """Add an error to `problems`."""
         self.problems.append(Diagnostic("mux", "error", message, span, labels, help_text))
 
     def find(self, node: Pairs, names: tuple[str, ...]) -> None:
-        """Read the muxes of a map, and of the maps in it, whose nodes have these names."""
+        """Read the muxes in a map, recursively; `names` are the keys above it."""
         if any(key.text.partition(".")[0] in SORTS for key, _ in node.pairs):
             self.mux(node, names, listed=True)
             return
@@ -144,7 +144,7 @@ class _MuxReader:
                 self.unread.append(Unread("parameters", key.text, key.span))
 
     def parameters(self, key: Scalar, value: Node, names: tuple[str, ...]) -> None:
-        """Read the mux of a ROS 2 node, if it is one."""
+        """Read the mux below `ros__parameters` of the node `names`, if it is one."""
         if isinstance(value, Items):
             self.wrong(
                 key.span,
@@ -159,7 +159,7 @@ class _MuxReader:
                 self.unread.append(Unread("other nodes", node, key.span))
 
     def mux(self, node: Pairs, names: tuple[str, ...], *, listed: bool) -> None:
-        """Read one mux; its inputs may be `listed` only where they are not ROS 2 parameters."""
+        """Read one mux; lists of inputs are errors unless `listed`, as in ROS 2 parameters."""
         entries: dict[Sort, list[_MuxEntry]] = {}
         leaves: list[_Leaf] = []
         output = OUTPUT
@@ -211,7 +211,7 @@ class _MuxReader:
                 self.muxes.append(Mux("/".join(names), engine, at, output, found))
 
     def listed(self, items: Items) -> Iterator[_MuxEntry]:
-        """Yield the entries of a list of maps, a name that comes again with its number.
+        """Yield the entries of a list of maps; a repeated name gets a number.
 
         For the twist_mux of ROS 1, which reads lists, names are labels and need not differ.
         """
@@ -298,7 +298,7 @@ class _MuxReader:
                 yield MuxInput(entry.name, topic, entry.span, priority, hold)
 
     def warn_of_high(self, inputs: Sequence[MuxInput], entries: Sequence[_MuxEntry]) -> None:
-        """Note the inputs whose priority is more than twist_mux keeps."""
+        """Add a warning for inputs with a priority above the limit of twist_mux."""
         high = [each for each in inputs if each.priority > _MOST_TWIST_MUX]
         if high:
             first, *others = high
@@ -313,7 +313,7 @@ class _MuxReader:
             )
 
     def scalar(self, entry: _MuxEntry, what: str, expected: str) -> Scalar | None:
-        """Return a field that is a scalar; note where it is none."""
+        """Return a field that is a scalar; else add an error (`expected`) and return None."""
         _, value = entry.fields.get(what, (None, None))
         if value is not None and not isinstance(value, Scalar):
             self.mistyped(entry, what, value, expected)
@@ -321,7 +321,7 @@ class _MuxReader:
         return value
 
     def mistyped(self, entry: _MuxEntry, what: str, value: Node, expected: str) -> None:
-        """Note a field that holds something else than expected."""
+        """Add an error that a field has another type than expected."""
         match value:
             case Scalar(text, quoted):
                 shown = text if len(text) <= 40 else f"{text[:37]}..."
@@ -338,7 +338,7 @@ class _MuxReader:
         )
 
     def topic(self, entry: _MuxEntry) -> str | None:
-        """Return the topic of an input."""
+        """Return the topic of an input, or None and add an error."""
         value = self.scalar(entry, "topic", "the name of a topic")
         if value is None:
             return None
@@ -348,7 +348,7 @@ class _MuxReader:
         return value.text
 
     def hold(self, entry: _MuxEntry) -> Hold | None:
-        """Return how long a message of an input is in force."""
+        """Return the timeout of an input, or None and add an error."""
         expected = "a number of seconds"
         value = self.scalar(entry, "timeout", expected)
         if value is None:
@@ -374,7 +374,7 @@ class _MuxReader:
         return whole
 
     def priority(self, entry: _MuxEntry) -> int | None:
-        """Return the priority of an input."""
+        """Return the priority of an input, or None and add an error."""
         expected = f"a whole number from 0 to {MOST}"
         value = self.scalar(entry, "priority", expected)
         if value is None:

@@ -41,7 +41,7 @@ def import_muxes(files: Sequence[tuple[str, str]]) -> Parsed:
 
 
 def _distinct_names(paths: Sequence[str]) -> list[str]:
-    """Return names for files, no two alike: without folders and suffixes, as far as that goes."""
+    """Return distinct names for files: without folder and suffix, unless these would clash."""
     stems = [PurePath(path).stem for path in paths]
     return stems if len(set(stems)) == len(stems) else list(paths)
 

@@ -73,7 +73,7 @@ def roll_pitch_yaw(matrix: Matrix) -> tuple[float, float, float]:
 
 
 def main_axis(axis: Matrix) -> str | None:
-    """Return `X`, `Y` or `Z` where a direction is exactly that one."""
+    """Return `X`, `Y` or `Z` if a direction is exactly that axis, else None."""
     for letter, unit in zip("XYZ", np.eye(3), strict=True):
         if (axis > 0).tolist() == (unit > 0).tolist() and not (axis < 0).any():
             return letter
@@ -81,14 +81,14 @@ def main_axis(axis: Matrix) -> str | None:
 
 
 def turns_to(axis: Matrix) -> Turns:
-    """Return turns that take z to a direction."""
+    """Return the turns that rotate z to a direction."""
     x, y, z = axis / np.linalg.norm(axis)
     tilt = degrees_of(math.atan2(math.hypot(x, y), z))
     return ("y", tilt), ("z", degrees_of(math.atan2(y, x)))
 
 
 def _angle_about(axis: int, arm: int, image: Matrix) -> float:
-    """Return the angle about an axis that takes the unit vector `arm` to its image."""
+    """Return the angle of the turn about an axis that moves unit vector `arm` to `image`."""
     one, other = (axis + 1) % 3, (axis + 2) % 3
     if arm == one:
         return math.atan2(image[other], image[one])

@@ -58,10 +58,10 @@ class UrdfDocument:
 
 
 def read_document(text: str, path: str) -> UrdfDocument:
-    """Read a URDF document.
+    """Return the links and joints of a URDF document.
 
     Raises:
-        MarsError: everything that is wrong with it, or with the XML alone.
+        MarsError: all errors of the document, or the first of the XML.
     """
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     return _UrdfReader(text.split("\n")).document(read_elements(text, path))
@@ -175,7 +175,7 @@ class _UrdfReader:
         return default
 
     def bounds(self, limit: XmlElement) -> tuple[Decimal | None, Decimal | None]:
-        """Return both bounds, None for open ones; if only one is stated, the other is 0 in URDF."""
+        """Return lower and upper bound; None for open ones, 0 for one that is not stated."""
         declared = [key for key in ("lower", "upper") if key in limit.attributes]
         lower, upper = (self.limit_value(limit, key) for key in ("lower", "upper"))
         if lower > upper:
@@ -186,7 +186,7 @@ class _UrdfReader:
         )
 
     def rate(self, limit: XmlElement) -> Decimal | None:
-        """Return the maximal velocity, or None if it is open, or 0, with which nothing can move."""
+        """Return the maximal velocity, or None if it is open, or 0 (the joint could never move)."""
         found = self.limit_value(limit, "velocity")
         if found < 0:
             self.note(limit, f"the velocity {found} is below 0", "write its magnitude")

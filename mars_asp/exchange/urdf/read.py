@@ -41,7 +41,7 @@ _NONE = Decimal(0)
 
 @dataclass(frozen=True, slots=True)
 class _Placed:
-    """A module on another one: turns about the carrier's fixed axes, then a shift in metres."""
+    """A module mounted on `carrier`: turns about the carrier's axes, then a shift in metres."""
 
     module: Module
     carrier: str
@@ -127,7 +127,7 @@ def _written_turns(joint: UrdfJoint) -> Turns:
 
 
 def _mount(placed: _Placed) -> tuple[Mount, Module]:
-    """Return the mount of a module, and the module with the vertex that it may need.
+    """Return the mount of a module, and the module, which may have got a vertex for it.
 
     A tuple holds two turns, so the first of three is undone at vertex 1 of the mounting module.
     """
@@ -146,7 +146,7 @@ def _mount(placed: _Placed) -> tuple[Mount, Module]:
 
 
 def _functions(joint: UrdfJoint, letter: str) -> tuple[Function, ...]:
-    """Return the motions of a joint whose axis has a letter in the child's frame."""
+    """Return the motion functions of a joint along or about the axis `letter`."""
     match joint.kind:
         case "planar":
             names = [f"Trans_{each}" for each in "XYZ" if each != letter]
@@ -201,7 +201,7 @@ def _remarks(joints: Sequence[UrdfJoint]) -> Iterator[Diagnostic]:
 def _remark(
     code: str, message: str, help_text: str, places: Sequence[tuple[Span, str]]
 ) -> Diagnostic:
-    """Return a warning at several locations; the last label counts the locations not shown."""
+    """Return a warning at several locations; the last label counts the remaining ones."""
     (first, _), *others = places
     labels = others[:_MOST_PLACES]
     if len(others) > len(labels):
@@ -211,7 +211,7 @@ def _remark(
 
 
 def _language_names(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
-    """Return a distinct name that `.mars` allows for each name, none of them in `taken`."""
+    """Return for each name a distinct one that `.mars` allows, none of them in `taken`."""
     found: dict[str, str] = {}
     used, stems = set(taken), dict[str, int]()
     for name in names:

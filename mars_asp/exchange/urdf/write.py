@@ -79,7 +79,7 @@ def _obstacles(
 
 
 def _fresh(name: str, taken: set[str]) -> str:
-    """Return a new name for a link below a module's own."""
+    """Return `name` with a number that is not in `taken`, and add it there."""
     number = 0
     while (word := f"{name}__{number}") in taken:
         number += 1
