@@ -41,7 +41,10 @@ _COMMON = (
 def memoized(
     name: str, files: Iterable[Path], keys: Iterable[_Key], make: Callable[[_Key], _Value]
 ) -> dict[_Key, _Value]:
-    """Return the value of each key, in the order of the keys; `files` define `make`."""
+    """Return `make(key)` for each key, in order, from a table of the build where it is current.
+
+    `files` are those that define `make`: a table is outdated if one of them changed.
+    """
     makers = _makers.setdefault(name, tuple(files))
     known = _known.setdefault(name, {})
     if len(known) > _MOST:
@@ -84,7 +87,7 @@ def _checksum(content: bytes | memoryview) -> bytes:
 
 
 def digest(content: bytes) -> bytes:
-    """Return a digest that changes with edits, computed without loading a library."""
+    """Return a digest that detects edits, computed without loading a library."""
     found = (len(content), crc32(content), adler32(content))
     return b"".join(number.to_bytes(8, "big") for number in found)
 
@@ -102,7 +105,7 @@ def _digest_of(file: Path) -> bytes:
 
 
 def forget(folder: Path) -> None:
-    """Drop the values of this process, and use the tables of another folder."""
+    """Forget the memoized values of this process, and read the tables in another folder."""
     global FOLDER  # noqa: PLW0603 -- a build and a test of it are all that ever change it
     FOLDER = folder
     for known in (_known, _makers):
@@ -112,7 +115,7 @@ def forget(folder: Path) -> None:
 
 
 def tables() -> Iterator[tuple[str, bytes]]:
-    """Yield the name and the file of each table, with the values that this process has."""
+    """Yield name and content of each table with the values that this process has computed."""
     for name, known in sorted(_known.items()):
         values = {key: pickle.dumps(value, pickle.HIGHEST_PROTOCOL) for key, value in known.items()}
         content = pickle.dumps((_digest(_makers[name]), values), pickle.HIGHEST_PROTOCOL)

@@ -56,9 +56,9 @@ def limit_memory(megabytes: float | None) -> None:
 
 
 def limit_time(seconds: float) -> None:
-    """End this process after a number of further CPU seconds; 0 lifts the limit.
+    """End this process after `seconds` of further CPU time; 0 removes the limit.
 
-    A process that waits for ever is ended after 20 times the seconds.
+    A process that only waits is ended after 20 times as long.
     """
     signal.setitimer(signal.ITIMER_PROF, seconds)
     signal.setitimer(signal.ITIMER_REAL, 20 * seconds)
@@ -74,14 +74,14 @@ def send(pipe: int, value: object) -> None:
 
 
 def receive(pipe: int) -> Any:
-    """Return the next value that crosses a pipe, or None if it was closed."""
+    """Return the next value from a pipe, or None if the pipe was closed."""
     head = _exactly(pipe, _LENGTH)
     raw = head and _exactly(pipe, int.from_bytes(head, "big"))
     return pickle.loads(raw) if raw else None
 
 
 def _exactly(pipe: int, size: int) -> bytes:
-    """Return a number of bytes from a pipe, or none if it was closed before."""
+    """Return `size` bytes from a pipe, or no bytes if it was closed before."""
     result = bytearray()
     while len(result) < size:
         chunk = os.read(pipe, min(size - len(result), 1 << 20))
@@ -95,7 +95,7 @@ def _exactly(pipe: int, size: int) -> bytes:
 
 
 def _work(work: Callable[[int], object], sent: int, watched: Sequence[int]) -> NoReturn:
-    """Call the function of a child, in a group that the watched pipes keep alive, and end."""
+    """Run a child: begin a group that ends with the watched pipes, call `work`, and exit."""
     status = 1
     try:
         for end in _ends.difference(watched):
@@ -115,7 +115,7 @@ def _work(work: Callable[[int], object], sent: int, watched: Sequence[int]) -> N
 
 
 def begin_group(*watched: int) -> None:
-    """Make this process the leader of a group, which is killed when a watched pipe is closed."""
+    """Make this process the leader of a group that is killed when a watched pipe is closed."""
     global leader  # noqa: PLW0603 -- this process is one
     leader = os.getpid()
     os.setpgid(0, 0)
@@ -124,14 +124,14 @@ def begin_group(*watched: int) -> None:
 
 
 def _raise_exit(code: int) -> NoReturn:
-    """Let code of the user fail where it would end the leader; processes that it forked end."""
+    """Replace `os._exit`: raise SystemExit in the leader, which user code must not end."""
     if os.getpid() != leader:
         leave(code)
     raise SystemExit(code)
 
 
 def _watch(*watched: int) -> None:
-    """Kill the group when one of the pipes is closed; values in them are left for others."""
+    """Wait until one of the pipes is closed, then kill the group; nothing is read from them."""
     poll = select.poll()
     for pipe in watched:
         poll.register(pipe, 0)
@@ -140,9 +140,9 @@ def _watch(*watched: int) -> None:
 
 
 def end_with_parent() -> None:
-    """Have the system kill this process when its parent ends, where it is able to.
+    """Ask the system, if it can, to kill this process when its parent ends.
 
-    The thread that watches a pipe cannot do so while code of the user lets no other thread run.
+    The watching thread cannot do so while the user's code holds the interpreter.
     """
     if sys.platform == "linux":
         import ctypes  # noqa: PLC0415 -- few processes need it
@@ -194,9 +194,9 @@ class Child:
         _ends.update(self._ends)
 
     def read(self) -> Iterator[Any]:
-        """Yield the values that have arrived; those before a malformed one, which closes the child.
+        """Yield the values that have arrived; at a malformed value, end the child.
 
-        Code of the user can write anything to the pipe.
+        The user's code may write anything to the pipe.
         """
         try:
             chunk = os.read(self._results, 1 << 20)
@@ -219,9 +219,9 @@ class Child:
             yield value
 
     def end(self, patience: float | None = 0.0) -> int:
-        """Kill the child and everything that it started; return its status.
+        """Kill the child and all its processes, and return its exit status.
 
-        It may end by itself for so many seconds, or for ever.
+        Before this it has `patience` seconds to end by itself, any time if None.
         """
         until = time.monotonic() + (patience or 0.0)
         with suppress(ChildProcessError):
@@ -247,9 +247,9 @@ class Child:
 
 
 def wait(children: Sequence[Child]) -> list[Child]:
-    """Wait for children that have sent something, have ended or have no time left; return them.
+    """Return the children that have sent something, have ended, or have no time left.
 
-    After a long while there may be none.
+    It waits until there is one, but returns none after a long while.
     """
     poll = select.poll()
     for child in children:
@@ -277,7 +277,7 @@ def ask(
     tries: int = 1,
     watched: Sequence[int] = (),
 ) -> Generator[tuple[Question, Answer | Lost]]:
-    """Yield each question with its answer as it arrives; so many children answer at a time.
+    """Yield each question with its answer, in order of arrival; `jobs` children answer in parallel.
 
     Args:
         questions: They are read when a child is free.
@@ -351,10 +351,10 @@ def _how(status: int) -> str:
 
 
 class Server(Generic[Question, Answer]):
-    """A process that answers one question after another; its function calls `serve`."""
+    """A process of its own that answers questions one after another; it runs `serve`."""
 
     def __init__(self, module: str, function: str, greeting: object) -> None:
-        """Start it, and send the first value."""
+        """Start the process, which calls `function` of `module`; send `greeting` to it."""
         import subprocess  # noqa: PLC0415 -- few processes need it
 
         code = f"import sys; sys.path[:] = {sys.path!r}; from {module} import {function}"
@@ -370,7 +370,7 @@ class Server(Generic[Question, Answer]):
             send(self._given, greeting)
 
     def ask(self, question: Question, wanted: Callable[[], bool] = lambda: True) -> Answer | None:
-        """Return an answer, or None if the process has ended or the answer is wanted no more."""
+        """Return the answer, or None if the process ended or `wanted` returned False meanwhile."""
         answer: Answer | None = None
         with suppress(OSError, EOFError, pickle.UnpicklingError):
             send(self._given, question)

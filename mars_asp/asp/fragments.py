@@ -56,7 +56,7 @@ class Note(NamedTuple):
 
 
 def joined(fragments: Iterable[Fragment]) -> str:
-    """Return the fragments as one text."""
+    """Return the texts of fragments as one program."""
     return "\n".join(fragment.text for fragment in fragments)
 
 
@@ -67,9 +67,10 @@ def fact_fragment(text: str, names: Iterable[str]) -> Fragment:
 
 
 def firing(rules: Sequence[tuple[Set[str], Set[str]]], known: Iterable[str]) -> Set[int]:
-    """Return the numbers of the rules that can fire, from the names that each needs and derives.
+    """Return the indices of the rules that can fire, given the predicates in `known`.
 
-    A rule cannot fire if it needs a predicate that is not `known` and no rule able to fire derives.
+    A rule is (needed names, derived names). It can fire if each needed predicate is known or
+    derived by a rule that can fire.
     """
     there = {*known}
     found: set[int] = set()
@@ -108,7 +109,7 @@ def able_to_fire(program: Sequence[Fragment], present: Iterable[str] = ()) -> li
 
 
 def _of_rules(fragment: Fragment, able: Set[int], first: int) -> Fragment:
-    """Return a fragment with blanks for rules that are not `able`; its rules count from `first`."""
+    """Return a fragment with the rules blanked whose number, from `first` on, is not in `able`."""
     if fragment.premises is None:
         return fragment
     rest, rules, _, _ = fragment.premises
@@ -124,7 +125,7 @@ def _of_rules(fragment: Fragment, able: Set[int], first: int) -> Fragment:
 
 @lru_cache(maxsize=4096)
 def blank(text: str) -> str:
-    """Return blanks with the same lines and columns as a text."""
+    """Return a text with every character except line ends replaced by a blank."""
     return "\n" * text.count("\n") + " " * len(text.rpartition("\n")[2])
 
 
@@ -146,7 +147,7 @@ def notes(messages: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[No
 
 
 def _located(fragments: Sequence[Fragment], line: int, column: int) -> tuple[Span, bool] | None:
-    """Return a location in the joined fragments as one in a file, and whether it is in a copy."""
+    """Return the location in a file, and whether it is in a copy; None if it is in none."""
     for fragment in fragments:
         lines = fragment.text.count("\n") + 1
         if line <= lines:
@@ -187,6 +188,6 @@ def refusals(messages: Iterable[str], fragments: Sequence[Fragment]) -> Iterator
 
 
 def _column(fragment: Fragment, line: int, column: int) -> int:
-    """Return the column in characters, without name spaces, of a column in bytes."""
+    """Return the column in characters of a column in bytes, without the names of name spaces."""
     before = fragment.text.split("\n")[line - 1].encode()[: column - 1].decode(errors="ignore")
     return sum(len(text if text[0] == '"' else plain(text)) for text in _TEXT.findall(before)) + 1

@@ -44,7 +44,7 @@ class RenderedMessage(NamedTuple):
         return self.filled(self.rule.effect)
 
     def filled(self, text: str | None, show: Callable[[TermId], str] | None = None) -> str | None:
-        """Return a text of the rule with its holes filled by values as `show` writes them."""
+        """Return a text with values in its holes, as `show` renders them; None for None."""
         # Most help texts have no hole.
         if text is None or "{" not in text:
             return text
@@ -53,17 +53,17 @@ class RenderedMessage(NamedTuple):
 
 
 def saying(stage: str, rules: Sequence[Rule]) -> list[Fragment]:
-    """Return one rule for each of `rules`; it derives the atoms that `rendered_messages` reads.
+    """Return rules that derive atoms with the values of messages, one for each of `rules`.
 
-    The body is that of the rule. Its head follows from it, and as a further premise it would make
-    clingo join many heads with many atoms of the body.
+    `rendered_messages` reads the atoms. The body is that of the rule; its head would make clingo
+    join many atoms.
     """
     predicate = predicate_of(stage)
     return [_saying(predicate, number, rule) for number, rule in enumerate(rules)]
 
 
 def _made_of(rule: Rule, text: str, gives: str) -> Fragment:
-    """Return a fragment with a text written for a rule, and with the premises of that rule."""
+    """Return a fragment of a text made from a rule, with the premises of the rule."""
     return Fragment(text, "rules", rule.span, premises_of_rule(rule, text, gives))
 
 
@@ -80,7 +80,7 @@ def rendered_messages(
 
 
 def heard(atom: TermId, rules: Sequence[Rule]) -> RenderedMessage:
-    """Return the message that an atom of `predicate_of` represents."""
+    """Return the message in an atom of the predicate `predicate_of(stage)`."""
     place, head, values = arguments(atom)
     number = _number(place)
     return RenderedMessage(number, rules[number], head, values)
@@ -101,7 +101,7 @@ class Labelled(NamedTuple):
 
 
 def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment]:
-    """Return rules that derive the atoms that `labels` reads: terms with the values of labels."""
+    """Return rules that derive the atoms that `labels` reads, for labels of the rules `listed`."""
     predicate = f"_label_{stage}"
     return [
         _made_of(
@@ -118,7 +118,7 @@ def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment
 def labels(
     control: clingo.Control, stage: str, listed: Sequence[tuple[Rule, Label]]
 ) -> Iterator[Labelled]:
-    """Yield the labels of terms, rule by rule; `labelling` must be grounded with the rules."""
+    """Yield the labels of terms, rule by rule, from a program grounded with `labelling`."""
     found = map(arguments, atoms(control, f"_label_{stage}", 4, True))
     for place, head, term, values in sorted(found, key=lambda each: list(map(as_symbol, each))):
         label = listed[as_symbol(place).number][1]
@@ -127,7 +127,7 @@ def labels(
 
 
 def check_decided(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> None:
-    """Check that grounding alone decides which messages hold.
+    """Raise MarsError unless grounding alone decides which messages hold.
 
     Raises:
         MarsError: a choice or a cycle of negation would decide; it lists the rules with locations.
@@ -152,7 +152,7 @@ def check_decided(control: clingo.Control, stage: str, rules: Sequence[Rule]) ->
 def fill(
     text: str | None, values: Mapping[str, _Value], show: Callable[[_Value], str]
 ) -> str | None:
-    """Fill the `{Variable}` holes of a message with values as `show` writes them.
+    """Return a message with values, rendered by `show`, in its `{Variable}` holes; None for None.
 
     The number in a hole `{Variable:sort}` is written in the unit of the sort.
     """
@@ -170,7 +170,7 @@ def fill(
 
 @cache
 def _message_form(text: str) -> tuple[str, tuple[str, ...], tuple[tuple[int, str], ...]]:
-    """Return a message for `%`, the names of its holes, and the sorts of holes by their indices."""
+    """Return the message as a `%` template, its variables, and the sort of each hole by index."""
     found = HOLE.findall(text)
     sorts = tuple((at, sort) for at, (_, sort) in enumerate(found) if sort in UNITS)
     return HOLE.sub("%s", text.replace("%", "%%")), tuple(name for name, _ in found), sorts
@@ -195,7 +195,7 @@ def shown(symbol: clingo.Symbol) -> str:
 
 
 def _list_items(symbol: clingo.Symbol) -> tuple[list[str], int]:
-    """Return the names of a list `and("A",and("B",N))`, and the number N of further names."""
+    """Return the names in `and("A",and("B",N))`, and the number N of further names."""
     names: list[str] = []
     while symbol.match("and", 2):
         first, symbol = symbol.arguments

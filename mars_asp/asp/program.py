@@ -56,7 +56,7 @@ Externals: TypeAlias = Mapping[str, bool | None]
 
 
 class NotDerived(MarsError):  # noqa: N818 -- the name describes an atom
-    """An atom does not hold in an answer, or is not an atom."""
+    """An atom to explain does not hold in the answer, or the text is not an atom."""
 
 
 class Unsatisfiable(MarsError):  # noqa: N818
@@ -98,7 +98,7 @@ class Program:
 
     @classmethod
     def _checked(cls, found_files: Sequence[RuleFile], problems: Sequence[Diagnostic]) -> "Program":
-        """Return a program of files.
+        """Return the program of some files, after checks; `problems` are earlier errors.
 
         Raises:
             MarsError: there are problems, or two rules have one id.
@@ -136,7 +136,7 @@ class Program:
 
     @cached_property
     def explained(self) -> Rulebook:
-        """Return the rules that explain atoms, without those that state facts."""
+        """Return the rules that explain atoms: all except facts without a message."""
         declared = {id(rule) for rule in self._fact_rules}
         rules = tuple(rule for rule in self.rulebook.rules if id(rule) not in declared)
         return replace(self.rulebook, rules=rules)
@@ -158,8 +158,8 @@ class Program:
 
         Independent components are solved one by one. `constants` replace the values of `#const`;
         `deadline` is a time of `time.monotonic`, after which an answer is no longer improved. With
-        `count` the optimal answers are counted. `externals` are the values of external atoms, where
-        None leaves one open; `parts` are the grounded parts of the program, such as `step(1)`.
+        `count` the optimal answers are counted. `externals` are the truth values of external atoms,
+        None to leave one open; `parts` are the grounded parts of the program, such as `step(1)`.
 
         Raises:
             MarsError: clingo refuses the program, or there is no such part or external.
@@ -219,11 +219,11 @@ class Program:
 
     @contextmanager
     def session(self) -> Iterator["Session"]:
-        """Keep the answers of questions for further questions."""
+        """Return a context whose session memoizes the answers to questions."""
         yield Session(self)
 
     def with_parts(self, parts: Sequence[str]) -> "Program":
-        """Return the program of some parts alone, such as `base` and `step(1)`.
+        """Return the program of the named `#program` parts alone, such as `base` and `step(1)`.
 
         Raises:
             MarsError: there is no such part.
@@ -268,7 +268,7 @@ class Program:
 
 @dataclass(frozen=True)
 class Session:
-    """Questions to a program; each answer is found once."""
+    """A program with memoized answers, for several questions."""
 
     program: Program
     _answers: dict[tuple[object, ...], "Answer"] = field(default_factory=dict)
@@ -314,7 +314,7 @@ _REMARKS: Mapping[Lack, str] = {
 
 
 def remark_on(choice: Choice) -> Chosen:
-    """Return the sentence about a choice."""
+    """Return the sentence on a choice, and the reasons if no answer lacks the atom."""
     reasons = ("without it, these conflict:", *map(instance_line, choice.reasons))
     return Chosen(_REMARKS[choice.lack], reasons if choice.reasons else ())
 
@@ -404,7 +404,7 @@ class Answer:
     spans: Mapping[str, Span]
 
     def __post_init__(self) -> None:
-        """Read the true atoms before a question detaches the solver."""
+        """Read the true atoms, as explanations detach the solver."""
         _ = self.atoms
 
     @property
@@ -542,7 +542,7 @@ def _definitions(constants: Constants) -> tuple[str, ...]:
 
 
 def _extra_cost_text(extra: Mapping[int, int]) -> str:
-    """Return the text of the additional cost of an answer with an atom, at every level."""
+    """Return the text of an additional cost by level, such as `would cost 1 more at level 2`."""
     if not extra:
         return "is as good: nothing is minimised"
     if not any(extra.values()):
@@ -552,7 +552,7 @@ def _extra_cost_text(extra: Mapping[int, int]) -> str:
 
 
 def difference(cost: int) -> str:
-    """Return a difference of costs in words."""
+    """Return a difference of costs in words: `2 more`, `1 less` or `as much`."""
     return f"{abs(cost)} {'more' if cost > 0 else 'less'}" if cost else "as much"
 
 

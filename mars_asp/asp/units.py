@@ -48,14 +48,14 @@ _SORTS = [
 
 
 def _scaled_unit(unit: str, power: int) -> tuple[int, str]:
-    """Return divisor and sign of the unit shown for a sort, without a prefix down to micro."""
+    """Return divisor and sign of the unit in which a sort is shown."""
     if power >= 0:
         return 1, f" {_SIGNS[power]}{unit}"
     return (10**-power, f" {unit}") if power >= -6 else (1000, f" {_SIGNS[power + 3]}{unit}")
 
 
 def usual(units: Mapping[str, int]) -> tuple[str, ...]:
-    """Return the unit of a sort and its most usual larger units."""
+    """Return the unit of a sort, and its usual larger units."""
     whole = {*_MEASURES.values(), "%", "min", *(f"k{unit}" for unit in _MEASURES.values())} - {"ks"}
     small = {f"m{unit}" for unit in _MEASURES.values()}
     return tuple(unit for unit, count in units.items() if count == 1 or unit in whole | small)
@@ -92,7 +92,7 @@ NUMBERS = frozenset({*UNITS, "number", "count", "index", "vertex", "priority", "
 
 @cache
 def units_of(sort: str) -> Mapping[str, int]:
-    """Return the number of a sort in each unit in which it can be written."""
+    """Return each unit in which a number of a sort may be written, with its size in the sort."""
     if sort not in _MEASURED:
         return {"millionths": {"%": 10_000}, "thousandths": {"%": 10}}.get(sort, {})
     unit, power = _MEASURED[sort]
@@ -106,14 +106,14 @@ def units_of(sort: str) -> Mapping[str, int]:
 
 @cache
 def times_as_many(sort: str, other: str) -> Fraction | None:
-    """Return the factor from one sort to another sort of the same measure, or None."""
+    """Return the factor from a sort to another one of the same measure, None for others."""
     one, two = units_of(sort), units_of(other)
     common = next(iter(one.keys() & two.keys()), None)
     return None if common is None else Fraction(two[common], one[common])
 
 
 def measured(number: int, sort: str) -> str:
-    """Return a number of a sort in its shown unit: 25000 millihertz as `25 Hz`."""
+    """Return a number with its usual unit: 25000 of `millihertz` as `25 Hz`."""
     divisor, unit = UNITS[sort]
     if sort in _LARGER and abs(number) >= _LARGER[sort][0]:
         divisor, unit = _LARGER[sort]
@@ -123,9 +123,9 @@ def measured(number: int, sort: str) -> str:
 
 
 def measured_alike(numbers: Iterable[int], sort: str) -> tuple[str, ...]:
-    """Return numbers of a sort in one unit, that of the sort if one is less than a shown unit.
+    """Return numbers of a sort with a common unit.
 
-    40 and 50 milliseconds are `40 ms` and `50 ms`, 1500 and 2000 are `1.5 s` and `2 s`.
+    40 and 50 of `milliseconds` are `40 ms` and `50 ms`, 1500 and 2000 are `1.5 s` and `2 s`.
     """
     numbers = tuple(numbers)
     own = next((unit for unit, count in units_of(sort).items() if count == 1), None)

@@ -43,7 +43,7 @@ def commands(name: str, span: Span) -> Service:
 
 
 def _function_name(verb: str, name: str) -> str:
-    """Return a function's name made of a verb and a name, so that it is no word of C++."""
+    """Return a function's name made of a verb and a name, to avoid keywords of C++."""
     return f"{verb}_{_OTHER.sub('_', name).strip('_')}"
 
 

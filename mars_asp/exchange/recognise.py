@@ -13,7 +13,7 @@ _HEAD = 256 * 1024
 
 
 class _Sign(NamedTuple):
-    """A pattern that identifies a format; each match contains one of `words`, for fast search."""
+    """A pattern that identifies a format; each match contains one of `words`, to search fast."""
 
     pattern: str
     words: tuple[str, ...]

@@ -31,10 +31,10 @@ class Case(NamedTuple):
 
 
 class Measure(NamedTuple):
-    """How cases are run: `held` finds the probes that hold, `refusing` the constraints that refuse.
+    """The functions that run cases: `held` finds probes that hold, `refusing` finds constraints.
 
-    Probes are texts by stage, and results are their names with the numbers of rules; constraints
-    have numbers.
+    Probes are rules as texts by stage; a result is the probe's predicate with the number of its
+    rule. `refusing` returns the numbers of the constraints that exclude an answer.
     """
 
     held: Callable[[Mapping[str, Sequence[str]], Rulebook, Sequence[Case]], set[tuple[str, int]]]
@@ -59,7 +59,10 @@ def covered(
     cases: Sequence[Case],
     measure: Measure | None = None,
 ) -> Coverage:
-    """Run every case, as `measure` does, with probes for the rules of its stages."""
+    """Return which of `rules` the cases fire, and which they make fail by one premise.
+
+    `rulebook` contains all rules; `measure` replaces the way in which cases are run.
+    """
     measure = measure or Measure(_one_by_one, _refusing)
     looked_at = [rule for rule in rules if rule.ast.body]
     probed = {number: tuple(probes(number, rule)) for number, rule in enumerate(looked_at)}
@@ -90,7 +93,7 @@ def is_constraint(rule: Rule) -> bool:
 
 
 def watched(rules: str, constraints: Mapping[int, Rule]) -> str:
-    """Return rules with each of `constraints` replaced by a rule for `_fired` with its number."""
+    """Return the text `rules`, in which constraints derive `_fired` with their number instead."""
     for number, rule in constraints.items():
         rules = rules.replace(rule.text, fired(number, rule))
     return rules
@@ -99,7 +102,7 @@ def watched(rules: str, constraints: Mapping[int, Rule]) -> str:
 def _refusing(
     constraints: Mapping[int, Rule], rulebook: Rulebook, cases: Sequence[Case]
 ) -> set[int]:
-    """Return the numbers of constraints that alone refuse a candidate in some case."""
+    """Return the numbers of constraints that alone exclude an answer in some case."""
     rest = dict(constraints)
     for case in cases:
         mine = {number: rule for number, rule in rest.items() if rule.stage in case.stages}
@@ -114,7 +117,7 @@ def _refusing(
 
 
 def refusals(program: str, numbers: Iterable[int], name: str) -> Iterator[int]:
-    """Yield each number for which the atom `name` can hold if only its constraint is left out.
+    """Yield each number whose constraint is all that keeps the atom `name(number)` from holding.
 
     The program has an external atom `_left_out` for each number.
     """

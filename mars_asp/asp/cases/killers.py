@@ -55,7 +55,7 @@ class Bench:
 def judge(
     files: Sequence[MutatedFile], mutants: Sequence[Mutant], bench: Bench, jobs: int
 ) -> Iterator[MutantVerdict]:
-    """Yield the killer of each mutant of the files, in no order."""
+    """Yield the verdict on each mutant of the files, in any order; `jobs` are tried in parallel."""
     by_path = {file.path: file for file in files}
     holes = {
         (rule.span.path, rule.span.line): rule.holes
@@ -95,7 +95,7 @@ def _case_name(case: Case) -> str:
 
 
 def _is_near(mutant: Mutant, case: Case) -> bool:
-    """Whether a case is in a folder that is named like the file of a mutant."""
+    """Whether a case's folder is named like the file of a mutant."""
     return f"/{case.path.parent.name}." in f"/{mutant.path}"
 
 
@@ -112,7 +112,7 @@ def _killing_case(cases: Iterable[Case], rulebook: Rulebook) -> str | None:
 
 
 def _exchanged(bench: Bench, file: MutatedFile, mutant: Mutant) -> Rulebook:
-    """Return the rulebook in which a mutant replaces its statement."""
+    """Return the rulebook with the mutant in place of its statement."""
     rulebook = bench.rulebook
     old = file.content.decode()
     texts = tuple((s, file.mutated(mutant) if text == old else text) for s, text in rulebook.texts)
@@ -130,7 +130,7 @@ def _exchanged(bench: Bench, file: MutatedFile, mutant: Mutant) -> Rulebook:
 
 
 def _is_of(rule: Rule, mutant: Mutant) -> bool:
-    """Whether a rule is the original of a mutant, or was made from the metadata of the original."""
+    """Whether a rule is the original of a mutant, or was made from the original's metadata."""
     if (rule.span.path, rule.span.line) != (mutant.path, mutant.line):
         return False
     # Other rules may be in the same line.
@@ -147,7 +147,7 @@ def _useful(
     holes: _Holes,
     jobs: int,
 ) -> Mapping[Mutant, list[Case]]:
-    """Return the cases in which each mutant makes a difference, or may make one."""
+    """Return for each mutant the cases whose result it may change; only these are tried."""
     by_path = {file.path: file for file in files}
     circular = _circular(tuple(files))
     useful: dict[Mutant, list[Case]] = {mutant: [] for mutant in mutants}
@@ -188,14 +188,14 @@ def _head(rule: ast.AST) -> ast.AST | None:
 
 
 def _probe(name: str, statement: str, holes: Sequence[str]) -> str:
-    """Return a rule that records the head of a statement and the values of message holes."""
+    """Return a rule deriving `__probe(name, ...)` with a statement's head and message values."""
     rule = tree(statement)
     body = "; ".join(map(str, rule.body)) or "#true"
     return f"__probe({name},t({','.join([str(_head(rule)), *holes])})) :- {body}."
 
 
 def _binds_holes(mutant: Mutant, holes: _Holes) -> bool:
-    """Whether a mutant still binds the variables of its message."""
+    """Whether the body of a mutant still binds the variables of its message."""
     named = holes.get((mutant.path, mutant.line), ())
     return not mutant.after or not named or is_safe(_probe("0", mutant.after, named))
 
@@ -206,7 +206,10 @@ def _different(
     circular: set[tuple[str, str]],
     holes: _Holes,
 ) -> set[int]:
-    """Return the numbers of mutants that may derive other heads or messages than their rules."""
+    """Return the numbers of mutants that may derive other heads or messages than the originals.
+
+    `program` is the text of a case with its rules, `circular` are the recursive rules.
+    """
     originals = {mutant.before: index for index, (_, mutant) in enumerate(mutants)}
     named = {mutant.before: holes.get((mutant.path, mutant.line), ()) for _, mutant in mutants}
     text = [program]

@@ -56,7 +56,7 @@ class Mutant:
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """Return the key of the mutant, which is stable as long as its statement is."""
+        """Return the key of the mutant, which stays the same if other statements change."""
         return self.path, self.before, self.after
 
     def __str__(self) -> str:
@@ -72,7 +72,7 @@ class MutantVerdict:
 
 
 def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
-    """Return `number` random mutants; adding or removing others keeps most of the choice."""
+    """Return `number` random mutants; if mutants are added or removed, most of the choice stays."""
     return sorted(mutants, key=lambda m: sha256(f"{seed} {m.key}".encode()).digest())[:number]
 
 
@@ -134,7 +134,7 @@ def rule_file(path: str, stage: str, content: bytes) -> MutatedFile:
 
 
 def written(tree: ast.AST) -> str:
-    """Return a statement as text; a minimise statement in one fixed form."""
+    """Return a statement as text; minimise statements have one fixed form."""
     if tree.ast_type != _TYPE.Minimize:
         return str(tree)
     terms = ",".join([f"{tree.weight}@{tree.priority}", *map(str, tree.terms)])
@@ -176,7 +176,7 @@ def _of_cost(tree: ast.AST, levels: Sequence[int]) -> Iterator[_Variant]:
 
 
 def _variants(node: ast.AST, in_body: bool) -> Iterator[_Variant]:
-    """Yield the trees with one change."""
+    """Yield each variant of a tree with one change; `in_body` is whether it is in a body."""
     yield from _own(node, in_body)
     for key in node.child_keys:
         if key in ("location", "priority"):

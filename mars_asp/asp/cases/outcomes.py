@@ -135,7 +135,7 @@ def _exactly(
 
 
 def _even(expected: ExpectedAtom) -> str:
-    """Return an atom in clingo's formatting."""
+    """Return an atom as clingo formats it, or as written if it is not a term."""
     if " " not in expected.text:
         return expected.text
     try:
@@ -181,7 +181,7 @@ def _unsaid(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
 
 
 def _beyond(expectation: Expectation, answer: FoundAnswer) -> Iterator[Failure]:
-    """Yield the missing atoms, and the surplus ones of predicates that an `only` names."""
+    """Yield the expected atoms that are missing, and surplus atoms of the sorts in `only`."""
     patterns = [each.pattern for each in expectation.atoms]
     for each, pattern in zip(expectation.atoms, patterns, strict=True):
         if not any(matches(pattern, atom) for atom in answer.atoms):
@@ -206,7 +206,7 @@ def _failure(span: Span, expected: str, found: tuple[str, ...], near: str | None
 
 
 def shown_beside(found: Iterable[str], near: str | None) -> tuple[str, ...]:
-    """Return lines that show the results instead of the expected one, and the nearest result."""
+    """Return lines with the actual results and the nearest one, to print below an expectation."""
     nearest_one = () if near is None else (f"    nearest: {near}",)
     return (*(f"  + {each}" for each in found), *nearest_one)
 
@@ -261,11 +261,10 @@ def rewritten(
     answers: Mapping[Block, Sequence[FoundAnswer]],
     own: Sequence[str] | None,
 ) -> str:
-    """Return a text of cases with expectations replaced by the results.
+    """Return a text of cases with expectations replaced by the actual results.
 
-    Facts stay unchanged, and so do `%has:` and `%not:`, which are open to other results. A case
-    without expectations receives the atoms of the patterns that are a pack's `own`; if `own` is
-    None, an exact answer set.
+    Facts, `%has:` and `%not:` stay unchanged. A case without expectations gets the atoms that match
+    the patterns `own` of a pack; if `own` is None, an exact answer set.
     """
     lines = text.split("\n")
     edits: list[tuple[int, int, list[str]]] = []
@@ -286,7 +285,7 @@ def rewritten(
 def _edits(
     block: Block, answers: Sequence[FoundAnswer], count: int
 ) -> Iterator[tuple[int, int, list[str]]]:
-    """Yield edits: the first line, the end, and the lines that replace this range."""
+    """Yield (first line, end, new lines) for each range of lines in a block to replace."""
     exact = block.of("=")
     for each in block.of("only") if answers else ():
         patterns = [declared.pattern for declared in each.atoms]
@@ -315,9 +314,9 @@ def _edits(
 
 
 def _closed(answer: FoundAnswer, own: Sequence[str], shows: bool) -> Iterator[str]:
-    """Yield lines for the patterns of a pack: all their atoms, or that there are none.
+    """Yield lines `%only:` or `%not:` for the patterns `own` of a pack, by the answer.
 
-    The absence is certain only for findings, and only if the case does not show predicates itself.
+    The absence of atoms is certain only for findings, and only if the case has no `#show` lines.
     """
     compared = [clingo.parse_term(atom) for atom in answer.compared if not atom.startswith("%")]
     for pattern in own:
@@ -330,7 +329,7 @@ def _closed(answer: FoundAnswer, own: Sequence[str], shows: bool) -> Iterator[st
 
 
 def _as_expected_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:
-    """Return atoms in the order in which they were expected, others last."""
+    """Return atoms sorted as in the expectations; others come last."""
     order = {_even(each): at for at, each in enumerate(e for one in exact for e in one.atoms)}
     return sorted(atoms, key=lambda atom: (order.get(atom, len(order)), atom))
 

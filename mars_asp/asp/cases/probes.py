@@ -66,7 +66,7 @@ def _bodies(rule: Rule) -> Iterator[tuple[str, Sequence[ast.AST]]]:
 
 
 def _failing(literal: ast.AST, own: set[str]) -> Iterator[ast.AST]:
-    """Yield the literal that holds if `literal` fails, if there is a single one."""
+    """Yield the literal that holds exactly if `literal` fails, if there is one."""
     if literal.ast_type != _TYPE.Literal:
         return
     if literal.sign == ast.Sign.NoSign:
@@ -78,7 +78,7 @@ def _failing(literal: ast.AST, own: set[str]) -> Iterator[ast.AST]:
 
 
 class _Blank(ast.Transformer):
-    """Replaces variables by anonymous ones."""
+    """Replaces the variables of a tree by `_`."""
 
     def __init__(self, names: set[str]) -> None:
         self.names = names

@@ -107,9 +107,9 @@ def run_case(
 
 
 def _own_sorts(rulebook: Rulebook, finding: Signature) -> Sequence[str] | None:
-    """Return the patterns of all that packs derive: their predicates, and their kinds of findings.
+    """Return patterns of the atoms that packs derive: their predicates and kinds of findings.
 
-    It is None without packs, or if a rule of a pack can find any kind.
+    They are None without packs, or if a pack derives a finding whose kind is a variable.
     """
     own = rulebook.rules[len(rulebook.rules) - rulebook.pack_rules :]
     if not rulebook.packs or any(finding in r.heads and finding not in r.firsts for r in own):
@@ -128,7 +128,7 @@ def _own_sorts(rulebook: Rulebook, finding: Signature) -> Sequence[str] | None:
 def _of_block(
     written: Iterable[Piece], block: Block, blocks: Sequence[Block]
 ) -> tuple[Signature, ...]:
-    """Return the predicates that the `#show` lines of a block name."""
+    """Return the predicates in the `#show` lines of a block."""
     if len(blocks) > 1:
         lines = block.text.split("\n")
         written = (piece for piece in written if lines[piece.begin[0] - 1])
@@ -142,7 +142,9 @@ def _answers(
     stages: Collection[str],
     finding: Signature,
 ) -> tuple[FoundAnswer, ...]:
-    """Return the answer sets of a case, the optimal ones if something is minimised.
+    """Return the answer sets of a case, only optimal ones if something is minimised.
+
+    `wanted` are the predicates that `%=` compares.
 
     Raises:
         MarsError: clingo refuses the program, or an operation has no value.

@@ -40,14 +40,14 @@ from mars_asp.asp.solve.cyclic import cyclic_components
 
 @dataclass(frozen=True)
 class Host:
-    """The facts about the host program that lint cannot read in rules.
+    """The properties of the host program that lint cannot read from the rules.
 
-    `finding` is the predicate of findings that users see, `forms` are those of sorts, `things` the
-    sorts with many values, `unbounded` the positions from 0 of numbers that users state. `kinds`
-    maps a sort to an argument that has all its derived values. `exists` returns whether the example
-    of a rule exists. Constraints belong in `demanding` stages, and those over chosen atoms also in
-    `choosing` ones. `placing` maps a predicate that introduces a thing to the predicates that place
-    it.
+    `finding` is the predicate of findings. `forms` maps each sort to the form of its values, and
+    `things` are the sorts with many values. `unbounded` has the positions (from 0) of numbers that
+    users state. `kinds` maps a sort to the argument that has all its derived values. `exists`
+    returns whether a rule's example exists. Constraints belong in `demanding` stages; over chosen
+    atoms they may also be in `choosing` stages. `placing` maps a predicate that introduces a thing
+    to those that give the thing a place.
     """
 
     finding: Signature | None = None
@@ -81,7 +81,7 @@ def lint(rulebook: Rulebook, host: Host) -> tuple[LintFinding, ...]:
 
 
 def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Iterator[LintFinding]:
-    """Yield the findings about the rules from the number `begin` on."""
+    """Yield the findings about the rules from index `begin` on; earlier ones are context."""
     read = clauses_of(rules)
     clauses = [clause for number in range(len(rules)) for clause in read[number]]
     after = sum(len(read[number]) for number in range(begin))
@@ -155,7 +155,7 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
 def _expanded_clauses(
     rules: list[Rule], read: Mapping[int, tuple[Clause, ...]], number: int
 ) -> list[Clause]:
-    """Return the clauses of the rules that were made from the metadata of a rule."""
+    """Return the clauses of the rules that the metadata of rule `number` expand to."""
     found: list[Clause] = []
     while (number := number + 1) < len(rules) and rules[number].listed is not None:
         found += read[number]
@@ -172,7 +172,7 @@ def _public(rulebook: Rulebook) -> set[Signature]:
 
 
 def _is_large(atom: ClauseAtom, known: KnownValue, things: frozenset[str]) -> bool:
-    """Whether a variable of an atom has one of the sorts with many values."""
+    """Whether a variable of an atom has a sort with many values (`things`)."""
     return any(
         values is not None and name_of(term) and any(each.sort in things for each in values)
         for term, values in zip(atom.terms, known.arguments(atom.signature), strict=False)

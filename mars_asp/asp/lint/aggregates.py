@@ -33,7 +33,7 @@ def wrong_aggregates(clause: Clause) -> Iterator[LintFinding]:
 
 
 def _fixed_choice(clause: Clause) -> Iterator[LintFinding]:
-    """Yield a choice over the instances of one atom if the body binds all its variables."""
+    """Yield a choice `{ a(X) : b(X) }` whose body binds all variables in the braces."""
     if clause.sort != "choice" or len(clause.heads) != 1:
         return
     ((head, condition),) = clause.heads
@@ -94,7 +94,7 @@ def _element(
 
 
 def _lost(element: Element, known: frozenset[str]) -> str:
-    """Return the variable, or "others" for `_`, that is missing in a tuple; otherwise ""."""
+    """Return the variable of an element that its tuple lacks, "others" for `_`, "" if none."""
     for atom in element.scope.positive:
         for name in sorted(names_in(atom.node) - known):
             return f"`{name}`"

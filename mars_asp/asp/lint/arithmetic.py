@@ -20,11 +20,11 @@ _BOUNDING = {"<": -1, "<=": 0, "=": 0}
 def risks(
     read: Iterable[Sequence[Clause]], unbounded: Mapping[Signature, Iterable[int]]
 ) -> Iterator[LintFinding]:
-    """Yield the operations that may not fit: products, and sums of numbers that a user states.
+    """Yield the operations that may exceed 32 bits: products, and sums of numbers that users state.
 
-    `read` are the variants of each rule without pools. `unbounded` are the positions from 0 of such
-    numbers in the predicates that hold them. A rule is left out if its metadata has `fits`, or if
-    its comparisons bound all its operands.
+    `read` are the clauses of each rule. `unbounded` has the positions (from 0) of numbers that
+    users state, by predicate. A rule is skipped if its metadata has `fits`, or if comparisons bound
+    all operands.
     """
     read = tuple(read)
     declared = _unbounded_positions([clause for variants in read for clause in variants], unbounded)
@@ -48,7 +48,7 @@ def risks(
 
 
 def _risky(read: Iterable[Operand], large: Set[str]) -> Iterator[Operation]:
-    """Yield the outermost operations that may not fit if the variables `large` are unbounded."""
+    """Yield the outermost operations that may exceed 32 bits if `large` has unbounded variables."""
     for operand in read:
         if isinstance(operand, Operation):
             if _is_risky(operand, large):
@@ -69,7 +69,7 @@ def _is_risky(operation: Operation, large: Set[str]) -> bool:
 
 
 def _upper_bounds(variants: Iterable[Clause]) -> Mapping[str, int]:
-    """Return the upper bounds that comparisons give variables in all variants of a rule."""
+    """Return the upper bounds of variables that comparisons of all variants state."""
     found = list[dict[str, int]]()
     for clause in variants:
         found.append({})
@@ -83,7 +83,7 @@ def _upper_bounds(variants: Iterable[Clause]) -> Mapping[str, int]:
 
 
 def _most(operand: Operand, bounds: Mapping[str, int]) -> float:
-    """Return the upper bound of an operand if its variables are not negative."""
+    """Return the largest value of an operand, infinity if unbounded; variables are at least 0."""
     if isinstance(operand, Number):
         return operand.value
     if not isinstance(operand, Operation):
@@ -145,7 +145,7 @@ def _large(clause: Clause, positions: Mapping[Signature, Set[int]]) -> frozenset
 
 
 def _matched(term: SyntaxNode) -> frozenset[str]:
-    """Return the variables of a term that computes no value, so that matching it binds them."""
+    """Return the variables that matching a term binds: none if the term computes something."""
     kinds = (Kind.Variable, Kind.SymbolicTerm, Kind.Function)
     computes = any(
         each.ast_type not in kinds or getattr(each, "external", False) for each in below(term)

@@ -22,7 +22,7 @@ _INNER = "so nothing is in it: leave out one of the two"
 
 
 def wrong_bodies(clause: Clause, replaced: Set[str]) -> Iterator[LintFinding]:
-    """Yield the contradictions of a body, and its comparisons without effect."""
+    """Yield bodies that never hold, and literals without effect; `replaced` are `#const` names."""
     bounds = [
         each for at, one in enumerate(clause.aggregates) for each in _aggregate_bounds(at, one)
     ]
@@ -82,7 +82,7 @@ def _contradiction(
 
 
 def _exclude(one: ClauseAtom, other: ClauseAtom) -> bool:
-    """Whether an atom that is not negated and another one are never true together."""
+    """Whether two atoms of a body exclude each other: `p` with `not p`, or with `-p`."""
     if one.signature[:2] != other.signature[:2] or one is other:
         return False
     if one.signature.positive != other.signature.positive:
@@ -97,12 +97,12 @@ def _exclude(one: ClauseAtom, other: ClauseAtom) -> bool:
 
 
 def _bare(term: SyntaxNode) -> set[str]:
-    """Return the names of the variables of a term; `_` is one of them."""
+    """Return the names of the variables in a term, `_` among them."""
     return {each.name for each in below(term) if each.ast_type is Kind.Variable}
 
 
 def _aggregate_bounds(number: int, aggregate: Aggregate) -> Iterator[Compared]:
-    """Yield the bounds of an aggregate, compared with a name made for it, and its natural bound."""
+    """Yield the bounds of an aggregate, which is called `#number`, as comparisons."""
     if aggregate.sign:
         return
     name = f"#{number}"
@@ -182,7 +182,7 @@ def _without(clause: Clause, literal: SyntaxNode) -> tuple[Fix, ...]:
 
 
 def _circular(clause: Clause) -> Iterator[LintFinding]:
-    """Yield a rule whose head is one of its own premises."""
+    """Yield a finding if the head of a rule is one of its own premises."""
     if clause.sort != "rule":
         return
     head = clause.heads[0][0]

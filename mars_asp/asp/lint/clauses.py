@@ -73,7 +73,7 @@ class Comparison(NamedTuple):
 
     @property
     def sides(self) -> tuple[tuple[SyntaxNode, str, SyntaxNode], ...]:
-        """Return the comparison from left to right, and from right to left."""
+        """Return the comparison as it is and mirrored (`X < Y` and `Y > X`)."""
         return (
             (self.left, self.sign, self.right),
             (self.right, TURNED[self.sign], self.left),
@@ -81,7 +81,7 @@ class Comparison(NamedTuple):
 
     @property
     def equal(self) -> tuple[tuple[SyntaxNode, SyntaxNode], ...]:
-        """Return each side with the other one if the two are equal."""
+        """Return (left, right) and (right, left) if the comparison is an equation, else none."""
         return tuple((one, other) for one, sign, other in self.sides if sign == "=")
 
 
@@ -122,7 +122,7 @@ class Conditional(NamedTuple):
 
 @dataclass(frozen=True)
 class Clause:
-    """A rule without pools: one for each choice of their members."""
+    """A rule without pools: each choice of members of its pools gives one clause."""
 
     rule: Rule
     node: SyntaxNode
@@ -147,12 +147,12 @@ class Clause:
 
     @cached_property
     def kinds(self) -> frozenset[tuple[object, ...]]:
-        """Return the kinds of the literals of the body: predicates with their signs, or types."""
+        """Return the keys (`kind_of`) of the literals of the body."""
         return frozenset(map(kind_of, self.node.body))
 
     @property
     def scopes(self) -> Iterator[ClauseScope]:
-        """Yield the literals of the body, and these joined with each element and condition."""
+        """Yield the literals of the body alone, and together with each element and condition."""
         yield self.body
         for inner in self.inner:
             yield joined(self.body, inner)
@@ -181,7 +181,7 @@ class Clause:
         fixes: tuple[Fix, ...] = (),
         labels: tuple[tuple[Span, str], ...] = (),
     ) -> LintFinding:
-        """Return a finding about a node of the rule."""
+        """Return a finding about a node of the rule; `advice` is its help."""
         return found(code, message, self.place(node), self.rule, advice, fixes, labels)
 
     def place(self, node: SyntaxNode) -> Span:
@@ -200,7 +200,7 @@ class Clause:
 
 
 def joined(one: ClauseScope, other: ClauseScope) -> ClauseScope:
-    """Return the literals of two scopes."""
+    """Return the literals of both scopes."""
     return ClauseScope(
         one.atoms + other.atoms,
         one.comparisons + other.comparisons,
@@ -257,7 +257,7 @@ def operation_of(term: SyntaxNode) -> str | None:
 
 
 def kind_of(literal: SyntaxNode) -> tuple[object, ...]:
-    """Return a key that is equal for two literals if they can match."""
+    """Return a key that two literals share if they may match: sign, name and arity."""
     if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.SymbolicAtom:
         symbol = literal.atom.symbol
         if symbol.ast_type is Kind.Function:

@@ -62,7 +62,7 @@ def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[L
 def _by_rarest(
     alike: Mapping[_About, Sequence[int]], marks: Mapping[int, frozenset[_Mark]]
 ) -> dict[_About, dict[_Mark, list[int]]]:
-    """Return the rules with the same head, by their mark that the fewest rules have."""
+    """Return the rules with equal heads, grouped by their rarest mark."""
     counts = Counter(mark for each in marks.values() for mark in each)
     found: dict[_About, dict[_Mark, list[int]]] = {}
     for about, numbers in alike.items():
@@ -87,7 +87,7 @@ def _marks(clause: Clause) -> frozenset[_Mark]:
 
 
 def _head_pattern(clause: Clause) -> _About:
-    """Return the key of rules with the same head: predicate and constant first argument."""
+    """Return a key of the head: its predicate, and its first argument if constant."""
     if not clause.heads:
         return (clause.sort, None, "")
     head = clause.heads[0][0]
@@ -119,7 +119,7 @@ def _subsumed(clauses: Sequence[Clause], number: int, other: int) -> LintFinding
 
 
 def _covers(general: Clause, special: Clause) -> bool:
-    """Whether a rule derives all that another derives, by a part of the premises."""
+    """Whether `general` derives all that `special` derives, with a subset of its premises."""
     if not general.kinds <= special.kinds:
         return False
     given, wanted = special.node.body, general.node.body
@@ -145,7 +145,7 @@ def _all_match(
 
 
 def _match(general: SyntaxNode, special: SyntaxNode, binding: _Binding) -> _Binding | None:
-    """Return the substitution that turns one tree into another, or None if there is none."""
+    """Return the substitution that turns `general` into `special`, extending `binding`, or None."""
     if general.ast_type is Kind.Variable:
         text = str(special)
         if general.name == "_":
@@ -169,5 +169,5 @@ def _match(general: SyntaxNode, special: SyntaxNode, binding: _Binding) -> _Bind
 
 
 def _own(node: SyntaxNode) -> list[object]:
-    """Return the texts and numbers of a node, without its children."""
+    """Return the texts and numbers in a node's own attributes."""
     return [v for name, v in vars(node).items() if name[0] != "_" and isinstance(v, str | int)]

@@ -16,7 +16,7 @@ class Fix(NamedTuple):
 
 
 def titled(fixes: Iterable[Fix]) -> str:
-    """Return a sentence about the changes of fixes."""
+    """Return the sentence that describes the changes of some fixes."""
     written = " and ".join(f"`{each.text}`" for each in fixes if each.text)
     return f"write {written}" if written else "leave it out"
 
@@ -38,7 +38,7 @@ def found(
     fixes: tuple[Fix, ...] = (),
     labels: tuple[tuple[Span, str], ...] = (),
 ) -> LintFinding:
-    """Return a finding about a rule."""
+    """Return a finding with a diagnostic; `advice` is its help, `fixes` are safe changes."""
     return LintFinding(Diagnostic(code, "warning", message, place, labels, advice), rule, fixes)
 
 

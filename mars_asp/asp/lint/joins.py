@@ -11,7 +11,7 @@ JOIN = "rule-join"
 
 
 def paired(clause: Clause, is_large: Callable[[ClauseAtom], bool]) -> Iterator[LintFinding]:
-    """Yield the premises of a body, element or condition that no variable or equation joins."""
+    """Yield premises that no variable or equation joins, if `is_large` is true of them."""
     yield from _unjoined(
         clause, clause.body.positive, clause.body.comparisons, clause.aggregates, is_large
     )

@@ -22,7 +22,7 @@ from mars_asp.asp.signature import Signature
 def apart_by_keys(
     clause: Clause, declared: Mapping[Signature, Declaration], replaced: Set[str]
 ) -> Iterator[LintFinding]:
-    """Yield the bodies that never hold because a predicate holds once for each value of its key."""
+    """Yield bodies that require two facts where the key of the predicate allows only one."""
     first = _contradicted_key(clause, ClauseScope(), clause.body, declared, replaced)
     if first is not None:
         yield first
@@ -70,7 +70,7 @@ def _contradicted_key(
 def _unlike(
     one: ClauseAtom, other: ClauseAtom, comparisons: Sequence[Comparison], replaced: Set[str]
 ) -> str:
-    """Return the comparisons that exclude that two atoms are one fact, `-` if their terms do."""
+    """Return the comparisons by which two atoms differ: `-` if their terms do, "" if none."""
     pairs = [
         (left, right)
         for left, right in zip(one.terms, other.terms, strict=True)

@@ -20,7 +20,7 @@ _VARIABLE = re.compile(r'"(?:\\.|[^"\\])*"|(?<!\w)_*[A-Z]\w*\'*')
 def open_messages(
     clause: Clause, reported: frozenset[Signature], functions: "MessageFunctions"
 ) -> Iterator[LintFinding]:
-    """Yield the message holes of a finding that two derivations may fill differently."""
+    """Yield the variables of a finding's message that two derivations may fill differently."""
     rule = clause.rule
     if rule.because is None or clause.sort != "rule":
         return
@@ -69,13 +69,13 @@ def rival_messages(
 
 
 def _numbered(names: dict[str, str], match: re.Match[str]) -> str:
-    """Return a name for a variable by its number, and a string unchanged."""
+    """Return `V0`, `V1`, ... for a matched variable by first occurrence; a string unchanged."""
     text = match[0]
     return text if text.startswith('"') else names.setdefault(text, f"V{len(names)}")
 
 
 def _are_apart(one: Clause, other: Clause) -> bool:
-    """Whether two bodies seem to exclude each other."""
+    """Whether two bodies probably exclude each other, by signs, constants or comparisons."""
     if one.body.comparisons and other.body.comparisons:
         return True
     return any(
@@ -106,7 +106,7 @@ class MessageFunctions:
         self._settled: dict[tuple[Signature, frozenset[int]], frozenset[int]] = {}
 
     def closed(self, clause: Clause, names: frozenset[str]) -> frozenset[str]:
-        """Return the variables of a body whose values are determined by some variables."""
+        """Return `names` and all variables of the body whose values they determine."""
         known = names
         while True:
             more = known
@@ -134,7 +134,7 @@ class MessageFunctions:
         return frozenset[str]().union(*(names_in(atom.terms[at]) for at in settled))
 
     def settled(self, signature: Signature, given: frozenset[int]) -> frozenset[int]:
-        """Return the positions of arguments that the arguments at `given` positions determine."""
+        """Return the positions of arguments that those at `given` determine, `given` included."""
         keys = self._keys.get(signature.unsigned, ())
         every = frozenset(range(signature.arity))
         if any(given >= set(key) for key in keys):

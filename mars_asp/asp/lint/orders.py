@@ -17,7 +17,7 @@ _Distances = dict[str, dict[str, int]]
 
 
 class Compared(NamedTuple):
-    """A comparison of two bases: `left + plus` has some order to `right`."""
+    """The comparison `left + plus SIGN right` of two bases."""
 
     left: str
     sign: str
@@ -26,7 +26,7 @@ class Compared(NamedTuple):
 
 
 def compared(comparison: Comparison) -> Compared:
-    """Return a comparison as a comparison of bases."""
+    """Return a comparison of two terms as a comparison of their bases."""
     (left, one), (right, other) = parted(comparison.left), parted(comparison.right)
     return Compared(left, comparison.sign, right, one - other)
 
@@ -38,7 +38,7 @@ def guarded(name: str, sign: str, term: SyntaxNode) -> Compared:
 
 
 def never(comparisons: Iterable[Compared], constants: Set[str] = frozenset()) -> bool:
-    """Whether comparisons cannot all hold.
+    """Whether comparisons contradict each other.
 
     Each of `constants` differs from the others and from all numbers.
     """
@@ -61,7 +61,10 @@ def never(comparisons: Iterable[Compared], constants: Set[str] = frozenset()) ->
 def fewest(
     comparisons: Iterable[Comparison], given: Iterable[Compared], constants: Set[str]
 ) -> list[Comparison]:
-    """Return comparisons that cannot all hold with the `given` ones, each of which is needed."""
+    """Return a minimal subset of `comparisons` that contradicts the `given` ones.
+
+    All of them do so. `constants` are different values.
+    """
     given, kept = tuple(given), list(comparisons)
     for each in tuple(kept):
         rest = [other for other in kept if other is not each]
@@ -71,7 +74,7 @@ def fewest(
 
 
 def constants_in(comparisons: Iterable[Comparison], replaced: Set[str]) -> frozenset[str]:
-    """Return the compared constants that no `#const` replaces, without numbers."""
+    """Return the compared constants, without numbers and those that `#const` replaces."""
     return frozenset(
         str(term)
         for comparison in comparisons
@@ -81,7 +84,7 @@ def constants_in(comparisons: Iterable[Comparison], replaced: Set[str]) -> froze
 
 
 def parted(term: SyntaxNode) -> tuple[str, int]:
-    """Return the base of a term, and the number that is added to it."""
+    """Return the base and the added number of a term: (`X`, 2) of `X + 2`, ("", 7) of 7."""
     number = number_of(term)
     if number is not None:
         return _ZERO, number
@@ -98,7 +101,7 @@ def parted(term: SyntaxNode) -> tuple[str, int]:
 
 
 def _paths(given: Iterable[Compared], constants: Set[str]) -> _Distances | None:
-    """Return the upper bounds of differences between bases, or None in a contradiction."""
+    """Return the upper bounds of the differences of bases, or None if they are contradictory."""
     paths: _Distances = {}
     for left, sign, right, plus in given:
         for base in (left, right):

@@ -50,7 +50,7 @@ def unused(
 def unfounded(
     clauses: Sequence[Clause], judged: Set[int], circle: Mapping[Signature, int]
 ) -> Iterator[LintFinding]:
-    """Yield the predicates that are derived only from each other, so that none ever holds."""
+    """Yield predicates that are derived only from each other, so that they have no atoms."""
     rules: dict[Signature, list[int]] = {}
     for number, clause in enumerate(clauses):
         for head, _ in clause.heads:
@@ -84,7 +84,7 @@ def unfounded(
 def _begins(
     clause: Clause, signature: Signature, circle: Mapping[Signature, int], founded: Set[Signature]
 ) -> bool:
-    """Whether a rule can derive a predicate without unfounded predicates of its component."""
+    """Whether all premises of a rule in the component of `signature` are already `founded`."""
     needed = [*clause.body.positive]
     for head, condition in clause.heads:
         needed += condition.positive if head.signature == signature else ()
@@ -95,7 +95,7 @@ def _begins(
 def documented_in_vain(
     clauses: Sequence[Clause], own: Sequence[Declaration], given: Set[Signature]
 ) -> Iterator[LintFinding]:
-    """Yield the documented predicates that no rule derives and no input gives or declares."""
+    """Yield the documented predicates that no rule derives and no input provides."""
     known = {head.signature.unsigned for clause in clauses for head, _ in clause.heads} | given
     for each in own:
         signature = each.signature.unsigned

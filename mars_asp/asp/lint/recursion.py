@@ -19,7 +19,10 @@ RECURSION, NEGATION = "rule-recursion", "rule-negation"
 
 
 def wrong_recursion(clause: Clause, circle: Mapping[Signature, int]) -> Iterator[LintFinding]:
-    """Yield the heads of a rule that grow with each turn, and premises that negate recursively."""
+    """Yield heads whose terms grow with each recursion, and recursion through negation.
+
+    `circle` maps recursive predicates to their component.
+    """
     for head, condition in clause.heads:
         number = circle.get(head.signature)
         if number is None:
@@ -74,7 +77,7 @@ def _growing(
 
 
 def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, SyntaxNode]:
-    """Return the terms that further variables are equal to: `Y = X + 1`."""
+    """Return the terms of equations `Y = X + 1` by variable, for variables not in `carried`."""
     return {
         name: term
         for each in clause.body.comparisons
@@ -86,7 +89,7 @@ def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, SyntaxNod
 def _is_led(
     clause: Clause, head: ClauseAtom, again: list[ClauseAtom], bounded: frozenset[str]
 ) -> bool:
-    """Whether some argument goes through known values in one direction."""
+    """Whether an argument moves in one direction through finitely many values (`bounded`)."""
     ordered = {
         frozenset((str(each.left), str(each.right)))
         for each in clause.body.comparisons
@@ -106,7 +109,7 @@ def _is_led(
 
 
 def _is_counted(clause: Clause, head: ClauseAtom, again: list[ClauseAtom]) -> bool:
-    """Whether an argument counts the turns, and a comparison bounds the count."""
+    """Whether an argument grows or falls by a number in each recursion up to a compared bound."""
     if any(atom.signature != head.signature for atom in again):
         return False
     pairs = zip(head.terms, *(atom.terms for atom in again), strict=True)
@@ -121,7 +124,7 @@ def _is_counted(clause: Clause, head: ClauseAtom, again: list[ClauseAtom]) -> bo
 
 
 def _shrinks(clause: Clause, head: ClauseAtom, carried: frozenset[str]) -> bool:
-    """Whether an argument decreases with each turn, and a comparison bounds it."""
+    """Whether an argument is reduced in each recursion (`X/2`, `X-1`) and compared with a bound."""
     compared = frozenset[str]().union(*(names_in(each.node) for each in clause.body.comparisons))
     return any(
         operation_of(term) in ("/", "-")
@@ -132,7 +135,7 @@ def _shrinks(clause: Clause, head: ClauseAtom, carried: frozenset[str]) -> bool:
 
 
 def _limited(clause: Clause, direction: str) -> frozenset[str]:
-    """Return the variables that a comparison, or an aggregate, bounds in one direction."""
+    """Return the variables bounded above (`+`), below (`-`), or either (other directions)."""
     found: frozenset[str] = frozenset()
     for each in clause.body.comparisons:
         ends = {"<": each.left, "<=": each.left, ">": each.right, ">=": each.right}
@@ -150,7 +153,7 @@ def _limited(clause: Clause, direction: str) -> frozenset[str]:
 
 
 def _met(again: list[ClauseAtom]) -> frozenset[str]:
-    """Return the variables that two predicates of the component share."""
+    """Return the variables that occur in two different predicates of the recursion."""
     first: dict[str, Signature] = {}
     found = set()
     for atom in again:
@@ -161,7 +164,7 @@ def _met(again: list[ClauseAtom]) -> frozenset[str]:
 
 
 def _direction(term: SyntaxNode, carried: frozenset[str]) -> str | None:
-    """Return the direction in which a term grows beyond variables: `+`, `-`, `()`, or None."""
+    """Return how a term grows in the recursion: `+`, `-`, `()` for nesting, or None."""
     kind = term.ast_type
     if not names_in(term) & carried:
         return None

@@ -16,7 +16,7 @@ _WORDS = frozenset({"none"})
 
 
 def words_as_numbers(clause: Clause, known: KnownValue) -> Iterator[LintFinding]:
-    """Yield the comparisons between a number and a variable that may be `none`."""
+    """Yield comparisons of a number with a variable whose value may be `none`."""
     outer = known.environment(clause, clause.body)
     for scope in clause.scopes:
         comparisons = (*clause.body.comparisons, *scope.comparisons)
@@ -45,7 +45,7 @@ def words_as_numbers(clause: Clause, known: KnownValue) -> Iterator[LintFinding]
 
 
 def silent(clause: Clause, reported: Set[Signature]) -> Iterator[LintFinding]:
-    """Yield the findings that have no message."""
+    """Yield the rules that derive findings (`reported`) without a message."""
     head = clause.heads[0][0] if clause.heads else None
     if clause.sort == "rule" and head is not None and clause.rule.because is None:
         if head.signature.unsigned in reported:
@@ -57,10 +57,10 @@ def silent(clause: Clause, reported: Set[Signature]) -> Iterator[LintFinding]:
 def demands(
     clause: Clause, allowed: Set[str], decided: Mapping[str, Set[Signature]]
 ) -> Iterator[LintFinding]:
-    """Yield the constraints of stages that only derive, unless they are over decided predicates.
+    """Yield the constraints in stages that only derive, where they would exclude every answer.
 
-    `allowed` are the stages for constraints, where none are, all stages; `decided` maps stages that
-    choose to predicates.
+    `allowed` are the stages for constraints; if empty, all. `decided` maps stages that choose to
+    the predicates that they derive, over which constraints are allowed.
     """
     stage = clause.rule.stage
     if clause.sort != "constraint" or stage in allowed or not allowed:
@@ -111,7 +111,7 @@ def unplaced(
 
 
 def _node_form(term: SyntaxNode) -> tuple[str, int] | None:
-    """Return the function or constant of a term, or None for others."""
+    """Return name and arity of a function or constant, or None for other terms."""
     if term.ast_type is Kind.Function:
         return term.name, len(term.arguments)
     return (str(term), 0) if term.ast_type is Kind.SymbolicTerm else None

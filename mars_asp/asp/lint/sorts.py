@@ -32,7 +32,10 @@ _FINE = ("millihertz", "micrometres", "millionths")
 def wrong_values(
     clause: Clause, known: KnownValue, names: Mapping[Signature, Declaration]
 ) -> Iterator[LintFinding]:
-    """Yield the variables of a rule that have two sorts, and constants that never occur."""
+    """Yield variables with two incompatible sorts, and constants that never occur.
+
+    `names` are the declarations of predicates.
+    """
     for head, _ in clause.heads:
         yield from _wrong_constants(clause, head, True, known, names)
     for atom in clause.read:
@@ -88,7 +91,7 @@ def _two_things(clause: Clause, name: str, first: Use, use: Use) -> LintFinding:
 def _never_given(
     clause: Clause, atoms: Iterable[ClauseAtom], environment: Environment, known: KnownValue
 ) -> Iterator[LintFinding]:
-    """Yield the atoms that bind no variable, where one is of another sort than their argument."""
+    """Yield the atoms, which bind no variable, whose argument can never have a variable's value."""
     for atom in atoms:
         every = known.arguments(atom.signature)
         for at, name in atom.named if every else ():
@@ -104,7 +107,7 @@ def _never_given(
 def _aggregated(
     clause: Clause, environment: Environment, known: KnownValue
 ) -> Iterator[LintFinding]:
-    """Yield the aggregates that are compared with numbers of another unit, or with small ones."""
+    """Yield aggregates that are compared with numbers of another unit, or too small ones."""
     for aggregate in clause.aggregates:
         own = known.aggregated(aggregate, environment)
         inside = [_units(_numbers(each)) for each in known.of_elements(aggregate, environment)]
@@ -186,7 +189,7 @@ def _wrong_constants(
 def _never(
     clause: Clause, term: SyntaxNode, values: Values, what: str, known: KnownValue
 ) -> LintFinding:
-    """Return the finding about a constant that an argument never has."""
+    """Return the finding that a constant is never the value of an argument, which `what` names."""
     text, values = str(term), values or frozenset()
     (given,) = known.of(term, {}) or {Value(None)}
     bare = text.strip('"')
@@ -276,7 +279,7 @@ def _mixed_sums(
 
 
 def _too_small(clause: Clause, term: SyntaxNode, values: Values) -> Iterator[LintFinding]:
-    """Yield a number that is too small for the unit of the values that it is compared with."""
+    """Yield a finding if a number is too small for the unit of the values it is compared with."""
     if term.ast_type is Kind.Interval:
         yield from _too_small(clause, term.left, values)
         yield from _too_small(clause, term.right, values)
@@ -292,7 +295,7 @@ def _too_small(clause: Clause, term: SyntaxNode, values: Values) -> Iterator[Lin
 
 
 def _units(values: Values) -> list[str]:
-    """Return the measures of values, ignoring words such as `none`; empty if others occur."""
+    """Return the units of values, ignoring words such as `none`; empty unless all are measures."""
     numbers = [each for each in values or () if each.form != "name"]
     sorts = sorted(each.sort for each in numbers if each.sort in UNITS)
     return sorts if len(sorts) == len(numbers) else []
@@ -309,7 +312,7 @@ def _in_words(values: Values) -> str:
 
 
 def _with_article(text: str) -> str:
-    """Return a sort with its article; quoted text and measures have no article."""
+    """Return a sort with its article (`a module`); none for quoted text and measures."""
     if text.startswith(("`", "a ")) or text in UNITS:
         return text
     return f"{'an' if text[0] in 'aeiou' else 'a'} {text}"

@@ -32,7 +32,7 @@ Form: TypeAlias = Literal["number", "string", "name", "function"]
 
 
 class Value(NamedTuple):
-    """Some values: those of a sort, of a form, or the single one with this `text`."""
+    """Some values: all of a `sort`, those of a `form`, or the single one with this `text`."""
 
     form: Form | None
     sort: str = ""
@@ -89,7 +89,7 @@ class KnownValue:
             self._close(sort, given)
 
     def _close(self, sort: str, given: Values) -> None:
-        """Replace a declared sort by its constants, if these are known."""
+        """Replace a declared sort by its constants if these are known."""
         names = given and all(each.text and each.form == "name" for each in given)
         of = frozenset({Value(self.forms.get(sort), sort)})
         for signature, values in self.declared.items() if names else ():
@@ -116,7 +116,7 @@ class KnownValue:
         return one if one.text or one.sort else other
 
     def meet(self, one: Values, other: Values) -> Values:
-        """Return the values that are in both sets."""
+        """Return the values that are in both sets; None (any value) restricts nothing."""
         if one is None:
             return other
         if other is None or one == other:
@@ -134,7 +134,7 @@ class KnownValue:
         return not self.meet(_of_any_text(one), _of_any_text(other))
 
     def comparable(self, one: Values, other: Values) -> bool:
-        """Whether an order between two sets of values is meaningful, as for numbers and terms."""
+        """Whether `<` between two sets of values is meaningful, as between numbers."""
         forms = [{each.form for each in values or ()} for values in (one, other)]
         return bool(
             self.meet(_of_any_text(one), _of_any_text(other))
@@ -150,7 +150,7 @@ class KnownValue:
                     yield Use(atom, values)
 
     def environment(self, clause: Clause, scope: ClauseScope) -> dict[str, Values]:
-        """Return the possible values of the variables of a scope."""
+        """Return the possible values of each variable in a scope of a clause."""
         found: dict[str, Values] = {}
         for name, values in self._variable_values(scope):
             found[name] = self.meet(found.get(name), values)
@@ -168,7 +168,7 @@ class KnownValue:
         return found
 
     def aggregated(self, aggregate: Aggregate, environment: Environment) -> Values:
-        """Return the value of an aggregate: of the sort of the terms that it adds or compares."""
+        """Return the possible values of an aggregate, by the terms that it adds or compares."""
         if aggregate.function in ("count", "set"):
             return NUMBERS
         found: frozenset[Value] = _NOTHING
@@ -198,7 +198,7 @@ class KnownValue:
                     yield name, values
 
     def of(self, term: SyntaxNode, environment: Environment) -> Values:
-        """Return the possible values of a term."""
+        """Return the possible values of a term, None if any; `environment` has its variables."""
         kind = term.ast_type
         if kind is Kind.Variable:
             return environment.get(term.name)
@@ -211,7 +211,7 @@ class KnownValue:
         return NUMBERS if kind is Kind.Interval else None
 
     def _computed(self, term: SyntaxNode, environment: Environment) -> Values:
-        """Return the values of a sum or a multiple: of the sort of its operands."""
+        """Return the values of a sum or multiple, which has the sort of its operands."""
         inside = [self.of(each, environment) for each in (term.left, term.right)]
         sorts = [
             {each.sort for each in values or () if each.sort and each.form == "number"}
@@ -252,7 +252,7 @@ class KnownValue:
     # ---- From rule to rule -----------------------------------------------------------------------
 
     def _infer(self, clauses: Sequence[Clause]) -> None:
-        """Propagate the values that rules derive, from none until nothing changes."""
+        """Propagate the values of derived arguments through the rules to a fixpoint."""
         for clause in clauses:
             for head, _ in clause.heads:
                 signature = head.signature.unsigned
@@ -278,7 +278,7 @@ class KnownValue:
                 queued.update(more)
 
     def _handed_on(self, clause: Clause) -> Iterator[Signature]:
-        """Add the values that a rule gives its heads; yield the predicates whose values grow."""
+        """Add the values that a rule derives; yield the predicates that got new values."""
         shared: dict[str, Values] | None = None
         for head, condition in clause.heads:
             signature = head.signature.unsigned
@@ -309,9 +309,9 @@ def _of_any_text(values: Values) -> Values:
 def _converted(
     sorts: Set[str], sign: str | None, left: int | None, right: int | None
 ) -> frozenset[str]:
-    """Return the units of numbers after multiplication or division by a number.
+    """Return the units that numbers have after multiplication or division by a constant.
 
-    1000 times a number of seconds is a number of milliseconds.
+    For example, `S * 1000` with S in seconds is in milliseconds.
     """
     factor = right if sign in ("*", "/") and right else left if sign == "*" else None
     if not factor:

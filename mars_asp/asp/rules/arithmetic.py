@@ -69,7 +69,7 @@ def _constants(defined: Mapping[str, Operand]) -> dict[str, int | None]:
 def _exact_value(
     operand: Operand, known: Mapping[str, int | None], found: dict[_Overflow, None]
 ) -> int | None:
-    """Return the exact value of an operand if it is known and fits; add overflows to `found`."""
+    """Return the value of an operand, None if unknown or beyond 32 bits; add it to `found` then."""
     value: int | None
     match operand:
         case str():
@@ -140,7 +140,7 @@ class Arithmetic(NamedTuple):
 
 
 def telling(number: int, checked: Arithmetic) -> str:
-    """Return a rule that records the values with which an operation or sum is computed."""
+    """Return a rule that records the operands of an operation or sum when grounded."""
     match checked.computed:
         case Computed(_, inside, body):
             return f"_computed({number},{_tuple(inside)}) :- {body}."
@@ -149,9 +149,9 @@ def telling(number: int, checked: Arithmetic) -> str:
 
 
 def wrapped(control: clingo.Control, checked: Sequence[Arithmetic]) -> Iterator[Diagnostic]:
-    """Yield the operations and sums that left 32 bits; the rules of `telling` must be grounded.
+    """Yield the operations and sums whose values exceed 32 bits; `telling` records operands.
 
-    One instance of each is reported, that with the smallest numbers for an operation.
+    One instance of each is reported: for an operation that with the smallest numbers.
     """
     least: dict[tuple[Span, _Overflow], tuple[int, str]] = {}
     for atom, _, _ in labelled(control, "_computed", 2, True):
@@ -180,7 +180,7 @@ def wrapped(control: clingo.Control, checked: Sequence[Arithmetic]) -> Iterator[
 def _oversized(
     control: clingo.Control, checked: Sequence[Arithmetic], wrong: Set[Span]
 ) -> Iterator[Diagnostic]:
-    """Yield the sums that may leave 32 bits, except in the rules `wrong`."""
+    """Yield the sums that may exceed 32 bits, except in the rules at the locations `wrong`."""
     # Elements with equal tuples count once, whichever of them is true.
     elements: dict[_Group, dict[tuple[int, ...], tuple[int, bool]]] = {}
     for atom, _, is_fact in labelled(control, "_summed", 3, True):

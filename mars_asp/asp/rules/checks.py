@@ -82,7 +82,7 @@ class Seal:
         return replace(self, unseen=frozenset(self.sees) - seen)
 
     def without(self, apart: Collection[Signature]) -> "Seal":
-        """Return the seal without some private predicates, whose names packs use otherwise."""
+        """Return the seal without private predicates in `apart`, whose names packs may use."""
         freed = {each for each in apart if each not in self.reserved}
         return replace(
             self,
@@ -114,7 +114,7 @@ class Seal:
         return frozenset(each for each, stages in self.named.items() if stages & seen)
 
     def elsewhere(self, signature: Signature, stage: str) -> str | None:
-        """Return a stage of a predicate that `stage` cannot see, or None if it can see it."""
+        """Return a stage with a predicate that rules of `stage` cannot read, else None."""
         stages = self.named.get(signature, frozenset())
         return None if not stages or stages & self.sees[stage] else min(stages)
 
@@ -124,7 +124,7 @@ class Seal:
 
 
 def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
-    """Yield clingo's errors about the rules of a text, which are not grounded here."""
+    """Yield clingo's errors about the syntax and safety of rules; nothing is grounded."""
     for note in fragments.notes(refusals(text) or (), [Fragment(masked(text), shown)]):
         yield from fragments.unbound(note)
         if not note.unsafe and not note.message.startswith(_TWICE):
@@ -240,7 +240,7 @@ def misused_heads(
 def misplaced_statements(
     written: Iterable[Piece], stage: str, seal: Seal, contract: Contract, shown: str
 ) -> Iterator[Diagnostic]:
-    """Yield the statements of a pack, except rules, that would change the meaning of others."""
+    """Yield errors for the statements of a pack, except rules, that would affect other files."""
     for piece in written:
         place = point(shown, *piece.begin)
         match piece.sort:
@@ -374,6 +374,6 @@ def _too_early(
 
 
 def placed(span: Span, place: Place) -> Span:
-    """Return the location in a file for a location in the rule at `span`."""
+    """Return the location in a file of a place in the rule at `span`."""
     line, column = place
     return point(span.path, span.line + line - 1, column + (span.column - 1) * (line == 1))

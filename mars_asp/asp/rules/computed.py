@@ -80,7 +80,10 @@ class _Literal(NamedTuple):
 
 
 class _Site(NamedTuple):
-    """A node, the literals that hold beside it, and its own literal if that can bind variables."""
+    """A node of a rule whose operations are examined, with the literals that hold `beside` it.
+
+    `own` is its own literal if that can bind variables, else empty.
+    """
 
     node: SyntaxNode
     beside: tuple[_Literal, ...]
@@ -96,7 +99,7 @@ def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...
 
 
 def _is_open(operand: Operand) -> bool:
-    """Whether an operation has values known only after grounding, and may not fit."""
+    """Whether an operation depends on values of variables and may exceed 32 bits."""
     return isinstance(operand, Operation) and bool(leaves(operand)) and not _fits(operand)
 
 
@@ -107,7 +110,7 @@ def _fits(operand: Operand) -> bool:
 
 
 def leaves(operand: Operand) -> tuple[str, ...]:
-    """Return the operands of an operation except numbers, each once."""
+    """Return the operands of an operation, without numbers and duplicates, at any depth."""
     if isinstance(operand, Operation):
         found = (leaf for inner in operand.operands for leaf in leaves(inner))
         return tuple(dict.fromkeys(found))
@@ -131,7 +134,7 @@ def _computations(text: str) -> tuple[Computed | Summed, ...]:
 
 
 def _sites(rule: SyntaxNode, beside: tuple[_Literal, ...]) -> Iterator[_Site]:
-    """Yield the nodes of a rule that hold independently, each with the literals beside it."""
+    """Yield the head and each literal of a rule, as sites, with the other literals of the body."""
     yield from _sites_in(rule.head, beside, ())
     for number, node in enumerate(rule.body):
         rest = (*beside[:number], *beside[number + 1 :])
@@ -141,7 +144,7 @@ def _sites(rule: SyntaxNode, beside: tuple[_Literal, ...]) -> Iterator[_Site]:
 def _sites_in(
     node: SyntaxNode, rest: tuple[_Literal, ...], own: tuple[_Literal, ...]
 ) -> Iterator[_Site]:
-    """Yield the guards and the elements of a head or literal, or all of it if it has none."""
+    """Yield each guard and element of a head or literal as a site; itself if it has none."""
     atom = atom_of(node)
     if atom.ast_type not in WITH_ELEMENTS:
         yield _Site(node, rest, own)
@@ -206,7 +209,7 @@ def _sums(
 
 
 def _body(values: Sequence[str], site: _Site) -> tuple[_Literal, ...] | None:
-    """Return literals beside a node that bind all values, or None if no literals do.
+    """Return literals of a site that bind all `values`, or None if that is impossible.
 
     Literals are left out if only the computed result binds one of their variables.
     """
@@ -228,12 +231,12 @@ def _literal(node: SyntaxNode) -> _Literal:
 
 
 def _written(literals: Iterable[_Literal]) -> str:
-    """Return the text of a body."""
+    """Return the literals as the text of a body."""
     return "; ".join(literal.text for literal in literals) or "#true"
 
 
 def _unsafe_names(values: Sequence[str], literals: Iterable[_Literal]) -> frozenset[str]:
-    """Return the variables of values and literals that are unsafe if the literals are a body."""
+    """Return the variables that would be unsafe in a rule over `values` with such a body."""
     notes = refusals(f"_computed({','.join(values)}) :- {_written(literals)}.")
     # An anonymous variable can be bound by nothing else.
     return _NONE if notes is None else frozenset({"_"}.union(*map(_UNSAFE.findall, notes)))

@@ -20,7 +20,7 @@ _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 
 
 def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding: str) -> None:
-    """Check that the rules of packs have an answer set with facts.
+    """Raise MarsError if the rules of packs have no answer set with the facts.
 
     `control` holds all rules of the base and the facts, grounded; without packs nothing is done.
     `finding` is the predicate of findings, which the advice names.

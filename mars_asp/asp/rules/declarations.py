@@ -140,13 +140,13 @@ class Declaration:
 
     @property
     def written(self) -> str:
-        """Return the predicate with the names and sorts of its arguments."""
+        """Return the predicate with the names and sorts of its arguments, as text."""
         inside = ", ".join(map(_argument_text, self.arguments))
         name = plain(self.name)
         return f"{name}({inside})" if inside else name
 
     def with_constants(self, known: str, more: tuple[str, ...]) -> "Declaration":
-        """Return the declaration with more constants for arguments that have a certain constant."""
+        """Return the declaration where arguments that list `known` list `more` constants, too."""
         if not any(known in each.constants for each in self.arguments):
             return self
         arguments = tuple(
@@ -283,7 +283,7 @@ def wrong_references(declared: Iterable[Declaration]) -> Iterator[Diagnostic]:
 def misspelt_sorts(
     own: Iterable[Declaration], known: Iterable[str], units: Mapping[str, str]
 ) -> Iterator[Diagnostic]:
-    """Yield the sorts in only one declaration that are spelt nearly as known ones.
+    """Yield errors for sorts that occur once and are spelt almost like a known one.
 
     `units` maps the sign of a unit, such as `ms`, to its sort.
     """
@@ -332,7 +332,7 @@ def _read_argument(
 def _split_docstring(
     text: str, place: Span, problems: list[Diagnostic]
 ) -> tuple[str, Mapping[str, Sequence[str]]]:
-    """Return the text for readers, and the values of the lines after it, by their keys."""
+    """Return the prose of a declaration, and the values of its `key: value` lines by key."""
     lines = re.sub(_CONTINUED, " ", text.rstrip()).split("\n")
     entries: dict[str, list[str]] = {}
     while lines and (match := re.fullmatch(_LINE, lines[-1].strip())):
@@ -354,7 +354,7 @@ def _split_docstring(
 
 
 def _wrong_line(key: str, value: str, near_key: str) -> str | None:
-    """Return the correction of a wrong line, or None if the line is correct."""
+    """Return advice for a line with a wrong key or value, or None if it is correct."""
     choices = _FIXED_VALUES.get(near_key, ())
     if key == near_key and (value in choices if choices else value):
         return None

@@ -29,7 +29,7 @@ class Dependencies(NamedTuple):
 
 
 def dependencies_of(texts: Iterable[str]) -> list[tuple[Dependencies, ...]]:
-    """Return the dependencies of the rules of some texts."""
+    """Return the dependencies of each rule: one entry for each variant without pools."""
     keys = tuple(texts)
     files = map(Path, (__file__, reader.__file__))
     made = memoized(
@@ -76,7 +76,7 @@ def reachable_rules(
 
 
 def reads(rule: Iterable[Dependencies]) -> frozenset[Signature]:
-    """Return the predicates that a rule reads."""
+    """Return the predicates that the variants of a rule read."""
     return frozenset().union(*(each.reads for each in rule))
 
 

@@ -119,7 +119,7 @@ def labels(rule: Rule, expansions: Expansions) -> Iterator[Label]:
 
 
 def with_conditions(written: str, change: Callable[[str], str]) -> str:
-    """Return the text after a key with its conditions changed, term by term."""
+    """Return the list `written` of a key, each condition replaced by `change(condition)`."""
     found = []
     for term, order, condition, label in _elements(written):
         parts = [f"{term}@{order}" if order else term]
@@ -197,7 +197,7 @@ def wrong(
 
 
 def _wrong_label(element: _Element, made: Rule, key: str, place: Span) -> Iterator[Diagnostic]:
-    """Yield the holes of a label that no variable of the rule made for its element fills."""
+    """Yield errors for holes of a label that the rule `made` for its element does not bind."""
     holes = HOLE.findall(element.label or "")
     names = {name for name, _ in holes}
     for hole, sort in holes:
@@ -212,7 +212,7 @@ def _wrong_label(element: _Element, made: Rule, key: str, place: Span) -> Iterat
 
 
 def _is_rule(text: str, shown: str, readings: int = 1) -> bool:
-    """Whether a text is one rule with a number of variants of its pools, and nothing else."""
+    """Whether a text is exactly one rule, whose pools have `readings` variants."""
     try:
         check_text(text, shown)
         sorts = [piece.sort for piece in pieces(text) if piece.sort != "begin"]
@@ -237,7 +237,7 @@ def _elements_of(written: str) -> Iterator[_Element]:
 
 
 def split(written: str, sign: str, most: int = -1) -> list[str]:
-    """Return the texts between separators outside of brackets and strings."""
+    """Return a text split at `sign` (at most `most` times) outside brackets and strings."""
     parts, depth = [""], 0
     for match in _TOKEN.finditer(written):
         token = match[0]

@@ -19,7 +19,7 @@ class External(NamedTuple):
     span: Span
 
     def marked(self, predicate: str, number: int) -> str:
-        """Return a rule that derives an atom of a predicate, with a number, for each external."""
+        """Return a rule that derives `predicate(number, ...)` for each atom of the external."""
         atom = f"{predicate}({number},{self.atom})"
         return f"{atom} :- {self.body}." if self.body else f"{atom}."
 

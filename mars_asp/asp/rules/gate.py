@@ -53,10 +53,10 @@ class IncludedFile(NamedTuple):
 
 
 def included(text: str, shown: str) -> tuple[str, list[IncludedFile], list[Diagnostic]]:
-    """Return a text with its `#include` statements blanked, these, and the errors in others.
+    """Return a text with `#include` statements blanked, these statements, and errors in them.
 
-    All other text keeps its location. In comments the word is masked as well, so that clingo reads
-    no file wherever it ends a comment.
+    All other text keeps its location. Also in comments the word is masked, so that clingo cannot
+    read a file if it ends a comment differently.
     """
     found: list[IncludedFile] = []
     wrong: list[Diagnostic] = []
@@ -109,7 +109,9 @@ def read_text(path: Path, shown: str) -> str:
 
 
 def check_text(text: str, shown: str, is_own: bool = False) -> None:
-    """Check that clingo may read a text; `is_own` relaxes the check for the caller's own texts.
+    """Raise MarsError if clingo must not read a text, with the first reasons.
+
+    `is_own` relaxes the check for a caller's own text.
 
     Raises:
         MarsError: with the first reasons.
@@ -126,7 +128,7 @@ def check_text(text: str, shown: str, is_own: bool = False) -> None:
 
 
 def _forbidden_text(text: str, refused: re.Pattern[str]) -> Iterator[tuple[int, str, str]]:
-    """Yield the location, the description and the advice of text that clingo must not get."""
+    """Yield offset, description and advice for text that clingo must not read."""
     for sign, name in (("\ufeff", "a byte order mark"), ("\0", "a NUL character")):
         if sign in text:
             yield text.index(sign), f"holds {name}", "remove it"
@@ -139,7 +141,7 @@ def _forbidden_text(text: str, refused: re.Pattern[str]) -> Iterator[tuple[int, 
 
 
 def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
-    """Yield the statements that are too long or too deep, and invalid characters.
+    """Yield offset, description and advice: overlong or too deep statements, invalid characters.
 
     As in clingo, comments and strings do not count. The depth of a term is the number of open
     brackets and of the operators between two commas: `1+1+1` is `(1+1)+1`.
@@ -201,7 +203,7 @@ def _tokens(text: str) -> Iterator[tuple[int, int, str]]:
 
 
 def _closed(text: str, at: int) -> int:
-    """Return the end of a block comment that is open at an offset."""
+    """Return the end of the block comment around an offset."""
     depth = 1
     while depth and (match := _COMMENTED.search(text, at)):
         at = match.end()

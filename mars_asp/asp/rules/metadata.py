@@ -32,7 +32,7 @@ _CONTINUED = re.compile(r"%!\s{4,}(\S.*)")
 
 
 def file_name(shown: str, stage: str) -> str:
-    """Return the first component of the ids of the rules in a file, without repeated names."""
+    """Return the first component of the ids of a file's rules: `STAGE/STEM`, or `STEM`."""
     stem = Path(shown).stem
     return stem if stage in ("base", stem) else f"{stage}/{stem}"
 
@@ -117,7 +117,7 @@ def _note_metadata(
 
 
 def _go_on(pending: dict[str, tuple[str, Span]], more: str) -> None:
-    """Append a continuation line to the last metadata."""
+    """Append a continuation line to the last entry of `pending`."""
     for key in list(pending)[-1:]:
         text, place = pending[key]
         pending[key] = (f"{text} {more}", place)

@@ -24,12 +24,12 @@ _HEADER = re.compile(r"(%\*!\s*-?)([a-z_]\w*'*)")
 
 
 def spaced(signature: Signature, space: str) -> str:
-    """Return the name of a predicate in a name space."""
+    """Return the name of a predicate in the name space of a pack, such as `seen''rover`."""
     return f"{signature.name}{SPACE}{re.sub(r'[^A-Za-z0-9_]', '_', space)}"
 
 
 def in_space(file: RuleFile, names: Mapping[Signature, str]) -> RuleFile:
-    """Return a file of rules with predicates renamed into a name space."""
+    """Return a file in which the predicates in `names` have other names."""
     if not names:
         return file
     text = renamed(file.text, names)
@@ -52,7 +52,7 @@ def _in_space(rule: Rule, names: Mapping[Signature, str]) -> Rule:
 
 
 def _documented(docstring: Piece, names: Mapping[Signature, str]) -> Piece:
-    """Return a comment about a predicate with its name in a name space."""
+    """Return a comment that declares a predicate, with the predicate's name in `names`."""
     by_name = {signature.name: new for signature, new in names.items()}
 
     def header(match: re.Match[str]) -> str:
@@ -64,10 +64,9 @@ def _documented(docstring: Piece, names: Mapping[Signature, str]) -> Piece:
 def apart(
     spaces: Iterable[NameSpace], sealed: Seal, common: Mapping[Signature, str]
 ) -> Iterator[NameSpace]:
-    """Yield packs in which private predicates have unique names.
+    """Yield packs whose private predicates have names that occur in no other pack.
 
-    A predicate of another pack has the name that it has there, and a predicate that facts give to
-    all packs its `common` name.
+    `common` are the names of predicates whose facts all packs get.
     """
     taken = {each.name for each in (*sealed.named, *common)}
     shared = {each: name for each, name in common.items() if each.name != name}

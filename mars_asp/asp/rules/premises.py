@@ -80,7 +80,7 @@ def _read_text(text: str) -> Premises | None:
 
 
 def _between(lines: Sequence[str], begin: Place, end: Place) -> str:
-    """Return the text between two locations; none if the first comes after the second."""
+    """Return the text from `begin` to `end`, "" if `begin` is not before `end`."""
     if begin >= end:
         return ""
     (first, left), (last, right) = begin, end

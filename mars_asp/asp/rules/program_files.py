@@ -30,13 +30,13 @@ class ProgramReader:
     """Reads files and the files that they include, each once."""
 
     def __init__(self, stage: str, problems: list[Diagnostic]) -> None:
-        """Read for a stage; errors are added to `problems`."""
+        """Begin to read files of a stage; errors are added to `problems`."""
         self._stage, self._problems = stage, problems
         self._seen: set[Path] = set()
         self.files: list[RuleFile] = []
 
     def read_path(self, path: str | Path) -> None:
-        """Read a file."""
+        """Read a file, and those that it includes."""
         if Path(path).resolve() not in self._seen:
             try:
                 self._read_part(read_text(Path(path), str(path)), str(path), BASE_PART, ())
@@ -44,7 +44,7 @@ class ProgramReader:
                 self._problems += error.diagnostics
 
     def read_text(self, text: str, path: str) -> None:
-        """Read a text as the content of a file."""
+        """Read a text as the content of a file at `path`, with the files that it includes."""
         self._read_part(text, path, BASE_PART, ())
 
     def _read_part(self, text: str, shown: str, part: ProgramPart, above: tuple[Path, ...]) -> None:
@@ -73,7 +73,7 @@ class ProgramReader:
     def _include(
         self, include: IncludedFile, shown: str, part: ProgramPart, above: tuple[Path, ...]
     ) -> bool:
-        """Read an included file; return whether it is new."""
+        """Read an included file; return False if it was read before or has an error."""
         written = str(Path(shown).parent / include.path)
         path = Path(written).resolve()
         place = point(shown, *include.begin)
@@ -106,9 +106,9 @@ def parts_of(files: Sequence[RuleFile]) -> list[ProgramPart]:
 
 
 def of_part(file: RuleFile, part: clingo.Symbol, is_first: bool) -> RuleFile:
-    """Return a file with the statements of a part alone, and values instead of its parameters.
+    """Return a file with only the statements of a part, its parameters replaced by values.
 
-    All statements keep their lines. Statements for all parts are kept if the file `is_first`.
+    All statements keep their lines. Statements without a part are kept if `is_first`.
     """
     kept: list[Piece] = []
     text = file.text

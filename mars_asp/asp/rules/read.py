@@ -135,7 +135,10 @@ def read_rules(
     expansions: Expansions = MappingProxyType({}),
     is_own: bool = False,
 ) -> RuleFile | None:
-    """Return a text as a file of rules, completely checked; `is_own` is the caller's text."""
+    """Return a text as a checked file of rules, or None if it cannot be read.
+
+    Errors are added to `problems`; `is_own` is whether it is the caller's own text.
+    """
     try:
         check_text(text, shown, is_own)
     except MarsError as error:
@@ -210,7 +213,7 @@ class NameSpace(NamedTuple):
         return tuple(rule for file in self.files for rule in file.rules)
 
     def derived(self, stages: Collection[str]) -> frozenset[Signature]:
-        """Return the predicates that its rules of some stages derive, and its `#defined` ones."""
+        """Return the predicates that its rules in some stages derive or `#defined` declares."""
         found = (rule.heads for rule in self.rules if rule.stage in stages)
         facts = (defined(file.text) for file in self.files if file.stage in stages)
         return frozenset().union(*found, *facts)
@@ -249,7 +252,7 @@ def wrong_packs(
 
 
 def _reader(space: NameSpace, stage: str, others: Sequence[NameSpace], sealed: Seal) -> Reader:
-    """Return the predicates that the rules of one stage of a pack may read."""
+    """Return the predicates that rules of a pack in one stage may read."""
     seen = sealed.sees[stage]
     known = sealed.known(stage)
     if space.needs is not None:
@@ -343,7 +346,7 @@ def _named_by_space(space: NameSpace, name: str) -> NameSpace:
 
 
 def _in_space(rule: Rule, name: str, stays: str) -> Rule:
-    """Return a rule with the name of its pack before its id, unless its id begins with `stays`."""
+    """Return a rule whose id begins with the pack's name; unchanged if it begins with `stays`."""
     is_named = bool(stays) and rule.id.startswith(stays)
     return rule if is_named else replace(rule, id=f"{name}/{rule.id}")
 

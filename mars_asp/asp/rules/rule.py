@@ -51,12 +51,12 @@ class Rule:
 
     @cached_property
     def ast(self) -> Tree:
-        """Return clingo's syntax tree of the text, which further rules are made from."""
+        """Return clingo's syntax tree of the rule, from which further rules are made."""
         return tree(self.text)
 
     @cached_property
     def written(self) -> tuple[str, str]:
-        """Return the head and the body in clingo's formatting."""
+        """Return the head and the body as clingo formats them."""
         return str(self.ast.head), "; ".join(map(str, self.ast.body))
 
     @property
@@ -104,7 +104,7 @@ class Rule:
         }
 
     def __getstate__(self) -> dict[str, object]:
-        """Keep the derived values that most questions need."""
+        """Return the pickled state, which includes derived values that most questions need."""
         written = {field.name: getattr(self, field.name) for field in fields(self)}
         names = ["heads", "reads", "is_choice", "firsts"]
         # Every question makes another rule from a rule with a message.
@@ -119,7 +119,7 @@ class Rule:
 
     @property
     def sentences(self) -> Iterator[tuple[str, str]]:
-        """Yield the texts of the rule for users, by the keys of their lines."""
+        """Yield the key and text of `because`, `help` and `effect`, if the rule has them."""
         for key, text in (("because", self.because), ("help", self.help), ("effect", self.effect)):
             if text:
                 yield key, text

@@ -60,7 +60,7 @@ class Rulebook:
 
     @cached_property
     def _fragments(self) -> dict[str, tuple[Fragment, ...]]:
-        """Return the fragments read so far: one rulebook serves many analyses."""
+        """Return the cache of `fragments`, by stage."""
         return {}
 
     def _read_fragments(self, stage: str) -> tuple[Fragment, ...]:
@@ -131,12 +131,12 @@ class Rulebook:
         return tuple(each for file in files for each in file.declarations)
 
     def as_named(self, facts: str) -> str:
-        """Return facts in the notation of packs with the program's names of predicates."""
+        """Return facts written for packs, with the program's names of their predicates."""
         return renamed(facts, self._spaced) if self._spaced else facts
 
     @cached_property
     def _spaced(self) -> Mapping[Signature, str]:
-        """Return the names of pack predicates with a name space, by their plain signatures."""
+        """Return the names in name spaces of predicates of packs, by their plain signatures."""
         heads = [head for rule in self.of_packs for head in rule.heads]
         documented = self.documented[len(self.documented) - self.packs :]
         declared = [each.signature for file in documented for each in file.declarations]
@@ -145,7 +145,7 @@ class Rulebook:
 
     @cached_property
     def arithmetic(self) -> tuple[Arithmetic, ...]:
-        """Return the operations of packs that may leave 32 bits."""
+        """Return the operations in packs' rules that may exceed 32 bits."""
         own = self.of_packs
         # A rule made from metadata computes nothing except in the body of its original.
         rules = [rule for rule in own if rule.listed is None and rule.stage == BASE]

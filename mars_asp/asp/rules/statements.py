@@ -96,15 +96,15 @@ class Pattern(NamedTuple):
 
     @property
     def constant(self) -> str | None:
-        """Return the text of the one value that it is, or None if it may be others."""
+        """Return the text of the term if it is one value, else None."""
         return self.text if self.is_constant else None
 
 
 class Literal(NamedTuple):
-    """A predicate with its terms, and whether only its true instances matter.
+    """A literal of a predicate; `binds` is whether only its true instances matter.
 
-    These are positive literals, except the one before a condition: `p(X) : q(X)` fails if there is
-    a `q(X)` without a `p(X)`.
+    This holds for positive literals, except before a condition: `p(X) : q(X)` fails for a true
+    `q(X)` without `p(X)`.
     """
 
     signature: Signature
@@ -114,7 +114,7 @@ class Literal(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Return it as clingo writes it, without `not`."""
+        """Return the literal as clingo formats it, without `not`."""
         inside = ",".join([term.text for term in self.terms])
         return f"{self.signature.signed}({inside})" if inside else self.signature.signed
 
@@ -127,12 +127,12 @@ class Scope(NamedTuple):
 
     @property
     def literals(self) -> tuple[Literal, ...]:
-        """Return all of its literals."""
+        """Return all literals of the scope."""
         return (*self.positive, *self.others)
 
 
 class Head(NamedTuple):
-    """An atom that a head can give, and the condition under which it does."""
+    """An atom that a head may derive, and the condition on it."""
 
     literal: Literal
     condition: Scope
@@ -167,7 +167,7 @@ class Statement:
 
     @property
     def head(self) -> Literal:
-        """Return the atom that it forces."""
+        """Return the literal of the only atom in the head."""
         return self.heads[0].literal
 
     @cached_property
@@ -193,7 +193,7 @@ class Statement:
 
 
 class Number(NamedTuple):
-    """A number in a rule as it is written, whatever clingo makes of it."""
+    """A number in a rule as written, even if it exceeds the range of clingo."""
 
     value: int
     place: Place
@@ -323,12 +323,12 @@ def refusals(text: str) -> list[str] | None:
 
 
 def argument_place(text: str, variant: int, at: int) -> Place:
-    """Return where an argument of the head of a rule, in one of its variants, begins."""
+    """Return the begin of argument `at` (from 0) in the head of a rule's variant."""
     return places(text)(variants(text)[variant].head.atom.symbol.arguments[at])
 
 
 def masked(text: str) -> str:
-    """Return a text with one byte for each character that has several: clingo counts bytes."""
+    """Return a text in which each non-ASCII character is one byte, as clingo counts bytes."""
     return _NOT_ASCII.sub("`", text)
 
 
@@ -363,7 +363,7 @@ def pieces(text: str) -> Iterator[Piece]:
 
 
 def _says(piece: str, node: ast.AST) -> bool:
-    """Whether a text by itself is the rule, whose characters are ASCII, and nothing else."""
+    """Whether a text, read alone, is exactly the rule `node`."""
     try:
         return bool(tree(masked(piece)) == node)
     except (RuntimeError, ValueError):
@@ -371,31 +371,31 @@ def _says(piece: str, node: ast.AST) -> bool:
 
 
 def _of_kind(text: str, mark: str, kind: ast.ASTType) -> Iterator[ast.AST]:
-    """Yield clingo's trees of the statements of one kind in a text; each of them has the mark."""
+    """Yield clingo's trees of the statements of one kind, which all contain the text `mark`."""
     if mark in text:
         yield from (node for node in _file(text) if node.ast_type == kind)
 
 
 def defined(text: str) -> set[Signature]:
-    """Return the predicates that a text declares as given, by `#defined`, without signs."""
+    """Return the predicates that `#defined` statements of a text declare, without signs."""
     return {signature for signature, _ in defined_at(text)}
 
 
 def defined_at(text: str) -> Iterator[tuple[Signature, Place]]:
-    """Yield the predicates that a text declares as given, each with the location."""
+    """Yield each predicate in a `#defined` statement with its location."""
     place = places(text)
     for each in _of_kind(text, "#defined", _TYPE.Defined):
         yield Signature(each.name, each.arity), place(each)
 
 
 def shown(text: str) -> tuple[Signature, ...]:
-    """Return the predicates that a text shows."""
+    """Return the predicates in the `#show` statements of a text."""
     nodes = _of_kind(text, "#show", _TYPE.ShowSignature)
     return tuple(Signature(node.name, node.arity, bool(node.positive)) for node in nodes)
 
 
 def costs(text: str) -> tuple[Statement, ...]:
-    """Return the costs that the statements of a text minimise or maximise, with locations."""
+    """Return each minimised or maximised element, and each weak constraint, of a text."""
     if _COST.search(text) is None:
         return ()
     place = places(text)
@@ -409,7 +409,7 @@ def read_by_costs(text: str) -> frozenset[Signature]:
 
 
 def _named_constants(text: str) -> Iterator[SyntaxNode]:
-    """Yield the nodes of a text that are constants, not numbers or strings."""
+    """Yield the nodes of constants such as `a` in a text, not numbers or strings."""
     for one in parsed(text):
         for node in below(plain(one)):
             if node.ast_type is _TYPE.SymbolicTerm and node.symbol.type == SymbolType.Function:
@@ -422,7 +422,7 @@ def constant_names(text: str) -> frozenset[str]:
 
 
 def calls(text: str) -> tuple[tuple[Place, str], ...]:
-    """Return the functions outside of clingo that a rule calls, by `@`, with their places."""
+    """Return place and name of each external function (`@f`) that a rule calls."""
     if "@" not in text:
         return ()
     place = places(text)
@@ -431,16 +431,13 @@ def calls(text: str) -> tuple[tuple[Place, str], ...]:
 
 
 def head_pool(text: str) -> Place | None:
-    """Return where the head of a rule holds a pool, if it does."""
+    """Return the location of a pool in the head of a rule, or None without one."""
     found = (node for node in below(written(text).head) if node.ast_type == _TYPE.Pool)
     return next(map(places(text), found), None)
 
 
 def renamed(text: str, names: Mapping[Signature, str]) -> str:
-    """Return a text in which predicates, without signs, have other names.
-
-    All else of it stays as it is written, line by line.
-    """
+    """Return a text in which the predicates in `names` are renamed; all else stays as written."""
     found: list[tuple[Place, str, str]] = []
     for node in parsed(masked(text)):
         if node.ast_type in (_TYPE.ShowSignature, _TYPE.Defined):
@@ -459,7 +456,7 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
 
 
 def _edited(text: str, edits: Iterable[tuple[Place, str, str]]) -> str:
-    """Return a text with old names, each the first from a location on, replaced by new ones."""
+    """Return a text with edits (place, old, new): the first `old` from the place on is replaced."""
     lines = text.split("\n")
     # From the end, so that earlier locations stay valid.
     for (line, column), old, new in sorted(set(edits), reverse=True):
@@ -494,25 +491,25 @@ def operands(text: str) -> tuple[Operand, ...]:
 
 
 def definitions(text: str) -> dict[str, Operand]:
-    """Return the values of the constants that a text replaces by `#const`."""
+    """Return the values that the `#const` statements of a text give constants."""
     reader = ArithmeticReader(text)
     nodes = _of_kind(text, "#const", _TYPE.Definition)
     return {str(node.name): reader.operand(plain(node.value), []) for node in nodes}
 
 
 def replaced(text: str) -> set[str]:
-    """Return the constants that a text replaces by other values, by `#const`."""
+    """Return the names of the constants that the text defines by `#const`."""
     return {str(node.name) for node in _of_kind(text, "#const", _TYPE.Definition)}
 
 
 def part_of(text: str) -> tuple[str, tuple[str, ...]]:
-    """Return the name and the parameters of the part that a `#program` statement begins."""
+    """Return name and parameters of a `#program` statement."""
     node = parsed(text)[-1]
     return node.name, tuple(each.name for each in node.parameters)
 
 
 def with_constants(text: str, values: Mapping[str, str]) -> str:
-    """Return the text of a statement with other terms for some constants, line by line."""
+    """Return the text of a statement in which constants are replaced by terms."""
     place = places(text)
     # In brackets, `-k` of a negative number is neither a comment nor another operator.
     terms = {name: f"({term})" if term.startswith("-") else term for name, term in values.items()}
@@ -582,13 +579,13 @@ def tree(text: str) -> ast.AST:
 
 @lru_cache(maxsize=_MOST)
 def written(text: str) -> SyntaxNode:
-    """Return the tree of the text of a rule as it is written, with its pools."""
+    """Return the tree of a rule as it is written, with its pools."""
     return plain(tree(text))
 
 
 @lru_cache(maxsize=_MOST)
 def variants(text: str) -> tuple[SyntaxNode, ...]:
-    """Return the trees of the text of a rule without its pools, one for each way to read it."""
+    """Return the tree of each variant of a rule without pools."""
     node = written(text)
     # A pool needs a semicolon.
     if ";" not in text or all(each.ast_type != _TYPE.Pool for each in below(node)):
@@ -600,7 +597,7 @@ _Tree = TypeVar("_Tree", ast.AST, SyntaxNode)
 
 
 def sign_and_function(symbol: _Tree) -> tuple[str, _Tree]:
-    """Return the sign of classical negation, or nothing, and an atom without it."""
+    """Return `-` or "" for classical negation, and the atom without it."""
     sign = ""
     while symbol.ast_type == _TYPE.UnaryOperation:
         sign, symbol = "" if sign else "-", symbol.argument
@@ -608,9 +605,9 @@ def sign_and_function(symbol: _Tree) -> tuple[str, _Tree]:
 
 
 def places(text: str) -> Callable[..., Place]:
-    """Return the function that locates the nodes of a text in characters; clingo counts bytes.
+    """Return a function from a node to the place of its begin (with `end`, its end) in a text.
 
-    It returns where a node begins, or with `end` where it ends.
+    Places count characters, whereas clingo counts bytes.
     """
     lines = None if text.isascii() else [line.encode() for line in text.split("\n")]
 
@@ -660,7 +657,7 @@ class _StatementReader:
         self._place = place
 
     def heads(self, head: SyntaxNode) -> Iterator[Head]:
-        """Yield the atoms of a head."""
+        """Yield the atoms that a head may derive."""
         alone = [((head,), ())] if head.ast_type is _TYPE.Literal else elements_of(head)
         for (*_, literal), condition in alone:
             if _is_symbolic(literal):
@@ -736,7 +733,7 @@ class ArithmeticReader:
         self.place = places(text)
 
     def may_compute(self, node: ast.AST) -> bool:
-        """Whether something in the lines of a tree may be computed."""
+        """Whether the lines of a node contain any sign of arithmetic."""
         line, _, end, _ = extent_of(node)
         return _may_compute(b"\n".join(self._lines[line - 1 : end]).decode(errors="replace"))
 
@@ -752,7 +749,7 @@ class ArithmeticReader:
             yield from self.outermost(child)
 
     def operand(self, node: SyntaxNode, rest: list[SyntaxNode]) -> Operand:
-        """Return a node as an operand; `rest` receives the nodes below parts not computed."""
+        """Return a node as an operand; add nodes below terms to `rest`."""
         match node.ast_type:
             case _TYPE.SymbolicTerm if node.symbol.type == SymbolType.Number:
                 return Number(self._number(node), self.place(node))
@@ -767,7 +764,7 @@ class ArithmeticReader:
         return Operation(sign, operands, self._source_text(node), self.place(node))
 
     def _source_text(self, node: SyntaxNode) -> str:
-        """Return the source text: a number that does not fit is another in the tree."""
+        """Return a node's source text, as clingo changes numbers that do not fit."""
         line, column, end_line, end = extent_of(node)
         if line != end_line:
             return str(node)

@@ -30,7 +30,7 @@ def term_of(symbol: clingo.Symbol) -> Term:
 
 
 def symbol_in(text: str) -> clingo.Symbol | None:
-    """Return the ground term of a user's text, or None if it cannot be read."""
+    """Return the ground term in a text, or None if it is not one."""
     try:
         if not text.isascii():
             # clingo may cut its message within a character, which its Python package cannot decode.

@@ -45,7 +45,7 @@ class SyntaxNode:
         self.tree = tree
 
     def __getattr__(self, name: str) -> Any:
-        """Refuse an attribute that the node does not have; type checkers accept any."""
+        """Raise AttributeError; declared so that type checkers accept any attribute."""
         raise AttributeError(name)
 
     def __str__(self) -> str:
@@ -85,7 +85,7 @@ def _attributes(kind: ast.ASTType, tree: ast.AST) -> Sequence[str]:
 
 
 def extent_of(node: SyntaxNode | ast.AST) -> Extent:
-    """Return where a node begins and ends."""
+    """Return first line and column, and last line and column, of a node."""
     location = (node.tree if isinstance(node, SyntaxNode) else node).location
     return (*location.begin[1:], *location.end[1:])
 
@@ -106,7 +106,7 @@ def _variable_set(name: str) -> frozenset[str]:
 
 
 def below(node: SyntaxNode) -> Sequence[SyntaxNode]:
-    """Return a node and all below it, in their order."""
+    """Return a node and all its descendants, in the order of the text."""
     if node._below is None:
         node._below = found = []
         rest = [node]
@@ -118,7 +118,7 @@ def below(node: SyntaxNode) -> Sequence[SyntaxNode]:
 
 
 def atom_of(node: SyntaxNode) -> SyntaxNode:
-    """Return the atom of a literal; conditional literals and heads of other kinds are their own."""
+    """Return the atom of a literal; other nodes are returned unchanged."""
     atom: SyntaxNode = node.atom if node.ast_type is Kind.Literal else node
     return atom
 

@@ -166,7 +166,7 @@ def _atoms(rule: Flat) -> list[int]:
 
 
 def _simplified(rule: Flat, facts: Set[int], unsettled: Set[int]) -> "Flat | None":
-    """Return a rule without decided literals, or None if they decide the rule.
+    """Return a rule without decided literals, or None if these satisfy or disable the rule.
 
     An atom that is neither a fact nor unsettled is false.
     """
@@ -197,7 +197,7 @@ def _simplified(rule: Flat, facts: Set[int], unsettled: Set[int]) -> "Flat | Non
 
 
 def _renamed(rule: Flat, names: Mapping[int, int]) -> GroundRule:
-    """Return a rule with other literals; `names` maps each literal."""
+    """Return a rule with renumbered atoms; `names` maps each literal to the new one."""
     choice, heads, _, bound = rule[:_FIXED]
     head = tuple(sorted([names[atom] for atom in rule[_FIXED : _FIXED + heads]]))
     body = rule[_FIXED + heads :]

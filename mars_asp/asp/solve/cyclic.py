@@ -7,7 +7,7 @@ _Node = TypeVar("_Node", bound=Hashable)
 
 
 def cyclic_components(edges: Iterable[tuple[_Node, _Node]]) -> Mapping[_Node, int]:
-    """Return the number of its component for each node that depends on itself."""
+    """Return the component number of each node that is on a cycle."""
     import networkx  # noqa: PLC0415 -- slow to import, and few commands need it
 
     graph = networkx.DiGraph(edges)

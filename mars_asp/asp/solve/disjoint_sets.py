@@ -23,7 +23,7 @@ class DisjointSets(Generic[_Member]):
         return member
 
     def join(self, members: Sequence[_Member]) -> None:
-        """Put members into one set, with all that are in a set with them."""
+        """Merge the sets that contain the members."""
         if not members:
             return
         root, parent = self.find(members[0]), self.parent
@@ -33,7 +33,7 @@ class DisjointSets(Generic[_Member]):
                 parent[self.find(member)] = root
 
     def members(self, each: Iterable[_Member]) -> dict[_Member, list[_Member]]:
-        """Return members by the roots of their sets, in the order in which they are given."""
+        """Return the members of `each`, in order, by the root of their set."""
         found: defaultdict[_Member, list[_Member]] = defaultdict(list)
         for member in each:
             found[self.find(member)].append(member)

@@ -84,7 +84,7 @@ class ChosenAnswer:
 
     @cached_property
     def taken(self) -> frozenset[TermId]:
-        """Return the true atoms of predicates that are not decided completely."""
+        """Return the true atoms of all predicates that have an atom that is not a fact."""
         return frozenset(atom for atoms in self.true.values() for atom in atoms)
 
     @property
@@ -127,7 +127,7 @@ class Resolution:
 
     @property
     def taken(self) -> frozenset[TermId]:
-        """Return the true atoms of predicates that are not decided completely."""
+        """Return the true atoms of all predicates that have an atom that is not a fact."""
         return self.answer.taken
 
 
@@ -143,13 +143,13 @@ class Part(NamedTuple):
     best: Optimum
 
     def decided(self, answer: Optimum) -> tuple[int, ...]:
-        """Return the literals that hold in an answer of the component."""
+        """Return an answer of the component as literals of the ground program."""
         numbered = enumerate(self.atoms, 1)
         return tuple(atom if number in answer.true else -atom for number, atom in numbered)
 
 
 class Grounding:
-    """One clingo control with the facts that rules derive, and then with rules that choose."""
+    """A clingo control that first grounds deterministic rules, and then rules that choose."""
 
     def __init__(
         self,
@@ -230,7 +230,7 @@ class Grounding:
         self.add(program)
 
     def refused(self, reason: str) -> MarsError:
-        """Return the error with clingo's reasons to refuse the rules, and all known locations."""
+        """Return clingo's errors about the rules, with locations; `reason` if it gave none."""
         entries = [message.strip() for _, message in self._messages]
         found = tuple(refusals(entries, self._fragments))
         details = "; ".join(entries[:5]) or reason
@@ -273,7 +273,7 @@ class Grounding:
 
     @contextmanager
     def _choosing(self, program: Sequence[Fragment]) -> Iterator[None]:
-        """Ground rules that choose, and read the names of their atoms; solve them inside."""
+        """Ground rules that choose, and let the block solve them; NoAnswerError without answer."""
         self._program = record(self.control)
         able = self._able_to_fire(program)
         self._ground([each._replace(text=_SHOWN.sub("", each.text)) for each in able])
@@ -337,7 +337,7 @@ class Grounding:
         progress: Callable[[int, int], None] | None,
         counting: bool = True,
     ) -> Resolution:
-        """Find the optimal answer; optima cost the same at levels from `counted`."""
+        """Return the optimal answer; optima are counted as equal at levels from `counted` up."""
         parts = partition(self._program, self._names)
         known: dict[Component, Optimum] = {}
         for component, _ in parts.components:
@@ -367,7 +367,7 @@ class Grounding:
         return Resolution(ChosenAnswer(self, tuple(decided)), cost, bound, proven, count)
 
     def state(self, atoms: Mapping[Signature, Iterable[TermId]]) -> None:
-        """State facts that another grounding found."""
+        """Add facts that another grounding has derived."""
         declared: dict[tuple[str, bool], list[TermId]] = {}
         for (name, _, positive), terms in atoms.items():
             declared.setdefault((name, positive), []).extend(terms)
@@ -377,7 +377,7 @@ class Grounding:
 
     @property
     def facts(self) -> frozenset[int]:
-        """Return the numbers of atoms that are facts in every answer, in the ground program."""
+        """Return the numbers, in the ground program, of the atoms that are facts."""
         return frozenset(self._program.facts)
 
     def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
@@ -412,7 +412,7 @@ class Grounding:
         return None
 
     def lacks(self, symbol: clingo.Symbol) -> Lack:
-        """Return how answers without an open atom compare with the answer of `choose`."""
+        """Return whether answers without an open atom exist, and are as cheap as the optimum."""
         part, given = self.part_of(symbol), self.control.symbolic_atoms[symbol]
         if part is None or given is None:
             return "never"
@@ -441,7 +441,7 @@ class Grounding:
 
 
 def unsolved(program: Iterable[Fragment]) -> clingo.Control:
-    """Return a control with a program that is grounded as far as possible, without a solver."""
+    """Return a control that has grounded a program as far as possible and cannot solve it."""
     control = clingo.Control(_OPTIONS, lambda *_: None, _MOST_MESSAGES)
     control.register_observer(clingo.Observer(), replace=True)
     with suppress(RuntimeError):

@@ -45,7 +45,7 @@ class TooCostlyError(Exception):
     """The costs of a level add up to more than clasp can represent."""
 
     def __init__(self, level: int, total: int) -> None:
-        """Keep the level and the sum of all its costs."""
+        """Store the level and the sum of all its costs."""
         super().__init__(f"costs on level {level} add up to {total}")
         self.level = level
         self.total = total
@@ -59,13 +59,13 @@ class LateError(TimeoutError):
     """The deadline passed before any answer was found; `bound` is a lower bound of the cost."""
 
     def __init__(self, bound: dict[int, int]) -> None:
-        """Keep the bound, level by level."""
+        """Store the lower bound of the cost, by level."""
         super().__init__("the time limit passed before any answer was found")
         self.bound = bound
 
 
 def check_costs(component: Component) -> None:
-    """Check that clasp can represent the sum of the costs of each level.
+    """Raise TooCostlyError if clasp cannot represent the sum of the costs of a level.
 
     Raises:
         TooCostlyError: the sum of a level is too great.
@@ -88,7 +88,7 @@ def optimise(
     counted: int | None = COST_LEVEL,
     counting: bool = True,
 ) -> Optimum:
-    """Find the optimal answer of a component; among equal ones the first in the order of its atoms.
+    """Return the optimal answer of a component; among equal ones the first by its atoms.
 
     `deadline` is a time of `time.monotonic`. When it passes, the best answer so far is returned, or
     else the first answer found, however long that takes. Answers count as optima if they cost the
@@ -114,7 +114,7 @@ def optimise(
 
 
 def least(component: Component, deadline: float | None = None) -> Optimum:
-    """Find an optimal answer of a component, without counting.
+    """Return an optimal answer of a component, without counting optima.
 
     Raises:
         UnsatisfiableError: there is no answer.
@@ -147,7 +147,7 @@ def least(component: Component, deadline: float | None = None) -> Optimum:
 
 
 def least_with(component: Component, atom: int, deadline: float | None = None) -> Optimum:
-    """Find an optimal answer among those in which an atom is true.
+    """Return an optimal answer among those in which an atom is true.
 
     Raises:
         UnsatisfiableError: no answer has the atom.
@@ -160,7 +160,7 @@ def least_with(component: Component, atom: int, deadline: float | None = None) -
 def has_without(
     component: Component, atom: int, costs: Mapping[int, int] = MappingProxyType({})
 ) -> bool:
-    """Whether an answer of at most `costs` may lack an atom; False only if this is disproved."""
+    """Whether an answer of at most `costs` lacks an atom; True also if this is undecided."""
     control = _bounded(component, costs, (f"--solve-limit={_MOST_CONFLICTS}",))
     return not control.solve(assumptions=[-atom]).unsatisfiable
 
@@ -168,7 +168,7 @@ def has_without(
 def others(
     component: Component, best: Optimum, most: int, deadline: float | None = None
 ) -> Iterator[Optimum]:
-    """Yield further answers in the order of their cost, without those that add to earlier answers.
+    """Yield further answers, cheapest first, without those that only add to earlier answers.
 
     `best` is the first answer. Answers with all decisions of an earlier one are left out; `most` is
     the maximal number.
@@ -244,7 +244,7 @@ def disjoint_needs(
 def _in_all(
     control: clingo.Control, atoms: Set[int], component: Component, deadline: float | None
 ) -> Set[int]:
-    """Return the atoms, among those of one answer, that all answers have."""
+    """Return the atoms of `atoms` (those of one answer) that all answers have."""
     common = set(atoms)
     while common:
         with control.backend() as backend:
@@ -264,7 +264,7 @@ def _in_all(
 def _core(
     control: clingo.Control, assumptions: Sequence[int], deadline: float | None
 ) -> list[int] | None:
-    """Return assumptions that cannot hold together, or None if all can."""
+    """Return a subset of assumptions that cannot hold together, or None if all can."""
     with _solving(control, deadline, assumptions) as handle:
         if not handle.wait(_left(deadline)):
             raise TimeoutError
@@ -274,7 +274,7 @@ def _core(
 def _solving(
     control: clingo.Control, deadline: float | None, assumptions: Sequence[int] = ()
 ) -> clingo.SolveHandle:
-    """Begin to solve; a deadline needs a thread, which costs more."""
+    """Return a started search, in a thread if there is a deadline."""
     entries = list(assumptions)
     if deadline is None:
         return control.solve(assumptions=entries, yield_=True)
@@ -313,7 +313,7 @@ def _control(component: Component, options: Sequence[str] = ()) -> clingo.Contro
 
 
 def _first(component: Component, bound: dict[int, int]) -> Optimum:
-    """Find any answer, without minimising its cost."""
+    """Return any answer, with its cost; `bound` is the lower bound of the cost."""
     control = _control(component)
     with control.solve(yield_=True) as handle:
         model = handle.model()
@@ -360,7 +360,7 @@ def _count_optima(
 
 
 def _first_by_name(component: Component, found: Optimum, deadline: float | None) -> frozenset[int]:
-    """Decide the atoms one by one, true if some optimum allows it, as far as this is easy."""
+    """Return the true atoms of the first optimum by its atoms, as far as it is found easily."""
     control = _bounded(component, found.cost, (f"--solve-limit={_MOST_CONFLICTS}",))
     true = found.true
     assumed: list[int] = []

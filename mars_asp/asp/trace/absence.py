@@ -21,9 +21,9 @@ Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
 def explain_absence(
     explainer: Explainer, pattern: clingo.Symbol, depth: int
 ) -> Underivable | Absent:
-    """Return the reasons why no atom fits a pattern; a hole of the pattern is any value.
+    """Return why no atom matches a pattern, in which holes are any value.
 
-    Each level takes one or two more groundings; `depth` is the maximal number of levels.
+    Each level of the trace takes one or two more groundings; `depth` limits the levels.
     """
     derived = frozenset[Signature]().union(*(rule.heads for rule in explainer.rules))
     near = NearMisses(explainer.rewriter, derived)
@@ -44,7 +44,7 @@ def explain_absence(
 def _come_near(
     explainer: Explainer, near: NearMisses, patterns: Sequence[clingo.Symbol]
 ) -> dict[clingo.Symbol, list[tuple[Candidate, Firing]]]:
-    """Return for each pattern the nearest candidate of each rule."""
+    """Return for each pattern the nearest instance of each rule that could derive it."""
     lines = []
     queries: dict[str, list[TermId]] = {}
     for index, pattern in enumerate(patterns):
@@ -71,7 +71,7 @@ def _come_near(
 def _lacking(
     explainer: Explainer, near: NearMisses, firings: Sequence[Firing]
 ) -> dict[int, clingo.Symbol]:
-    """Return the missing term of each firing that a second query has to find, by candidate number.
+    """Return the missing term of firings whose first query left it open, by candidate number.
 
     A candidate can lack any of several terms. A query about all candidates would have as many
     instances as candidates times the elements of a conditional literal.
@@ -85,7 +85,7 @@ def _lacking(
 
 
 def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str, int]:
-    """Return a sort key: choices first, then a single failing literal, then most true literals.
+    """Return a sort key: choices, then instances with one failing literal, then most true ones.
 
     Among variants of a rule that differ in a pool, the first one is the nearest.
     """
@@ -99,7 +99,7 @@ def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, st
 
 
 def _believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
-    """Return the true atoms that are shown with a near miss."""
+    """Return the true atoms of a near miss that its trace shows."""
     lack = _lack(firing)
     if lack.name == "holds":
         return (lack.arguments[0],)
@@ -119,9 +119,10 @@ def _absence(
     above: Set[clingo.Symbol] = frozenset(),
     known: dict[clingo.Symbol, Underivable | Absent] | None = None,
 ) -> Underivable | Absent:
-    """Return the reason why no atom fits a pattern.
+    """Return why no atom matches a pattern.
 
-    A reason that is needed twice is one object; a pattern that depends on itself ends in a leaf.
+    `found` are the near misses by pattern, `true` the traces of true atoms. A reason that is needed
+    twice is one object (`known`); a pattern in `above`, which depends on itself, becomes a leaf.
     """
     known = {} if known is None else known
     written, words = shown_pattern(pattern), explainer.given.words_of_absence(as_term(pattern))

@@ -39,7 +39,7 @@ _MOST_SEARCHES = 2_000
 
 
 class Instance(NamedTuple):
-    """A ground rule or fact, or an external with its value; of these `rule` is None."""
+    """A ground rule or fact, or an external with its truth value; `rule` is None for the latter."""
 
     text: str
     span: Span
@@ -52,7 +52,7 @@ class Instance(NamedTuple):
         return None if self.rule is None else fill(self.rule.because, self.bindings, shown)
 
     def json(self) -> dict[str, object]:
-        """Return the instance as values for JSON."""
+        """Return the instance as JSON values."""
         place = {"path": self.span.path, "line": self.span.line, "column": self.span.column}
         found = {"text": self.text, "message": self.message, "location": place}
         found["rule"] = None if self.rule is None else rule_json(self.rule)
@@ -82,7 +82,7 @@ class Conflicts:
         return len(self.conflicts)
 
     def text(self, width: int = WIDTH) -> str:
-        """Return the conflicts as text: each instance with its place, and its message if any."""
+        """Return the conflicts as text: each instance with location and message."""
         if not self.conflicts:
             return "the program has an answer"
         count = len(self.conflicts)
@@ -96,24 +96,24 @@ class Conflicts:
         return "\n".join(lines)
 
     def json(self) -> dict[str, object]:
-        """Return the conflicts as values for JSON."""
+        """Return the conflicts as JSON values."""
         conflicts = [conflict_json(conflict) for conflict in self.conflicts]
         satisfiable = not self.conflicts
         return {"satisfiable": satisfiable, "complete": self.complete, "conflicts": conflicts}
 
 
 def conflict_json(conflict: Conflict) -> list[dict[str, object]]:
-    """Return a conflict as values for JSON."""
+    """Return a conflict as JSON values."""
     return [instance.json() for instance in conflict]
 
 
 def instance_line(instance: Instance) -> str:
-    """Return an instance with its place."""
+    """Return the text of an instance with its location."""
     return f"{instance.text}  {instance.span.path}:{instance.span.line}"
 
 
 def conflict_lines(conflict: Conflict, level: int, width: int) -> Iterator[str]:
-    """Yield the lines of a conflict."""
+    """Yield the lines of a conflict, indented by `level` and wrapped at `width`."""
     for each in conflict:
         rule = "" if each.message is None or each.rule is None else f"  [{each.rule.id}]"
         yield from wrapped(instance_line(each), level, width)
@@ -132,7 +132,7 @@ class ConflictSearch:
         values: Mapping[clingo.Symbol, bool | None],
         options: Sequence[str] = (),
     ) -> None:
-        """Ground rules, and other statements as `rest`; `values` are those of externals."""
+        """Ground rules and other statements (`rest`) with the values of externals."""
         self._statements: list[tuple[Rule, Tree]] = []
         lines = [rest, *(each.marked(_EXTERNAL, at) for at, each in enumerate(externals))]
         for rule in rules:
@@ -209,7 +209,7 @@ class ConflictSearch:
         return [one]
 
     def _conflict(self, removed: frozenset[int], fixed: Sequence[int]) -> frozenset[int] | None:
-        """Return a minimal conflict without some elements, or None if there is an answer."""
+        """Return a minimal conflict without the `removed` elements, None if there is an answer."""
         rest = [literal for literal in sorted(self._elements) if literal not in removed]
         core = self._core([*fixed, *rest])
         if core is None:
@@ -223,7 +223,7 @@ class ConflictSearch:
         return frozenset(kept)
 
     def _core(self, assumptions: Sequence[int]) -> list[int] | None:
-        """Return assumptions without a common answer, or None if there is one for all."""
+        """Return a subset of assumptions that excludes every answer, or None without one."""
         self._searches += 1
         with self._control.solve(assumptions=list(assumptions), yield_=True) as handle:
             return None if handle.get().satisfiable else list(handle.core())

@@ -12,10 +12,10 @@ Support: TypeAlias = tuple[Terms, Terms]
 
 
 class CountedBelow:
-    """The support that groups add to steps, from elements of smaller height or without height."""
+    """The atoms that support aggregates in steps, from elements of lower height only."""
 
     def __init__(self, heights: Mapping[TermId, int]) -> None:
-        """Prepare for groups of the firings from which the heights were computed."""
+        """Begin with the heights of atoms; other atoms have height 0."""
         self._heights = heights
         #: The elements of each group with their heights, the lowest first.
         self._ordered: dict[Counted, list[tuple[int, AggregateElement]]] = {}
@@ -44,10 +44,10 @@ class CountedBelow:
 
 
 class CountedWithout:
-    """The support that groups add to the derivations of one atom."""
+    """The atoms that support aggregates in derivations of one atom."""
 
     def __init__(self, stands: Callable[[TermId], bool]) -> None:
-        """Prepare; `stands` returns whether an atom can be derived without the derived atom."""
+        """Begin; `stands` returns whether an atom can be derived without the derived one."""
         self._stands = stands
         self._known: dict[Counted, Support] = {}
         self._held: dict[
@@ -72,9 +72,9 @@ class CountedWithout:
 
 
 def support_of(elements: Iterable[AggregateElement], counts: Callable[[TermId], bool]) -> Support:
-    """Return the premises and the absent atoms of the elements that count, each sorted.
+    """Return the sorted premises and absent atoms of the elements that count.
 
-    An element counts if `counts` accepts all its premises.
+    An element counts if `counts` is true of all its premises.
     """
     inside: set[TermId] = set()
     lacking: set[TermId] = set()
@@ -87,10 +87,10 @@ def support_of(elements: Iterable[AggregateElement], counts: Callable[[TermId], 
 
 
 def support(firing: Firing, added: Callable[[AggregateGroup], Support]) -> Support:
-    """Return the premises of a firing and the atoms on whose absence it rests, with its groups.
+    """Return the premises and absent atoms of a firing, those of its groups included.
 
-    A group contributes all its elements that count, so that a trace shows everything that is
-    counted, and no atom is among its own reasons.
+    `added` returns those of a group. All elements that count are included, so that a trace is
+    complete; no atom is among its own reasons.
     """
     if not firing.groups:
         return firing.premises, firing.absent

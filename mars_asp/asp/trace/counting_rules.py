@@ -24,10 +24,10 @@ _STRAIGHT = {
 
 
 def group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
-    """Return a term that identifies the elements of a group: rule, text and global variables.
+    """Return a term that identifies an aggregate and its global variables in a rule.
 
-    The names of the variables are part of the term: a pool can give variants of a rule other global
-    variables, and the same text then has another meaning.
+    The names of the variables in `outside` are part of it, as variants of a pool may differ in
+    these.
     """
     conditional = group.ast_type == _TYPE.ConditionalLiteral
     names = sorted(variables_of((group,) if conditional else group.elements) & outside)
@@ -35,10 +35,10 @@ def group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
 
 
 def needed_of(group: ast.AST, named: Callable[[ast.AST], ast.AST]) -> tuple[str, str, str]:
-    """Return the elements of a group that a firing rests on: (function, relation, bound).
+    """Return which elements of a group a firing needs, as (function, relation, bound).
 
-    They are all elements, none (for an upper bound), or enough to reach a bound. `named` returns a
-    term with a single value for a bound.
+    They may be all, none, or enough to reach the bound. `named` returns a term with a single value
+    for the bound.
     """
     if group.ast_type == _TYPE.ConditionalLiteral:
         return "all", "all", "0"
@@ -62,9 +62,9 @@ def needed_of(group: ast.AST, named: Callable[[ast.AST], ast.AST]) -> tuple[str,
 def elements_of(
     group: ast.AST,
 ) -> Iterator[tuple[str, Sequence[ast.AST], Sequence[ast.AST]]]:
-    """Yield the key of each element, the literals that support it, and its other conditions.
+    """Yield for each element its key, its supporting literals, and its other conditions.
 
-    The key is "" for an element without a tuple; its first literal then identifies the element.
+    The key is "" for an element without a tuple, which its first literal identifies.
     """
     if group.ast_type == _TYPE.ConditionalLiteral:
         yield "", (group.literal,), tuple(group.condition)

@@ -137,7 +137,7 @@ def trace_lines(
 
 
 class _JsonLines:
-    """Writes each rule, file and step before its first use."""
+    """Writes traces as lines of JSON; each rule, file and step before its first use."""
 
     def __init__(self) -> None:
         self._numbers: dict[object, int] = {}
@@ -153,7 +153,7 @@ class _JsonLines:
         return len(self._numbers)
 
     def number(self, step: _Step) -> int:
-        """Return the number of a step that was written."""
+        """Return the number of a step whose line was written already."""
         return self._numbers[_step_key(step)]
 
     def below(self, trace: Trace) -> Iterator[str]:
@@ -217,7 +217,7 @@ class _JsonLines:
 
 
 def _step_key(step: _Step) -> object:
-    """Return the key of a step: type and atom of a leaf, otherwise the `id` of the step."""
+    """Return the identity of a step: type and atom of a leaf, `id` of other steps."""
     return (type(step), step.atom) if isinstance(step, Given | Absent) else id(step)
 
 
@@ -259,7 +259,7 @@ def _message(step: _Step) -> str | None:
 
 
 def _leaf_location(leaf: Given) -> _Json | None:
-    """Return the location of a fact, or None; `<...>` is the name of no file."""
+    """Return the location of a fact as JSON, or None if it is in no file."""
     span: Span | None = leaf.span
     if span is None or is_pseudo(span):
         return None
@@ -273,6 +273,6 @@ def _bindings(step: Derived | NearMiss) -> dict[str, str]:
 
 
 def rule_json(rule: Rule) -> _Json:
-    """Return a rule with its location as values for JSON."""
+    """Return a rule with its location as JSON values."""
     span = rule.span
     return {"id": rule.id, "path": span.path, "line": span.line, "text": plain(rule.text)}

@@ -34,7 +34,7 @@ class Needs:
     """Decides whether an atom can be derived without another one."""
 
     def __init__(self, firings: Iterable[Firing], heights: Mapping[TermId, int]) -> None:
-        """Compute the needs of atoms; `heights` are those of minimal derivations.
+        """Compute the needs of all atoms in cycles; `heights` are those of minimal derivations.
 
         No firing may have a fact of the input as its head.
         """
@@ -141,7 +141,7 @@ class _Component:
         self._solve(nodes, users)
 
     def needs(self, premise: TermId, atom: TermId) -> bool:
-        """Whether every derivation of `premise` needs `atom`, an atom of this component."""
+        """Whether `premise` cannot be derived without `atom`, an atom of the component."""
         return bool(self._needed.get(premise, 0) & self._bits[atom])
 
     def _solve(self, nodes: Sequence[_Node], users: Mapping[_Node, Iterable[_Node]]) -> None:
@@ -170,7 +170,7 @@ class _Component:
                     heapq.heappush(waiting, (turn + after, places[user]))
 
     def _of_atom(self, atom: TermId) -> int:
-        """Return the bits of an atom and of the atoms that all its firings need."""
+        """Return as bits an atom and the atoms needed by all of its firings."""
         common = _EVERYTHING
         for firing in self._firings[atom]:
             needed = self._any(firing.premises)
@@ -180,7 +180,7 @@ class _Component:
         return self._bits[atom] | common
 
     def _any(self, premises: Iterable[TermId]) -> int:
-        """Return the bits of the atoms that any of `premises` needs."""
+        """Return as bits the atoms that some premise needs."""
         found = 0
         for premise in premises:
             known = premise in self._heights or premise not in self._firings
@@ -188,7 +188,7 @@ class _Component:
         return found
 
     def _of_group(self, group: AggregateGroup) -> int:
-        """Return the bits of the atoms without which too few elements of a group are left."""
+        """Return as bits the atoms without which a group has too few elements."""
         parts = [(e, self._any(e.premises)) for e in group.counted.elements]
         if is_reached(group, (element for element, needed in parts if not needed)):
             return 0

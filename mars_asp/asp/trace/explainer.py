@@ -21,7 +21,7 @@ _COPIED = re.compile(r"_t_(\w+)")
 
 
 class Explainer:
-    """Answers questions about one grounding and one answer set."""
+    """Returns traces of atoms in one grounding and one answer."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class Explainer:
     def why(
         self, atoms: Iterable[clingo.Symbol], every: bool = False
     ) -> dict[clingo.Symbol, Trace]:
-        """Return the trace of each true atom; with `every`, with its other derivations.
+        """Return the trace of each of some true atoms; with `every`, with other derivations.
 
         One grounding finds all firings of the derivations; traces share common steps.
         """
@@ -104,7 +104,7 @@ class Explainer:
         return frozenset(signature.signed for signature in found)
 
     def _copy_open(self, text: str) -> None:
-        """Copy the true atoms of the open predicates that rules read, once."""
+        """Add copies of the open predicates' true atoms that the rules in a text read, once."""
         named = set(_COPIED.findall(text))
         copied = {each for each in self.rewriter.open if each.name in named}
         declared: dict[tuple[str, bool], list[TermId]] = {}

@@ -110,7 +110,7 @@ class Rewriter:
         return _answered("\n".join(parts))
 
     def _explanation_rules(self, number: int, rules: Sequence[Rule]) -> "_Written":
-        """Return the explanation rules of a rule, and its untraceable construct or None."""
+        """Return the explanation rules of a rule, and its unsupported construct or None."""
         # Variants of a statement that differ in a pool share their groups.
         lines = dict.fromkeys(
             line for s in rules[number].ast.unpool() for line in self._firing_rule(number, s)
@@ -262,7 +262,7 @@ class Rewriter:
 
 
 def _answered(text: str) -> str:
-    """Return explanation rules without queries for predicates that none of them derives."""
+    """Return explanation rules without the queries that no rule among them answers."""
     answered = set(_ANSWERING.findall(text))
     lines = ((_ASKING.match(line), line) for line in text.split("\n"))
     return "\n".join(line for asks, line in lines if asks is None or asks[0] in answered)
@@ -282,7 +282,7 @@ class _Renaming(ast.Transformer):
 
 
 class Terms:
-    """Writes terms, with variables for parts that cannot be matched: `_`, intervals, arithmetic."""
+    """Writes terms for explanation rules, with new variables for intervals and arithmetic."""
 
     def __init__(self, prefix: str = "F") -> None:
         """Begin; the names of new variables start with `_` and `prefix`."""
@@ -296,7 +296,7 @@ class Terms:
         return f"_{self.prefix}{self._count}"
 
     def atom(self, symbol: ast.AST, fresh_complex: bool = False) -> str:
-        """Return an atom's text whose arguments clingo can match against evaluated atoms."""
+        """Return an atom as text, whose arguments can be matched with those of evaluated atoms."""
         sign, symbol = sign_and_function(symbol)
         found = [self._matching_term(argument, fresh_complex) for argument in symbol.arguments]
         return function_text(f"{sign}{symbol.name}", found)
@@ -309,7 +309,7 @@ class Terms:
         return function_text(name, list(map(str, named))), function_text(name, pattern)
 
     def named(self, term: ast.AST) -> ast.AST:
-        """Return a term; an interval is replaced by a new variable."""
+        """Return a term, or for an interval a new variable that is equal to it."""
         if ".." not in bare(term):
             return term
         name = self.fresh()
@@ -331,7 +331,7 @@ class Terms:
 
     @staticmethod
     def definitions_of(literals: Iterable[ast.AST]) -> list[ast.AST]:
-        """Return the literals and guards whose variables distinguish firings."""
+        """Return the literals and guards whose variables a firing records."""
         found = []
         for literal in literals:
             if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
@@ -350,13 +350,13 @@ def _signature(symbol: ast.AST) -> Signature:
 
 
 def asking(shown: str) -> str:
-    """Return the atom that queries another atom."""
+    """Return the query atom for an atom."""
     name, bracket, inside = shown.partition("(")
     return f"{asking_name(name)}{bracket}{inside}"
 
 
 def asking_name(name: str) -> str:
-    """Return the predicate that queries atoms of a predicate; `-` is classical negation."""
+    """Return the name of the query predicate for a predicate with its sign."""
     unsigned_name = name.removeprefix("-")
     return f"_ask{QUESTION}{'_neg' if name != unsigned_name else ''}_{unsigned_name}"
 
@@ -382,7 +382,7 @@ def _anonymous(term: ast.AST) -> str:
 
 
 def _is_projected(literal: ast.AST) -> bool:
-    """Whether a premise has anonymous variables, which clingo projects out before it counts."""
+    """Whether a literal contains `_`, which clingo projects out before it counts."""
     if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
         return False
     symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
@@ -403,13 +403,13 @@ def instance_variables(statement: ast.AST) -> list[str]:
 
 
 def is_forced_atom(head: ast.AST) -> bool:
-    """Whether a head is a single atom, and no choice."""
+    """Whether a head is a single atom that the rule forces, not a choice."""
     is_literal = head.ast_type == _TYPE.Literal and head.sign == ast.Sign.NoSign
     return is_literal and head.atom.ast_type == _TYPE.SymbolicAtom
 
 
 def open_rules(statement: ast.AST, number: int) -> Iterator[str]:
-    """Yield rules equivalent to a statement whose instances can be left open."""
+    """Yield rules that are equivalent to a statement but can be switched off by instance."""
     head, terms = statement.head, Terms()
     body = [*map(str, statement.body)]
     text, key, choice = str(head), "none", None
@@ -440,7 +440,7 @@ class _Valued(ast.Transformer):
         self._values_term = values
 
     def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        """Return the value of a variable, if it has one."""
+        """Return the value of a variable, or the variable if it has none."""
         value = self._values_term.get(node.name)
         return node if value is None else ast.SymbolicTerm(node.location, value)
 
@@ -461,7 +461,7 @@ class _Valued(ast.Transformer):
 def ground_text(
     statement: ast.AST, head: clingo.Symbol, values: Mapping[str, clingo.Symbol]
 ) -> str:
-    """Return the text of an instance; true comparisons of values are left out."""
+    """Return the text of a ground instance of a statement, without true comparisons."""
     names = set(values)
     valued = _Valued(values)
     body = []

@@ -13,9 +13,10 @@ Terms: TypeAlias = tuple[TermId, ...]
 
 
 class AggregateElement(NamedTuple):
-    """One element of an aggregate, or instance of a conditional literal, that holds.
+    """A true element of an aggregate or conditional literal.
 
-    `tuple` is the counted tuple; `premises` support it; `conditions` are true but no support.
+    `tuple` is the counted tuple, `premises` are its reasons, `conditions` are true without being
+    reasons, and `absent` are the atoms whose absence it requires.
     """
 
     tuple: TermId
@@ -37,9 +38,9 @@ class Counted:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AggregateGroup:
-    """The number of elements that a firing needs: their function must reach `bound`.
+    """The elements that a firing needs: so many that their function reaches `bound`.
 
-    Firings with the same need share the group.
+    If `strict`, it must exceed the bound. Firings with the same need share the group.
     """
 
     counted: Counted
@@ -135,12 +136,12 @@ def _atoms(control: clingo.Control, prefix: str) -> Iterator[TermId]:
 
 
 def firing_order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol]]:
-    """Return a sort key: rule number first, then values and premises."""
+    """Return a sort key: the number of the rule, then values and premises."""
     return firing.rule, as_symbol(firing.values), [as_symbol(atom) for atom in firing.premises]
 
 
 def weight_of(counted_tuple: TermId) -> clingo.Symbol:
-    """Return the weight of an element: the first term of its tuple."""
+    """Return the weight in the tuple of an element: its first term."""
     inside = term_ids.arguments(counted_tuple)
     return as_symbol(inside[0]) if inside else clingo.Number(0)
 

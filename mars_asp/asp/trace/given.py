@@ -41,7 +41,7 @@ class GivenFacts:
         return self._facts.keys()
 
     def leaf(self, atom: term_ids.TermId) -> Given | None:
-        """Return the leaf of an atom, or None if no fact of the input gives it."""
+        """Return the leaf for an atom that is a fact of the input, else None."""
         written = term_ids.text(atom)
         name = written.partition("(")[0]
         if name not in self._facts:
@@ -68,15 +68,15 @@ class GivenFacts:
         return Absent(written, self.words_of_absence(pattern), self.external(written))
 
     def external(self, written: str) -> Span | None:
-        """Return the location of an external atom's statement, or None if it is not external."""
+        """Return the location of the `#external` statement of an atom, or None without one."""
         return self._externals.get(written)
 
     def words_of_absence(self, pattern: term_ids.TermId) -> SentenceRenderer | None:
-        """Return the renderer of an absence, or None if the vocabulary is empty."""
+        """Return the renderer of the sentence of an absence, None without declarations."""
         return SentenceRenderer(self._sentences, pattern) if self._declared else None
 
 
 def is_cited(leaf: Trace) -> bool:
-    """Whether a leaf is a reason; facts of some predicates only describe the notation."""
+    """Whether a leaf counts as a reason; facts about the notation alone do not."""
     declared = leaf.words.declared if isinstance(leaf, Given) and leaf.words is not None else None
     return declared is None or declared.cited

@@ -51,7 +51,7 @@ class _Tally:
         self._end = weight if self._end is None else pick(self._end, weight)
 
     def reaches(self, group: AggregateGroup) -> bool:
-        """Whether the counted elements suffice for a group."""
+        """Whether the elements counted so far suffice for the bound of a group."""
         bound, strict = group.bound, group.strict
         if self._function == "none":
             return True
@@ -73,7 +73,7 @@ class _Tally:
         self._waiting[group].append(waiting)
 
     def release(self) -> "Iterator[_Waiting]":
-        """Yield each firing once when its group is reached."""
+        """Yield the waiting firings whose groups are now reached; each is yielded once."""
         if self._waiting and not self._order:
             self._order = sorted(self._waiting, key=_difficulty, reverse=self._function != "min")
         while self._order and self.reaches(self._order[-1]):
@@ -81,12 +81,12 @@ class _Tally:
 
 
 def _difficulty(group: AggregateGroup) -> tuple[clingo.Symbol, bool]:
-    """Return a sort key: a small bound of `min` is hard to reach, otherwise a great one."""
+    """Return a sort key: groups with larger bounds are later, which are harder except for `min`."""
     return group.bound, group.strict != (group.counted.function == "min")
 
 
 class _Waiting:
-    """A firing, and the number of its premises and groups that it still waits for."""
+    """A firing with the number (`open`) of its premises and groups that are not reached yet."""
 
     __slots__ = ("firing", "open")
 
@@ -96,7 +96,7 @@ class _Waiting:
 
 
 class _Part:
-    """An element that waits for premises."""
+    """An element of an aggregate, and the number (`open`) of its premises not reached yet."""
 
     __slots__ = ("element", "open", "tally")
 
@@ -107,7 +107,7 @@ class _Part:
 
 
 class _Uses:
-    """The users of atoms: firings by their premises, elements of groups by theirs."""
+    """The firings and elements that use each atom, with the premises that they still lack."""
 
     def __init__(self, firings: Sequence[Firing]) -> None:
         self._heads = {firing.head for firing in firings}
@@ -143,7 +143,7 @@ class _Uses:
         return self._tallies[counted]
 
     def reached(self, atom: TermId) -> Iterator[Firing]:
-        """Yield the firings whose last missing premise or group is reached with an atom."""
+        """Yield the firings that can fire after an atom is derived, which they lacked last."""
         for user in self._users.pop(atom, ()):
             user.open -= 1
             if user.open:
@@ -186,7 +186,7 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[TermId, Firing], dict
 
 
 def is_reached(group: AggregateGroup, elements: Iterable[AggregateElement]) -> bool:
-    """Whether `elements` are enough for a group; reading stops when they are."""
+    """Whether `elements` suffice for a group; no more elements are read than necessary."""
     tally = _Tally(group.counted)
     look = 1
     for number, element in enumerate(elements, 1):

@@ -21,9 +21,10 @@ _TIMES = ast.BinaryOperator.Multiplication
 def in_order(
     literals: Sequence[ast.AST], bound: Set[str], shared: Set[str]
 ) -> Iterator[tuple[ast.AST, set[str]]]:
-    """Yield each literal with the variables that are bound before it.
+    """Yield each literal in a testable order, with the variables bound before it.
 
-    `shared` are the rule's global variables. Literals whose turn never comes are left out.
+    `bound` are bound at first, `shared` are the rule's global variables. Literals that can never be
+    tested are left out.
     """
     names = set(bound)
     waiting = list(literals)
@@ -39,19 +40,19 @@ def in_order(
 
 
 def needs(literal: ast.AST, shared: Set[str]) -> set[str]:
-    """Return the global variables that a literal names."""
+    """Return the global variables that occur in a literal."""
     return variables_of((literal,)) & shared
 
 
 def provided(term: ast.AST) -> set[str]:
-    """Return the variables that a match of the term binds."""
+    """Return the variables that are bound when a term is matched."""
     if term.ast_type == _TYPE.Function:
         return {name for argument in term.arguments for name in provided(argument)}
     return _inverted(term)
 
 
 def _inverted(term: ast.AST) -> set[str]:
-    """Return the variable that clingo solves a linear term for, as X of `2 * X + 1`."""
+    """Return the variable that clingo can compute from a linear term, such as X from `2*X+1`."""
     if term.ast_type == _TYPE.Variable:
         return {term.name} - {"_"}
     if term.ast_type == _TYPE.UnaryOperation and term.operator_type == ast.UnaryOperator.Minus:
@@ -74,18 +75,18 @@ def _is_constant(term: ast.AST) -> bool:
 
 
 def _is_factor(term: ast.AST) -> bool:
-    """Whether a product with this term determines the other factor."""
+    """Whether a term is a number other than 0, by which a product can be divided."""
     return bool(term.ast_type == _TYPE.SymbolicTerm and term.symbol != clingo.Number(0))
 
 
 def _turn(names: Set[str], turn: tuple[ast.AST, set[str]]) -> tuple[bool, bool]:
-    """Return a sort key: tests first, then literals that share bound variables."""
+    """Return a sort key: literals that bind nothing first, then those with bound variables."""
     literal, new = turn
     return bool(new - names), not variables_of((literal,)) & names
 
 
 def _provides(literal: ast.AST, bound: Set[str], shared: Set[str]) -> set[str] | None:
-    """Return the variables that a literal binds, or None if others are not yet bound."""
+    """Return the variables that a literal binds, or None if it cannot be tested yet."""
     if literal.ast_type == _TYPE.Literal and literal.sign == ast.Sign.NoSign:
         atom = literal.atom
         if atom.ast_type == _TYPE.SymbolicAtom:

@@ -59,10 +59,11 @@ _MADE_UP = re.compile(r"(?<!\w)_H[0-9]+(?!\w)")
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A kind of near miss: the instances of some literals of a rule.
+    """A form of near miss of a rule, which is found by a rule of its own.
 
-    `fails` is the failing literal, or None if a choice offers the atom and does not take it; `kept`
-    counts the literals before it that hold, and `alone` is true if all other literals hold.
+    `pattern` and `rule` are indices. `fails` is the failing literal, or None if a choice offers the
+    atom and does not take it; `kept` is the number of literals before it that hold, and `alone` is
+    true if all other literals hold.
     """
 
     pattern: int
@@ -84,7 +85,7 @@ class NearMisses:
         self.lacking: dict[int, str] = {}
 
     def text(self, rule: Rule, number: int, pattern: clingo.Symbol, index: int) -> str:
-        """Return rules that find near misses of a rule with the query atom `_near` of `index`."""
+        """Return rules that find near misses of a rule; `index` is that of the pattern."""
         lines: list[str] = []
         for statement in rule.ast.unpool():
             for head, condition in atoms_of_head(statement):
@@ -180,7 +181,7 @@ class NearMisses:
         )
 
     def _is_given(self, literal: ast.AST) -> bool:
-        """Whether facts alone decide a literal."""
+        """Whether a literal is of a predicate that only facts define."""
         if literal.ast_type != _TYPE.Literal or literal.atom.ast_type != _TYPE.SymbolicAtom:
             return False
         _, function = sign_and_function(literal.atom.symbol)
@@ -212,10 +213,7 @@ class NearMisses:
         return body, counting, rules
 
     def _least_lacking(self, rule: int, element: str, values: str) -> str:
-        """Return a rule for the minimal missing term for some values.
-
-        The minimal term is independent of the order of grounding.
-        """
+        """Return a rule that finds the minimal missing term for given values."""
         number = len(self.candidates)
         query = f"{LACKING}({number},{values})"
         least = f"{_LACK} = #min {{ {element} }}; {_LACK} < #sup"
@@ -260,7 +258,7 @@ class NearMisses:
 
 
 class _Match:
-    """A rule's head matched with a pattern: parameters, tests, and bound variables."""
+    """The result of matching a rule's head with a pattern: arguments, tests and bound variables."""
 
     def __init__(self) -> None:
         self.arguments: list[str] = []
@@ -271,7 +269,7 @@ class _Match:
         self._meant: dict[str, str] = {}
 
     def atom(self, head: ast.AST, pattern: clingo.Symbol) -> bool:
-        """Match an atom; return whether a match is possible."""
+        """Match the head with the pattern; return False if they cannot match."""
         sign, function = sign_and_function(head)
         kind = Signature(function.name, len(function.arguments), not sign)
         if kind != signature_of(pattern):
@@ -279,7 +277,7 @@ class _Match:
         return all(map(self._term, function.arguments, pattern.arguments))
 
     def shown(self, literal: ast.AST) -> str:
-        """Return a literal's text in which the pattern's texts replace new variables."""
+        """Return a literal as text, with the pattern's texts in place of new variables."""
         return _MADE_UP.sub(lambda name: self._meant[name[0]], str(literal))
 
     def _fresh(self, meant: str) -> str:
@@ -305,7 +303,7 @@ class _Match:
         return same and all(map(self._term, term.arguments, pattern.arguments))
 
     def _fixed(self, term: ast.AST, pattern: clingo.Symbol) -> str:
-        """Return the parameter for a subterm without holes; arithmetic becomes a test."""
+        """Return the variable or term for a subterm of the pattern without holes."""
         plain = term.ast_type in (_TYPE.Variable, _TYPE.SymbolicTerm, _TYPE.Function)
         names = variables_of((term,))
         if plain and provided(term) == names and ".." not in str(term):

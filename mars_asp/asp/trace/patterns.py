@@ -15,7 +15,7 @@ _FUNCTION = clingo.SymbolType.Function
 
 
 def hole(name: str = "_") -> clingo.Symbol:
-    """Return a hole for any value; its name is printed."""
+    """Return a hole, which matches any value; `name` is its variable in texts."""
     return clingo.Function(_HOLE, [clingo.String(name)])
 
 
@@ -32,7 +32,7 @@ def has_holes(symbol: clingo.Symbol) -> bool:
 
 
 def fixed_parts(symbol: clingo.Symbol) -> list[clingo.Symbol]:
-    """Return the largest subterms without holes in a pattern's arguments, from left to right."""
+    """Return the largest subterms of a pattern without holes, from left to right."""
     if is_hole(symbol):
         return []
     found: list[clingo.Symbol] = []
@@ -42,7 +42,7 @@ def fixed_parts(symbol: clingo.Symbol) -> list[clingo.Symbol]:
 
 
 def can_be_followed(symbol: clingo.Symbol) -> bool:
-    """Whether all holes are plain variables: no pattern can be as narrow as `X+1`."""
+    """Whether all holes are plain variables; others, such as `X+1`, make a pattern too wide."""
     if symbol.type != _FUNCTION:
         return True
     if is_hole(symbol):
@@ -98,7 +98,7 @@ def pattern_is_open(term: ast.AST) -> bool:
 
 
 def pattern_in(text: str) -> clingo.Symbol | None:
-    """Return the pattern of an atom that a user writes, or None for other texts."""
+    """Return the pattern in a user's text, such as `reach(X)`; None if it is not an atom."""
     try:
         (rule,) = parsed(f"{text}.")[1:]
         if rule.body or rule.head.sign != ast.Sign.NoSign:

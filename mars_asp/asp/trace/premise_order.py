@@ -17,12 +17,12 @@ class PremiseOrder:
     """
 
     def __init__(self) -> None:
-        """Prepare for the steps of many traces, which share steps."""
+        """Begin with no steps known; results are memoized for shared steps."""
         self._keys: dict[int, _Key] = {}
         self._counts: dict[int, bool] = {}
 
     def of(self, step: Derived) -> Sequence[Trace]:
-        """Return the premises of a step in the order in which they are shown.
+        """Return the premises of a step in the order to be shown.
 
         A rule without aggregates and conditions has them in the order of its body.
         """
@@ -35,7 +35,7 @@ class PremiseOrder:
         return self.among(premises) if counts else premises
 
     def among(self, premises: Sequence[Trace]) -> list[Trace]:
-        """Return premises of one step, or of folded steps, in their order."""
+        """Return sorted premises of one step, or of steps folded into it."""
         alike: dict[Hashable, list[int]] = {}
         for at, premise in enumerate(premises):
             alike.setdefault(_predicate(premise), []).append(at)
@@ -50,7 +50,7 @@ class PremiseOrder:
         return found
 
     def lines(self, quoted: Sequence[Sequence[Given]]) -> Sequence[Sequence[Given]]:
-        """Return the facts of several lines, sorted by the best rank in each line."""
+        """Return groups of facts, one for each quoted line, sorted by their best ranks."""
         if len(quoted) < 2:
             return quoted
         return sorted(quoted, key=lambda givens: min(map(self._premise_key, givens)))

@@ -26,7 +26,10 @@ class Proofs:
         unsupported: Mapping[int, str],
         every: bool = False,
     ) -> None:
-        """Find the minimal heights; with `every`, traces have their other derivations."""
+        """Compute the minimal heights; with `every`, traces get their other derivations.
+
+        `unsupported` are the constructs of rules that cannot be traced.
+        """
         self._given = given
         self._rules = rules
         self._unsupported = unsupported
@@ -66,7 +69,7 @@ class Proofs:
         return trace
 
     def _least(self, atom: TermId) -> Trace | None:
-        """Return the trace of an atom, or None if its predicate is never cited."""
+        """Return the minimal trace of an atom, or None if its predicate is `cited: never`."""
         if atom not in self._traces:
             leaf = self._leaf(atom)
             self._traces[atom] = leaf if is_cited(leaf) else None
@@ -113,7 +116,7 @@ class Proofs:
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 
     def _absent(self, pattern: TermId) -> Absent | None:
-        """Return an absence, or None if its predicate is never cited."""
+        """Return the absence of a pattern, or None if its predicate is `cited: never`."""
         if pattern not in self._absences:
             atom = text(pattern).replace("_any", "_")
             self._absences[pattern] = (
@@ -133,12 +136,12 @@ class Proofs:
 
 
 def _beside_groups(firing: Firing, counted: CountedWithout) -> tuple[object, ...]:
-    """Return a key of a firing: its rule, values and groups, and premises outside of groups."""
+    """Return a key of a firing in which the premises of groups are ignored."""
     held, lacking = counted.of_all(firing.groups)
     own = frozenset(firing.premises) - held, frozenset(firing.absent) - lacking
     return firing.rule, firing.values, firing.groups, *own
 
 
 def _derivation(firing: Firing, below: Support) -> tuple[object, ...]:
-    """Return a key of a derivation, unique among the derivations of its atom."""
+    """Return a key that distinguishes the derivations of one atom."""
     return firing.rule, firing.values, *map(frozenset, below)

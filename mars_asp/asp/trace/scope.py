@@ -19,7 +19,7 @@ _VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
 
 
 def bare(node: ast.AST | str) -> str:
-    """Return a node's text without its strings."""
+    """Return the text of a node without string literals."""
     return _STRING.sub('""', str(node))
 
 
@@ -45,16 +45,16 @@ def global_variables(head: Iterable[ast.AST], literals: Iterable[ast.AST]) -> se
 
 
 def guards(aggregate: ast.AST) -> list[ast.AST]:
-    """Return the terms that an aggregate is compared with."""
+    """Return the terms with which an aggregate is compared."""
     both = (aggregate.left_guard, aggregate.right_guard)
     return [guard.term for guard in both if guard is not None]
 
 
 def atoms_of_head(statement: ast.AST) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
-    """Yield the literals of atoms that a rule's head can give, each with its own condition.
+    """Yield each atom that a head may derive, with its condition.
 
-    Callers move the condition into the body. Its local variables that clash with local variables
-    there are renamed, with the prefix `OWN`.
+    Callers move the condition into the body, so its variables that clash with local ones there are
+    renamed with the prefix `OWN`.
     """
     head = statement.head
     found: list[tuple[ast.AST, Sequence[ast.AST]]] = []
@@ -80,7 +80,7 @@ class Renamed(ast.Transformer):
     """Renames variables of a tree."""
 
     def __init__(self, names: Mapping[str, str]) -> None:
-        """Prepare for a mapping of old to new names; other variables keep their names."""
+        """Begin with a mapping of old to new names."""
         self._names = names
 
     def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name

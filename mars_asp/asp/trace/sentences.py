@@ -23,7 +23,7 @@ class _Hole(NamedTuple):
 
 
 class _Form(NamedTuple):
-    """A sentence for `%`, and its holes."""
+    """A sentence as a `%` template, and its holes."""
 
     text: str
     holes: tuple[_Hole, ...]
@@ -44,7 +44,7 @@ class Sentences:
         declarations: Mapping[Signature, Declaration],
         facts: Mapping[str, Sequence[Fact]],
     ) -> None:
-        """Prepare; `facts` are the given facts by the names of their predicates."""
+        """Begin with declarations of predicates, and given facts by predicate name."""
         self._declared = {(s.signed, s.arity): each for s, each in declarations.items()}
         self._named = {name: each for (name, _), each in self._declared.items()}
         self._ordering = [each for each in declarations.values() if each.orders is not None]
@@ -59,9 +59,9 @@ class Sentences:
         return None if declared is None else self._first(declared.says, declared, atom)
 
     def unless(self, pattern: Atom) -> str | None:
-        """Return the sentence of an absent atom, where `OPEN` arguments are any value.
+        """Return the sentence of an absence, in which `OPEN` arguments are any value.
 
-        It is None if no sentence is declared that needs only the values of other arguments.
+        It is None if each declared sentence needs the value of such an argument.
         """
         declared = self._declared.get((pattern.name, len(pattern.arguments)))
         if declared is None:
@@ -70,7 +70,7 @@ class Sentences:
         return self._another_value(declared, pattern) or (found and found.sentence)
 
     def _another_value(self, declared: Declaration, pattern: Atom) -> str | None:
-        """Return the sentence that a property has another value, or None if no fact states one."""
+        """Return the sentence that a property has another value than the absent one, or None."""
         if declared.attribution is None or len(declared.arguments) != 2:
             return None
         thing, wanted = pattern.arguments
@@ -88,7 +88,7 @@ class Sentences:
         return f"`{declared.name}` of `{thing}` is {words[0]}, not {words[1]}"
 
     def rank(self, atom: Atom) -> int | None:
-        """Return the number that orders the thing of an atom, or None without such an order."""
+        """Return the number by which an atom's thing is ordered, None without an order."""
         own = self._declared.get((atom.name, len(atom.arguments)))
         for ordering in self._ordering if own is not None else ():
             assert own is not None and ordering.orders is not None
@@ -112,7 +112,7 @@ class Sentences:
         return None
 
     def _sentence_form(self, sentence: str, declared: Declaration) -> _Form | None:
-        """Return a sentence with its holes, or None if a hole names an unknown argument."""
+        """Return the parsed form of a sentence; None if a hole names no argument."""
         holes = []
         for match in re.finditer(SENTENCE_HOLE, sentence):
             of = declared if match[1] is None else self._named.get(match[1])
@@ -138,7 +138,7 @@ class Sentences:
         return found
 
     def _joined(self, other: Declaration, own: Declaration, atom: Atom) -> Fact | None:
-        """Return the fact of another predicate that agrees in all arguments of the same names."""
+        """Return the fact of `other` that agrees in all arguments of equal names, or None."""
         # A declaration is hashed slowly, and all declarations live as long as this object.
         pairs = self._alike.get((id(other), id(own)))
         if pairs is None:
@@ -177,7 +177,7 @@ def _is_open(value: Term) -> bool:
 
 
 def _readable_value(value: Term, argument: PredicateArgument) -> str | None:
-    """Return a value in readable form, or None if it is open, or a term of the encoding."""
+    """Return a value in readable form, or None if it is open or has no readable form."""
     if isinstance(value, int):
         unit = next((sort for sort in argument.sorts if sort in UNITS), None)
         return str(value) if unit is None else measured(value, unit)

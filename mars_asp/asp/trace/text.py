@@ -39,7 +39,7 @@ _STEP, _FURTHER = 4, 2
 
 
 class Chosen(NamedTuple):
-    """The comparison of a chosen atom with answers that lack it, and reasons that exclude these."""
+    """The remark on a chosen atom, and the reasons that exclude answers without it."""
 
     remark: str
     reasons: tuple[str, ...] = ()
@@ -121,7 +121,7 @@ def _step_text(step: Derived | NearMiss, folded: bool) -> str:
 
 
 def _head_words(head: TermId) -> str:
-    """Return a description of an atom without message: its predicate in words, and its names."""
+    """Return words for an atom whose rule has no message: its predicate and its names."""
     symbol = as_symbol(head)
     texts = (each for each in symbol.arguments if each.type == clingo.SymbolType.String)
     names = ", ".join(f"`{each.string}`" for each in texts)
@@ -130,7 +130,7 @@ def _head_words(head: TermId) -> str:
 
 
 class _Teller:
-    """Arranges traces in lines; a step of an earlier trace is not opened again."""
+    """Arranges traces as lines; a step that an earlier trace showed is not repeated."""
 
     def __init__(
         self,
@@ -206,7 +206,7 @@ class _Teller:
     def _leaves(
         self, below: Sequence[Trace | NearMiss | str]
     ) -> Sequence[Trace | NearMiss | str | _Quoted]:
-        """Return the entries below a step, leaves as quoted lines: each line of a file once.
+        """Return the entries below a step, with leaves as quoted lines, each line of a file once.
 
         Adjacent lines are sorted by rank, then by location.
         """
@@ -255,7 +255,7 @@ class _Teller:
         return [leaf._replace(place=leaf.place.ljust(width)) for leaf in found]
 
     def _plain(self, step: Trace) -> str | None:
-        """Return the line of an unquoted leaf: its sentence, or its atom if nothing is folded."""
+        """Return the line for a leaf that is not quoted, or None if it is not shown."""
         match step:
             case Given(atom, span, origin):
                 result = step.message or atom
@@ -324,7 +324,7 @@ class _Teller:
         ]
 
     def _is_seen(self, given: Given, nears: Sequence[_NearStep]) -> bool:
-        """Whether a fact occurs below other steps, or a line quoted there shows all its values."""
+        """Whether a fact is visible anyway, below other steps or in a line quoted there."""
         if any(given.atom in near.facts for near in nears):
             return True
         if given.span is None or _is_sentence(given):
@@ -341,7 +341,7 @@ def _is_sentence(given: Given) -> bool:
 
 
 def _fact_sentence(given: Given, line: str) -> str | None:
-    """Return the sentence of a fact, or None if all its values can be seen in the line."""
+    """Return the sentence of a fact; None if the quoted line shows all its values."""
     result = given.declared_sentence
     if result is None or all(value.partition(" ")[0] in line for value in result.values):
         return None
@@ -363,7 +363,7 @@ def _quoted_lines(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
 
 
 def _placed(line: str, span: Span, level: int, width: int) -> Sequence[str]:
-    """Return a rule's last line with the rule's location after or below it."""
+    """Return the last line of a rule's text, followed by the location in the same or next line."""
     place = f"{_shown_path(span.path)}:{span.line}"
     if len(line) + 1 + len(place) <= width:
         return (f"{line} {place}",)
@@ -371,12 +371,12 @@ def _placed(line: str, span: Span, level: int, width: int) -> Sequence[str]:
 
 
 def _shown_path(path: str) -> str:
-    """Return a path, relative to the current directory if it is below this."""
+    """Return a path relative to the current directory if it is inside."""
     return path.removeprefix(os.path.join(os.getcwd(), ""))  # noqa: PTH109, PTH118
 
 
 def _numbered(step: Derived, folded: bool) -> dict[int, str]:
-    """Return a remark for a step and each of its others, by their `id`: `derivation 1 of 2`.
+    """Return remarks such as `derivation 1 of 2` for a step and its others, by `id`.
 
     Derivations with the same rule and message are followed by the values in which they differ;
     where steps are folded, only by names.
@@ -403,7 +403,7 @@ def _numbered(step: Derived, folded: bool) -> dict[int, str]:
 
 
 def _near(step: Derived) -> _NearStep:
-    """Return the nearest steps and facts below a step, in breadth-first order up to a limit."""
+    """Return the nearest steps and facts below a step, up to a limit."""
     waiting = [step]
     seen = {id(step)}
     facts: set[str] = set()
@@ -426,7 +426,7 @@ def _near(step: Derived) -> _NearStep:
 
 
 def _below(step: Trace) -> list[Trace]:
-    """Return a step and everything that supports it, the nearest first."""
+    """Return a step and all its reasons, the nearest first."""
     found: list[Trace] = [step]
     seen = {id(step)}
     for part in found:
@@ -448,9 +448,9 @@ def leaves_of(trace: Trace) -> Sequence[Given]:
 
 
 def wrapped(text: str, level: int, width: int = WIDTH, end: str = "") -> Sequence[str]:
-    """Return a text's lines, indented by its level; continuations by less than a further level.
+    """Return the lines of a text, wrapped and indented by `level`.
 
-    The `end` follows the last word, never alone in a line.
+    `end` is appended to the last word, so that it is never alone in a line.
     """
     indent = " " * _indent(level, width)
     if not text.isprintable():
@@ -473,12 +473,12 @@ def wrapped(text: str, level: int, width: int = WIDTH, end: str = "") -> Sequenc
 
 
 def _indent(level: int, width: int) -> int:
-    """Return the indentation of a level, at most half of the width."""
+    """Return the number of blanks for a level, at most half of the width."""
     return _STEP * min(level, width // 2 // _STEP)
 
 
 def _wrapped_lines(text: str, indent: str, further: str, width: int) -> Iterator[str]:
-    """Yield the lines of a text, as `textwrap` does at many times the cost."""
+    """Yield the wrapped lines of a text, as `textwrap` does but much faster."""
     while text:
         end = len(text)
         if len(indent) + end > width:

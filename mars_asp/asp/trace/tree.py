@@ -40,7 +40,7 @@ class SentenceRenderer(NamedTuple):
 
 
 def atom_of(symbol: clingo.Symbol) -> Atom:
-    """Return clingo's atom as a value; the sign of classical negation is part of its name."""
+    """Return a clingo atom as an `Atom`, whose name includes the sign `-`."""
     name = symbol.name if symbol.positive else f"-{symbol.name}"
     return Atom(name, tuple(map(term_of, symbol.arguments)))
 
@@ -65,7 +65,7 @@ class Given:
 
     @property
     def declared_sentence(self) -> Sentence | None:
-        """Return the sentence that the vocabulary has for the fact, or None if it has none."""
+        """Return the declared sentence of the fact with its values, or None without one."""
         return None if self.words is None else self.words.sentences.says(self.words.atom)
 
     @property
@@ -107,18 +107,18 @@ class Absent:
 
     @property
     def message(self) -> str:
-        """Return a sentence about the absence."""
+        """Return the declared or a generic sentence about the absence."""
         external = "" if self.external is None else ", external and false"
         return f"{_absence(self.atom, self.words)}{external}"
 
     @property
     def sentence(self) -> str | None:
-        """Return the sentence that the vocabulary has for the absence, or None if it has none."""
+        """Return the declared sentence of the absence, or None without one."""
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
 
 def _absence(atom: str, words: SentenceRenderer | None) -> str:
-    """Return a sentence about an absence; without a declaration it names the atom."""
+    """Return the declared sentence of an absence, else one that names the atom."""
     if words is None:
         return f"no {plain(atom)}"
     pattern = words.atom
@@ -178,7 +178,7 @@ class Derived:
         return self.with_values(self.rule.because)
 
     def with_values(self, text: str | None) -> str | None:
-        """Return a text of the rule, such as its help, with its holes filled."""
+        """Return a text of the rule, such as its help, with values in its holes; None for None."""
         return fill(text, _terms_of(self.values), written)
 
 
@@ -210,9 +210,9 @@ class NearMiss:
 
     @property
     def sentence(self) -> str:
-        """Return the sentence that rejects this instance of the rule; unbound variables are `...`.
+        """Return the sentence that this instance of the rule does not fire.
 
-        The message itself may well hold: this atom or another one may be derived.
+        Unbound variables are shown as `...`; its message may hold by another derivation.
         """
         if self.message is not None:
             return f"{self.atom} would hold because {_HOLE.sub('...', self.message)}, but"
@@ -220,7 +220,7 @@ class NearMiss:
 
     @property
     def failure(self) -> str:
-        """Return the sentence that the literal fails, with its value or its variables' values."""
+        """Return the sentence that the literal fails, with its value or variables."""
         if self.fails is None:
             return "it may be chosen, and is not"
         if self.value is not None:
@@ -230,7 +230,7 @@ class NearMiss:
         return f"`{self.fails}` fails{' for ' if values else ''}{', '.join(values)}"
 
     def reasons(self, go_on: bool) -> "Sequence[Trace | NearMiss | str]":
-        """Return the steps below: the failing premise, and its reasons if they `go_on`."""
+        """Return the entries below it; with `go_on`, also the reasons of a failing premise."""
         cause = self.cause
         if cause is None:
             return () if self.message is None else (self.failure,)
@@ -269,17 +269,17 @@ class Underivable:
 
     @property
     def message(self) -> str:
-        """Return a sentence about the absence."""
+        """Return the declared or a generic sentence about the absence."""
         return _absence(self.atom, self.words)
 
     @property
     def sentence(self) -> str | None:
-        """Return the sentence that the vocabulary has for the absence, or None if it has none."""
+        """Return the declared sentence of the absence, or None without one."""
         return None if self.words is None else self.words.sentences.unless(self.words.atom)
 
     @property
     def nearest(self) -> list[NearMiss]:
-        """Return the attempts with a message; the attempts of their cause replace others."""
+        """Return the near misses with a message; others are replaced by those of their cause."""
         found: list[NearMiss] = []
         seen: set[int] = set()
         stack = list(reversed(self.attempts))
@@ -297,7 +297,7 @@ class Underivable:
 
 
 def is_pseudo(span: Span) -> bool:
-    """Whether a location is in no file: `<...>` is the path of a question, a run or the like."""
+    """Whether a location is in no file: its path has the form `<...>`."""
     return span.path.startswith("<")
 
 

@@ -178,8 +178,8 @@ def _root(path: Path) -> tuple[Path, bool]:
 
     For a launch file, or a folder `launch`, it is the package, and then each folder above that has
     other packages directly in it or is called `src`; without a package it is the folder of the
-    file. The search upwards ends at a folder with `.git` or a file such as `COLCON_IGNORE`, and at a package that
-    contains others. Standard input has no folder.
+    file. The search upwards ends at a folder with `.git` or `COLCON_IGNORE` (or alike), and at a
+    package that contains others. Standard input has no folder.
     """
     if path.is_dir():
         folder = path.resolve()
@@ -193,7 +193,7 @@ def _root(path: Path) -> tuple[Path, bool]:
 
 
 def _root_of(folder: Path) -> tuple[Path, bool]:
-    """Return the folder to search, as `_root` does, for a folder with a launch file."""
+    """Return the same as `_root` does, given a folder with a launch file."""
     root = folder
     while not _is_package(root):
         if (root / ".git").exists() or root == root.parent:
@@ -587,7 +587,7 @@ class _WorkspaceRobot:
         return package.is_of_ros2 and not package.is_of_ros1
 
     def _alone(self, paths: Sequence[Path]) -> Iterator[Started]:
-        """Yield every program of the workspace as if started, for lack of launch files."""
+        """Yield every program of the workspace as if started, as no launch file starts any."""
         if self.workspace.root not in paths:
             return
         here = whole_file(self.workspace.shown(paths[0]))

@@ -112,7 +112,7 @@ def _entries_of(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
 
 
 def _texts_of(text: str) -> PythonTexts:
-    """Return an evaluator for a `setup.py`; for one without code if it is not Python."""
+    """Return an evaluator of a `setup.py`, which has no code if it is not Python."""
     file = None
     with suppress(SyntaxError):
         file = parse_source(text, "setup.py", "setup")
