@@ -29,14 +29,12 @@ from mars_asp.exchange.ros2.conditions import tests_of
 from mars_asp.exchange.ros2.python_evaluate import (
     MOST_STEPS,
     Evaluator,
-    Leaving,
     LoopLeft,
     Refused,
     Returned,
 )
 from mars_asp.exchange.ros2.python_files import called_name, is_newer
 from mars_asp.exchange.ros2.python_nodes import (
-    declared_by,
     forced,
     given_to,
     parameter_of,
@@ -48,8 +46,6 @@ from mars_asp.exchange.ros2.python_values import (
     Listed,
     Local,
     MappedValue,
-    Names,
-    NoneValue,
     Plain,
     PythonCall,
     PythonFile,
@@ -118,12 +114,13 @@ class _LaunchReader(Evaluator):
             if isinstance(node, ast.ImportFrom):
                 self.called.update((n.asname, n.name) for n in node.names if n.asname)
         readings = tuple(self.readings(tree))
-        same = len({actions for actions, _ in readings}) == 1
-        found = readings[0][0] if same else (Readings(readings),)
-        entry = self.globals.get(_ENTRY)
-        names = self.entered(entry) if isinstance(entry, Local) else {}
-        declared = tuple(self.declared(names))
-        return (*declared, *found, *self.left_out(names), *self.undefined(tree))
+        found, *others = dict.fromkeys(actions for actions, _ in readings)
+        if others:
+            # What some branches declare is an argument of the file, whichever is taken.
+            every = chain.from_iterable(actions for actions, _ in readings)
+            declared = dict.fromkeys(each for each in every if isinstance(each, Declare))
+            found = (*declared, Readings(readings))
+        return (*found, *self.left_out(), *self.undefined(tree))
 
     def readings(self, tree: ast.Module) -> Iterator[tuple[tuple[Action, ...], Tests]]:
         """Yield alternative lists of actions, each with the tests of the branches it takes.
@@ -332,43 +329,21 @@ class _LaunchReader(Evaluator):
             any(isinstance(each, Rewritten | PythonFile) for each in items_of(given)),
         )
 
-    def entered(self, entry: Local) -> Names:
-        """Return the variables after the assignments of `generate_launch_description`."""
-        names: Names = {}
-        body = entry.of.body if isinstance(entry.of, ast.FunctionDef) else ()
-        with suppress(Leaving):
-            for statement in body:
-                if isinstance(statement, ast.Assign):
-                    self.statement(statement, names)
-        return names
-
-    def declared(self, names: Names) -> Iterator[Declare]:
-        """Yield the launch arguments that the file declares anywhere."""
-        for node in self.nodes:
-            if isinstance(node, ast.Call) and self.name_of(node) == "DeclareLaunchArgument":
-                yield from declared_by(self.alone(node, names))
-
-    def alone(self, node: ast.Call, names: Names) -> PythonCall:
-        """Return a call with its arguments evaluated by the given variables."""
-        arguments, named = self.given(node, names, 0)
-        kept = {key: each for key, each in named.items() if not isinstance(each, NoneValue)}
-        return PythonCall(self.name_of(node), arguments, kept, self.span(node))
-
     def name_of(self, node: ast.Call) -> str:
         """Return the imported name of the function that a call calls."""
         return self.called.get(called_name(node), called_name(node))
 
-    def left_out(self, names: Names) -> Iterator[Unread]:
+    def left_out(self) -> Iterator[Unread]:
         """Yield the nodes that the file constructs but never launches."""
         for node in self.nodes:
-            if not isinstance(node, ast.Call) or self.name_of(node) not in _NODES:
+            called = self.name_of(node) if isinstance(node, ast.Call) else ""
+            if not isinstance(node, ast.Call) or called not in _NODES:
                 continue
             span = self.span(node)
             if (span.line, span.column) not in self.launched:
-                call = self.alone(node, names)
-                at = "plugin" if _NODES[call.name] else "executable"
-                name = plain(text_from(call.get(at))) or call.name
-                yield Unread("nodes that are made but not launched", name, span)
+                call = self.made.get(node) or PythonCall(called, *self.given(node, {}, 0), span)
+                name = plain(text_from(call.get("plugin" if _NODES[called] else "executable")))
+                yield Unread("nodes that are made but not launched", name or called, span)
 
     def undefined(self, tree: ast.Module) -> Iterator[Unread]:
         """Yield an error for each undefined name that launching would use."""

@@ -70,6 +70,8 @@ class Evaluator(ExpressionEvaluator[Names]):
         self.depth = 0
         self.calls = 0
         self.launched: set[tuple[int, int]] = set()
+        #: The calls that were evaluated, each as it last was.
+        self.made: dict[ast.Call, PythonCall] = {}
         self.globals: Names = {}
         self.called: dict[str, str] = {}
         self.declarations: list[Declare | Reads] = []
@@ -323,7 +325,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         # An action that is given `None` is as if nothing were given.
         kept = {key: each for key, each in named.items() if not isinstance(each, NoneValue)}
         given = tuple(None if isinstance(each, NoneValue) else each for each in arguments)
-        call = PythonCall(name, given, kept, span)
+        call = self.made[node] = PythonCall(name, given, kept, span)
         if name == "DeclareLaunchArgument":
             self.declarations += declared_by(call)
         self.declarations += read_by(call)
